@@ -1,0 +1,64 @@
+#include "scene/options.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lpv {
+namespace {
+
+Status later(const char* field, const std::string& value, const char* instead) {
+  return unimplemented(field, std::string(field) + " " + value + " is not built in this version; use " + instead);
+}
+
+Status checkRange(const char* field, double value, double low, double high) {
+  if (value >= low && value <= high) return {};
+  return invalid(field, std::string(field) + " is " + std::to_string(value) + ", allowed are " + std::to_string(low) +
+                            " to " + std::to_string(high));
+}
+
+/// Ranges, whether or not the feature is there: a wrong value is wrong in every version.
+Status checkRanges(const SessionOptions& o) {
+  if (o.iterations < 0 || o.iterations > kMaxIterations) {
+    return invalid("iterations", "iterations is " + std::to_string(o.iterations) + ", allowed are 0 (automatic) to " +
+                                     std::to_string(kMaxIterations));
+  }
+  if (o.k != 0.0) {
+    if (Status s = checkRange("k", o.k, 1.0, 64.0); !s.ok()) return s;
+  }
+  if (o.maxError != 0.0) {
+    if (Status s = checkRange("max_error", o.maxError, 1e-4, 1.0); !s.ok()) return s;
+  }
+  if (o.bounces < 0 || o.bounces > 8) {
+    return invalid("bounces", "bounces is " + std::to_string(o.bounces) + ", allowed are 0 to 8");
+  }
+  if (o.method == InjectionMethod::kDense && (o.denseSamples < 1 || o.denseSamples > 100000)) {
+    return invalid("dense_samples", "dense_samples is " + std::to_string(o.denseSamples) + ", allowed are 1 to 100000");
+  }
+  return checkRange("haze", o.haze, 0.0, 100.0);
+}
+
+}  // namespace
+
+int SessionOptions::iterationsFor(const Grid& g) const {
+  return iterations > 0 ? iterations : std::max({g.dims.x, g.dims.y, g.dims.z});
+}
+
+Status checkOptions(const SessionOptions& o) {
+  if (Status s = checkRanges(o); !s.ok()) return s;
+  if (o.grid.automatic) return later("grid.automatic", "on", "grid.longest or grid.dims");
+  if (o.injection == Injection::kFlux) return later("injection", "FLUX", "COUNT");
+  if (o.method == InjectionMethod::kRaster) return later("method", "RASTER", "COMPUTE");
+  if (o.method == InjectionMethod::kDense) return later("method", "DENSE", "COMPUTE");
+  if (o.transport == Transport::kGather) return later("transport", "GATHER", "PROPAGATE");
+  if (o.transport == Transport::kDirect) return later("transport", "DIRECT", "PROPAGATE");
+  if (o.quality == Quality::kAccurate) return later("quality", "ACCURATE", "FAST");
+  if (o.k != 0.0) return later("k", std::to_string(o.k), "0 (it belongs to transport GATHER)");
+  if (o.lookup == Lookup::kCap) return later("lookup", "CAP", "SH2 or NEAREST");
+  if (o.maxError != 0.0) return later("max_error", std::to_string(o.maxError), "0 and choose the settings yourself");
+  if (o.visibility == Visibility::kOn) return later("visibility", "ON", "AUTO or OFF");
+  if (o.bounces != 0) return later("bounces", std::to_string(o.bounces), "0");
+  if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");
+  return {};
+}
+
+}  // namespace lpv

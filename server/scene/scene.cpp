@@ -1,0 +1,24 @@
+#include "scene/scene.h"
+
+#include "scene/sh.h"
+
+namespace lpv {
+
+glm::dvec3 emittedRadiance(const Light& light) {
+  if (!light.power) return light.radiance;
+  const double area = worldArea(*light.mesh, light.transform) * (light.twoSided ? 2.0 : 1.0);
+  return area > 0.0 ? *light.power / (sh::kPi * area) : glm::dvec3(0.0);
+}
+
+Bounds contentBounds(const Scene& scene) {
+  Bounds bounds;
+  for (const auto& [name, surface] : scene.surfaces) {
+    bounds.add(surface->mesh->bounds.transformed(surface->transform.worldFromObject()));
+  }
+  for (const auto& [name, light] : scene.lights) {
+    if (light->enabled) bounds.add(light->mesh->bounds.transformed(light->transform.worldFromObject()));
+  }
+  return bounds;
+}
+
+}  // namespace lpv

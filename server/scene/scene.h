@@ -1,0 +1,66 @@
+#pragma once
+// What a session holds and a tick reads: immutable objects behind shared pointers, so that a snapshot is a copy of
+// pointers and a tick never sees half an edit.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "scene/camera.h"
+#include "scene/grid.h"
+#include "scene/mesh.h"
+#include "scene/options.h"
+#include "scene/texture.h"
+#include "scene/transform.h"
+
+namespace lpv {
+
+/// A mesh that emits from its front side (both when twoSided) with constant radiance times the texture.
+struct Light {
+  std::string name;
+  MeshPtr mesh;
+  Transform transform;
+  glm::dvec3 radiance{1.0};             ///< linear Rec.709, W/(sr m^2), >= 0; ignored when power is set
+  std::optional<glm::dvec3> power;      ///< W per colour over the whole mesh; radiance = power / (pi area sides)
+  TexturePtr texture;                   ///< radiance multiplier, or null
+  bool twoSided = false;
+  bool enabled = true;
+  std::string group;                    ///< light group (a volume layer); "" is the default
+};
+
+/// Radiance in W/(sr m^2) that the light's front emits, from `radiance` or `power`; 0 for a mesh without area.
+glm::dvec3 emittedRadiance(const Light& light);
+
+/// A mesh that receives light (and, with later features, blocks and bounces it).
+struct Surface {
+  std::string name;
+  MeshPtr mesh;
+  Transform transform;
+  glm::dvec3 albedo{0.8};   ///< linear Rec.709 reflectance, 0..1
+  TexturePtr albedoTexture; ///< multiplies albedo, or null
+  double roughness = 1.0;   ///< 0..1
+  double metalness = 0.0;   ///< 0..1
+  bool twoSided = true;     ///< false: seen and lit from its front only
+};
+
+using LightPtr = std::shared_ptr<const Light>;
+using SurfacePtr = std::shared_ptr<const Surface>;
+
+/// One revision of a session's scene. Maps are ordered by name: order of work is the same everywhere.
+struct Scene {
+  std::uint64_t revision = 0;
+  SessionOptions options;
+  Grid grid;                                    ///< fitted or given; valid dims
+  std::map<std::string, LightPtr> lights;
+  std::map<std::string, SurfacePtr> surfaces;
+  std::map<std::string, Camera> cameras;        ///< cameras that came with a scene file or were saved
+};
+using ScenePtr = std::shared_ptr<const Scene>;
+
+/// World bounds of all surfaces and enabled lights.
+Bounds contentBounds(const Scene& scene);
+
+}  // namespace lpv

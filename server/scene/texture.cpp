@@ -1,0 +1,61 @@
+#include "scene/texture.h"
+
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <string>
+
+namespace lpv {
+namespace {
+
+constexpr int kMaxEdge = 16384;
+
+bool radianceTexel(float value) { return std::isfinite(value) && value >= 0.0F; }
+
+}  // namespace
+
+std::size_t texelBytes(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::kRgb8Srgb:
+      return 3;
+    case TexelFormat::kRgb16F:
+      return 6;
+    case TexelFormat::kRgb32F:
+      return 12;
+  }
+  return 0;
+}
+
+Status checkTexture(const Texture& texture) {
+  if (texture.width < 1 || texture.width > kMaxEdge) {
+    return invalid("width", "width is " + std::to_string(texture.width) + " texels, allowed are 1..16384");
+  }
+  if (texture.height < 1 || texture.height > kMaxEdge) {
+    return invalid("height", "height is " + std::to_string(texture.height) + " texels, allowed are 1..16384");
+  }
+  const std::size_t want = std::size_t(texture.width) * std::size_t(texture.height) * texelBytes(texture.format);
+  if (texture.texels.size() != want) {
+    return invalid("texels", "texels has " + std::to_string(texture.texels.size()) + " bytes, " +
+                                 std::to_string(texture.width) + " x " + std::to_string(texture.height) +
+                                 " texels of this format are " + std::to_string(want));
+  }
+  if (texture.format == TexelFormat::kRgb8Srgb) return {};
+  const bool half = texture.format == TexelFormat::kRgb16F;
+  const std::size_t step = half ? sizeof(std::uint16_t) : sizeof(float);
+  for (std::size_t i = 0; i < want; i += step) {
+    float value = 0.0F;
+    if (half) {
+      std::uint16_t bits = 0;
+      std::memcpy(&bits, &texture.texels[i], sizeof bits);
+      value = glm::unpackHalf1x16(bits);
+    } else {
+      std::memcpy(&value, &texture.texels[i], sizeof value);
+    }
+    if (radianceTexel(value)) continue;
+    return invalid("texels", "texel " + std::to_string(i / step / 3) + " is " + std::to_string(value) +
+                                 "; allowed are finite values >= 0");
+  }
+  return {};
+}
+
+}  // namespace lpv

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "scene/mesh.h"
+#include "scene/status.h"
+
+namespace lpv {
+
+enum class TexelFormat {
+  kRgb8Srgb,  ///< 3 bytes, sRGB-coded; decoded to linear before filtering
+  kRgb16F,    ///< 3 IEEE halves, linear
+  kRgb32F,    ///< 3 floats, linear
+};
+
+/// Bytes of one texel.
+std::size_t texelBytes(TexelFormat format);
+
+/// An RGB picture: albedo of a surface or radiance multiplier of a light. Rows from top (v = 0) to bottom, tightly
+/// packed, little-endian. Wrap: repeat.
+struct Texture {
+  int width = 0;   ///< texels, 1..16384
+  int height = 0;  ///< texels, 1..16384
+  TexelFormat format = TexelFormat::kRgb8Srgb;
+  std::vector<std::uint8_t> texels;
+  BlobHash hash;
+};
+using TexturePtr = std::shared_ptr<const Texture>;
+
+/// INVALID_ARGUMENT when a size is out of range, the bytes are not width x height x texelBytes, or a float texel is
+/// negative or not finite.
+Status checkTexture(const Texture& texture);
+
+}  // namespace lpv

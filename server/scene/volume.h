@@ -1,0 +1,53 @@
+#pragma once
+// The volume product: what a tick makes and every client reads.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/grid.h"
+#include "scene/options.h"
+#include "scene/sh.h"
+
+namespace lpv {
+
+/// Which field a volume shows.
+enum class VolumeStage {
+  kInjected,     ///< SH of emitted intensity per cell, W/sr, direction of emission (MATHS.md 2)
+  kTransported,  ///< SH of incident radiance at cell centres, W/(sr m^2), direction towards the light
+};
+
+/// One light group's field: cells x 3 colours x 4 coefficients, x fastest: [((z ny + y) nx + x) 3 + colour] 4 + coef.
+struct VolumeLayer {
+  std::string group;
+  std::vector<float> coefficients;
+};
+
+/// 1..8 layers over one grid. Irradiance is looked up per layer and summed.
+struct Volume {
+  Grid grid;
+  VolumeStage stage = VolumeStage::kTransported;
+  std::vector<VolumeLayer> layers;
+
+  /// Coefficients of one cell and colour.
+  static sh::Coefficients at(const VolumeLayer& layer, const Grid& grid, const glm::ivec3& cell, int colour);
+};
+using VolumePtr = std::shared_ptr<const Volume>;
+
+/// One lookup's answer.
+struct Irradiance {
+  glm::dvec3 rgb{0.0};  ///< W/m^2
+  bool valid = false;   ///< false where the volume cannot tell (outside the grid by more than half a cell)
+};
+
+/// Irradiance at world position p on a surface with unit normal n: trilinear (kNearest: nearest cell), clamped to the
+/// outermost cell centres within half a cell outside the grid; then kSh2: E = phi/4 + D.n/2, at least 0 (MATHS.md 4).
+/// The GLSL twin is shaders/lookup.glsl.
+Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
+
+/// E = max(0, phi/4 + D.n/2) of one colour.
+double irradianceSh2(const sh::Coefficients& incident, const glm::dvec3& n);
+
+}  // namespace lpv
