@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace lpv::gpu {
+
+/// What the current context says of itself. Everything required is in 4.5 core; this is for the log, for limits that
+/// have to be kept, and for choosing how much work goes into one piece.
+struct Capabilities {
+  std::string renderer;  ///< GL_RENDERER
+  std::string vendor;    ///< GL_VENDOR
+  std::string version;   ///< GL_VERSION
+  bool software = false;             ///< rasterises on the CPU (llvmpipe, softpipe, swr)
+  bool robust = false;               ///< the context is lost, not corrupted, on a reset
+  bool fp64 = true;                  ///< double in shaders: core since 4.0, probed because pair tests stand on it
+  std::int64_t maxStorageBytes = 0;  ///< largest shader storage block, bytes
+  std::int64_t maxTextureBufferTexels = 0;
+  int max3dTextureEdge = 0;          ///< texels
+  int maxComputeGroups = 0;          ///< groups along x
+  int uniformAlignment = 256;        ///< bytes between ranges of one uniform buffer
+};
+
+/// Reads them from the current context and logs one line.
+Capabilities probeCapabilities();
+
+}  // namespace lpv::gpu

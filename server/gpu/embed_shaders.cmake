@@ -1,0 +1,10 @@
+# Writes OUTPUT: a table of (file name, text) of everything in SHADER_DIR. Raw string literals keep the lines as they are.
+file(GLOB files RELATIVE ${SHADER_DIR} ${SHADER_DIR}/*)
+list(SORT files)
+set(text "#include \"gpu/shader_source.h\"\n\nnamespace lpv::gpu {\n\nconst EmbeddedShader kEmbeddedShaders[] = {\n")
+foreach(name ${files})
+  file(READ ${SHADER_DIR}/${name} source)
+  string(APPEND text "    {\"${name}\", R\"~glsl~(${source})~glsl~\"},\n")
+endforeach()
+string(APPEND text "    {nullptr, nullptr},\n};\n\n}  // namespace lpv::gpu\n")
+file(WRITE ${OUTPUT} "${text}")

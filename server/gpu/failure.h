@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "scene/status.h"
+
+namespace lpv::gpu {
+
+/// Why a piece of GPU work cannot be done. Thrown by constructors of GL objects and programs, caught once per tick at
+/// the engine's edge, where it becomes the tick's Status; never passes the engine's interface.
+class Failure : public std::runtime_error {
+ public:
+  explicit Failure(Status status) : std::runtime_error(status.message()), status_(std::move(status)) {}
+  Failure(Code code, const std::string& message) : Failure(Status(code, message)) {}
+
+  const Status& status() const { return status_; }
+
+ private:
+  Status status_;
+};
+
+/// Empties GL's error flags; called before work whose errors are to be told apart.
+void clearErrors();
+
+/// Throws RESOURCE_EXHAUSTED for GL_OUT_OF_MEMORY and INTERNAL for any other raised flag, naming `what`.
+void throwOnError(const std::string& what);
+
+/// Throws UNAVAILABLE when the context was lost (KHR_robustness).
+void throwOnReset();
+
+}  // namespace lpv::gpu

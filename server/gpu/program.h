@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gpu/shader_source.h"
+
+namespace lpv::gpu {
+
+/// A linked program: one compute stage, or a vertex and a fragment stage. Everything it reads comes through bindings
+/// of shaders/layout.h, so there are no uniforms to set by name. Labelled; move-only; empty (id 0) after move.
+class Program {
+ public:
+  Program() = default;
+  /// Compiles and links shaders/`files` (stage from the ending: .comp, .vert, .frag) with `defines`. Throws Failure
+  /// (INTERNAL) with the compiler's messages.
+  Program(std::vector<std::string> files, Defines defines);
+  /// A compute program of a text that no file holds (tests); it may #include shaders/.
+  static Program computeOfText(const std::string& name, const std::string& text, const Defines& defines);
+  Program(Program&& other) noexcept;
+  Program& operator=(Program&& other) noexcept;
+  ~Program();
+
+  std::uint32_t id() const { return id_; }
+  explicit operator bool() const { return id_ != 0; }
+
+  /// Makes it current. Development builds compile it anew when a source changed on disk, and keep the old program,
+  /// with the messages in the log, when the new one does not compile.
+  void use();
+  /// use() and dispatch this many work-groups; nothing for an empty count.
+  void dispatch(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
+  /// use() and dispatch as `arguments` at byte `offset` say (3 uints); the buffer is bound by the caller.
+  void dispatchIndirect(std::size_t offset);
+
+ private:
+  void reloadIfChanged();
+
+  std::uint32_t id_ = 0;
+  std::vector<std::string> entries_;
+  Defines defines_;
+  std::vector<std::string> sources_;  ///< all files, includes too
+  std::size_t stamp_ = 0;
+};
+
+/// Makes what shaders have written visible to every later command.
+void memoryBarrier();
+
+/// The compiled variants of one source, each made when first asked for.
+class ProgramVariants {
+ public:
+  explicit ProgramVariants(std::vector<std::string> files) : files_(std::move(files)) {}
+  /// Throws Failure when the variant does not compile.
+  Program& get(const Defines& defines);
+
+ private:
+  std::vector<std::string> files_;
+  std::map<Defines, Program> programs_;
+};
+
+}  // namespace lpv::gpu

@@ -1,0 +1,51 @@
+#pragma once
+// Drawing meshes: what the G-buffer and the emitter pass have in common.
+
+#include <functional>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+#include "lpv/clock.h"
+#include "lpv/frame_view.h"
+#include "lpv/scene_cache.h"
+
+namespace lpv {
+
+/// One mesh to be drawn.
+struct DrawItem {
+  const GpuMesh* mesh = nullptr;
+  const gpu::Texture* texture = nullptr;  ///< or null
+  bool mirrored = false;                  ///< the transform turns its front over
+  bool cullBack = false;
+  layout::DrawParams params;
+};
+
+/// The part of DrawItem's params that follows from where the mesh is.
+layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject);
+
+/// Draws lists of meshes, a bounded number of triangles at a time.
+class MeshDrawer {
+ public:
+  /// Which program draws an item.
+  using ProgramOf = std::function<gpu::Program&(const DrawItem&)>;
+
+  MeshDrawer();
+  MeshDrawer(const MeshDrawer&) = delete;
+  MeshDrawer& operator=(const MeshDrawer&) = delete;
+  ~MeshDrawer();
+
+  /// Clears `target` and draws all of `items` into it as pieces of `stage`: reversed depth test, no blending. The
+  /// arguments by reference outlive the coroutine.
+  Pieces run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
+             const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const;
+
+ private:
+  void begin(const gpu::Framebuffer& target, const gpu::Buffer& frameParams) const;
+  void bind(const DrawItem& item, std::size_t index, const gpu::Buffer& drawParams) const;
+
+  std::uint32_t vertexArray_ = 0;
+};
+
+}  // namespace lpv

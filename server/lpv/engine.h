@@ -1,0 +1,127 @@
+#pragma once
+// The lighting engine as sessions see it: work goes in, finished results come back. No GL type passes this header.
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/camera.h"
+#include "scene/scene.h"
+#include "scene/status.h"
+#include "scene/volume.h"
+
+namespace lpv {
+
+using SessionKey = std::uint64_t;
+
+/// How a frame's pixels come back.
+enum class PixelFormat {
+  kRgb8,     ///< exposed, tone-mapped, sRGB-coded: 3 bytes per pixel (scene/tonemap.h)
+  kRgb32F,   ///< linear radiance, W/(sr m^2), before exposure and tone curve: 3 floats per pixel
+};
+
+/// Exposure is fixed in stops, or chosen from the picture's own mean lightness.
+struct Exposure {
+  bool automatic = true;
+  double ev = 0.0;  ///< stops added: colours are multiplied by 2^ev
+};
+
+/// One picture of the scene. `view` names the subscriber (or call) whose G-buffer may be kept while its camera, size
+/// and the surfaces stay the same; 0 keeps nothing.
+struct FrameRequest {
+  std::uint64_t view = 0;
+  Camera camera;
+  glm::ivec2 size{0};  ///< pixels, each 16..4096
+  Exposure exposure;
+  PixelFormat format = PixelFormat::kRgb8;
+};
+
+/// Pixels, rows from top to bottom, tightly packed.
+struct Frame {
+  glm::ivec2 size{0};
+  PixelFormat format = PixelFormat::kRgb8;
+  std::vector<std::uint8_t> rgb8;
+  std::vector<float> rgb32f;
+  double exposureEv = 0.0;  ///< what was applied (automatic exposure says its choice)
+};
+using FramePtr = std::shared_ptr<const Frame>;
+
+/// One tick: bring the session's volume to `scene`'s revision, running only stages whose inputs changed, then read
+/// back and render what is asked for.
+struct TickRequest {
+  SessionKey session = 0;
+  ScenePtr scene;
+  bool transported = false;           ///< read the transported volume back
+  bool injected = false;              ///< read the injected volume back
+  std::vector<FrameRequest> frames;
+};
+
+struct StageTime {
+  std::string
+      stage;  ///< "upload", "voxelize", "inject", "propagate", "volume", "gbuffer", "emitters", "shade", "readback"
+  double seconds = 0.0;  ///< wall clock from the stage's first piece to its fence, other sessions' pieces left out
+};
+
+/// What ran and what was seen, for logs, metrics and the client.
+struct TickReport {
+  std::vector<StageTime> stages;  ///< in order; skipped stages are absent
+  std::vector<std::string> features;  ///< compiled variants that ran, e.g. "count", "propagate", "two-sided"
+  std::uint64_t trianglesSkipped = 0;  ///< degenerate light triangles
+  std::uint64_t touchedCells = 0;  ///< cells that hold emitted light
+  std::uint64_t clampedCells = 0;  ///< output cells clamped to phi >= 0, |D| <= phi (MATHS.md 3a)
+  double fixedPointError =
+      0.0;  ///< bound of the rounding of one injected coefficient, relative to the largest possible
+};
+
+struct TickResult {
+  std::uint64_t revision = 0;
+  VolumePtr transported;  ///< null unless asked for
+  VolumePtr injected;  ///< null unless asked for
+  std::vector<FramePtr> frames;  ///< one per request, in order
+  TickReport report;
+};
+
+/// Called once, on the GL thread: take the result away and return at once.
+using TickDone = std::function<void(Expected<TickResult>)>;
+
+/// What the engine runs on.
+struct DeviceInfo {
+  int index = -1;  ///< among the listed devices
+  std::string name;  ///< GL_RENDERER
+  std::string vendor;  ///< GL_VENDOR
+  std::string version;  ///< GL_VERSION
+  std::string platform;  ///< "device" or "surfaceless"
+  bool software = false;
+};
+
+/// Owner of one device's GL thread. Thread-safe.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual const DeviceInfo& device() const = 0;
+  /// Queues a tick. Sessions take turns, a bounded piece of GPU work at a time. At most one tick per session may be
+  /// under way: the caller waits for `done` before the next.
+  virtual void submit(TickRequest request, TickDone done) = 0;
+  /// Drops a session's GPU state once its tick under way, if any, has ended.
+  virtual void forget(SessionKey session) = 0;
+  /// Drops what is kept for one view.
+  virtual void forgetView(SessionKey session, std::uint64_t view) = 0;
+};
+
+/// "auto" (hardware before software), "software", or an index of listDevices().
+struct DeviceChoice {
+  enum class Kind { kAuto, kSoftware, kIndex } kind = Kind::kAuto;
+  int index = 0;
+};
+Expected<DeviceChoice> parseDeviceChoice(const std::string& text);
+
+/// One line per EGL device and fallback: what it is, whether it would be used and why. Starts no thread.
+std::vector<std::string> describeDevices(const DeviceChoice& choice);
+
+/// Starts the GL thread; UNAVAILABLE with the reasons per device when no OpenGL 4.5 context can be made.
+Expected<std::unique_ptr<Engine>> startEngine(const DeviceChoice& choice);
+
+}  // namespace lpv

@@ -1,0 +1,149 @@
+#include "lpv/pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gpu/failure.h"
+#include "scene/tonemap.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+/// A piece is aimed at this share of what it may take: predictions are not exact.
+constexpr double kAim = 0.6;
+
+void fillReport(const SessionState& session, TickReport& report) {
+  report.features = {"count", "compute", "propagate", session.palette.channels == 1 ? "monochrome" : "colour"};
+  if (session.clampFaces) report.features.emplace_back("clamp-faces");
+  for (const EmittingLight& light : session.lights) {
+    if (!light.twoSided) continue;
+    report.features.emplace_back("two-sided");
+    break;
+  }
+  report.trianglesSkipped = session.trianglesSkipped;
+  report.touchedCells = session.touchedCells;
+  report.clampedCells = session.clampedCells;
+  report.fixedPointError = session.fixedPoint.error;
+}
+
+/// Where each frame of a tick is made: kept views in the session, others here for the tick.
+struct FrameViews {
+  FrameViews(SessionState& session, const TickRequest& request) {
+    for (const FrameRequest& frame : request.frames) {
+      View* view = frame.view != 0 ? &session.views[frame.view] : nullptr;
+      if (view == nullptr || std::find(of.begin(), of.end(), view) != of.end())
+        view = unkept.emplace_back(std::make_unique<View>()).get();
+      of.push_back(view);
+    }
+  }
+  std::vector<View*> of;  ///< per frame
+  std::vector<std::unique_ptr<View>> unkept;
+};
+
+/// Stops for a fixed exposure; automatic exposure adds its own to them.
+float exposureFactor(const Exposure& exposure) { return float(std::exp2(exposure.ev)); }
+
+}  // namespace
+
+Pacing Pipeline::pacing(const SessionState& session) const { return {session.clock.get(), kAim * pieceSeconds_}; }
+
+Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& result) {
+  const Scene& scene = *request.scene;
+  gpu::throwOnReset();
+  s.adopt(scene);
+  co_await cache_.upload(scene, s.resources);
+
+  VolumeCopies copies;
+  if (!s.injected) {
+    co_await voxelize(s);
+    co_await injector_.run(*s.field, s.fixedPoint.shift);
+    s.injected = copies.counters = true;
+  }
+  if (!s.transported) {
+    co_await propagator_.run(*s.field, s.box, s.iterations, s.clampFaces, pacing(s));
+    s.transported = true;
+  }
+  co_await makeVolumes(s, request, copies);
+  FrameViews views(s, request);
+  for (std::size_t i = 0; i < request.frames.size(); ++i)
+    co_await drawFrame(s, request, request.frames[i], *views.of[i]);
+
+  if (copies.counters) queueCounterCopy(s);
+  if (!views.of.empty()) {
+    const gpu::Fence drawn = gpu::Fence::insert();
+    co_yield until(drawn);
+    for (View* view : views.of) queueFrameCopy(*view);
+  }
+  if (copies.counters || !views.of.empty()) {
+    const gpu::Fence copied = gpu::Fence::insert();
+    co_yield piece(Stage::kReadback, 0.0);
+    co_yield until(copied);
+  }
+  takeCopies(s, copies);
+  for (std::size_t i = 0; i < request.frames.size(); ++i)
+    result.frames.push_back(takeFrame(*views.of[i], request.frames[i]));
+  gpu::throwOnError("tick");
+
+  result.revision = scene.revision;
+  if (request.transported) result.transported = s.transportedVolume;
+  if (request.injected) result.injected = s.injectedVolume;
+  fillReport(s, result.report);
+}
+
+Pieces Pipeline::voxelize(SessionState& s) {
+  voxelizer_.begin(*s.field);
+  for (std::size_t i = 0; i < s.lights.size(); ++i) {
+    const EmittingLight& light = s.lights[i];
+    const GpuMesh& mesh = *s.resources.meshes.at(light.mesh);
+    co_await voxelizer_.add(*s.field, light, mesh, s.palette.weights[i], s.fixedPoint, pacing(s));
+  }
+}
+
+/// Only what somebody asked for and nothing has since made out of date.
+Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
+  const std::size_t productBytes = s.field->grid.cells() * 12 * sizeof(float);
+  if (!request.frames.empty() && !s.textured) {
+    if (!s.textures) s.textures.emplace(s.field->grid.dims, s.field->channels);
+    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kTextures, &*s.textures, nullptr, pacing(s));
+    s.textured = copies.counters = true;
+  }
+  const bool transported = request.transported && s.transportedVolume == nullptr;
+  const bool injected = request.injected && s.injectedVolume == nullptr;
+  if ((transported || injected) && s.product.size() != productBytes) s.product = gpu::Buffer("product", productBytes);
+  if (transported) {
+    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kProduct, nullptr, &s.product, pacing(s));
+    queueVolumeCopy(s, VolumeStage::kTransported);
+    copies.transported = copies.counters = true;
+  }
+  if (injected) {
+    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kInjected, nullptr, &s.product, pacing(s));
+    queueVolumeCopy(s, VolumeStage::kInjected);
+    copies.injected = copies.counters = true;
+  }
+}
+
+Pieces Pipeline::drawFrame(SessionState& s, const TickRequest& request, const FrameRequest& frame, View& view) {
+  const Scene& scene = *request.scene;
+  if (view.targets == nullptr || !view.targets->fits(frame)) {
+    view.targets = nullptr;
+    view.targets = std::make_unique<FrameTargets>(frame.size, frame.format, frame.exposure.automatic);
+  }
+  if (view.gbuffer == nullptr || view.gbuffer->target.size() != frame.size) {
+    view.gbuffer = nullptr;
+    view.gbuffer = std::make_unique<Gbuffer>(frame.size);
+  }
+  layout::FrameParams params = FrameView(frame.camera, frame.size).params(scene.grid);
+  params.palette = glm::vec4(s.palette.radiance[0], 0.0);
+  params.exposure = glm::vec4(exposureFactor(frame.exposure), kAutoExposureKey, 0.0, 0.0);
+  const FrameTargets& targets = *view.targets;
+  view.targets->frameParams.update(0, gpu::bytesOfValue(params));
+
+  if (!view.gbuffer->shows(frame, scene))
+    co_await gbufferRenderer_.run(*view.gbuffer, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
+  co_await emitterRenderer_.run(targets.emitters, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
+  co_await shader_.run(targets, *view.gbuffer, *s.textures, frame, scene.options.lookup, pacing(s));
+}
+
+}  // namespace lpv

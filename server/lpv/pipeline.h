@@ -1,0 +1,48 @@
+#pragma once
+// The story of a tick: physical stages in physical order.
+
+#include "lpv/clock.h"
+#include "lpv/draw.h"
+#include "lpv/emitters.h"
+#include "lpv/engine.h"
+#include "lpv/gbuffer.h"
+#include "lpv/inject.h"
+#include "lpv/pieces.h"
+#include "lpv/propagate.h"
+#include "lpv/readback.h"
+#include "lpv/scene_cache.h"
+#include "lpv/session_state.h"
+#include "lpv/shade.h"
+#include "lpv/volume.h"
+#include "lpv/voxelize.h"
+
+namespace lpv {
+
+/// Every stage with its programs; one per device, on its GL thread.
+class Pipeline {
+ public:
+  /// `pieceSeconds`: how long one piece of GPU work may take at most.
+  explicit Pipeline(double pieceSeconds) : pieceSeconds_(pieceSeconds) {}
+
+  /// Brings `session` to the request's scene and fills `result`. All three outlive the coroutine. Throws gpu::Failure.
+  Pieces tick(SessionState& session, const TickRequest& request, TickResult& result);
+
+ private:
+  Pieces voxelize(SessionState& session);
+  Pieces makeVolumes(SessionState& session, const TickRequest& request, VolumeCopies& copies);
+  Pieces drawFrame(SessionState& session, const TickRequest& request, const FrameRequest& frame, View& view);
+  Pacing pacing(const SessionState& session) const;
+
+  double pieceSeconds_;
+  SceneCache cache_;
+  Voxelizer voxelizer_;
+  Injector injector_;
+  Propagator propagator_;
+  VolumeMaker volumeMaker_;
+  MeshDrawer drawer_;
+  GbufferRenderer gbufferRenderer_;
+  EmitterRenderer emitterRenderer_;
+  Shader shader_;
+};
+
+}  // namespace lpv

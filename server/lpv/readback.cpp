@@ -1,0 +1,99 @@
+#include "lpv/readback.h"
+
+#include <cstring>
+
+#include "gpu/gl.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+constexpr std::size_t kListHeaderBytes = std::size_t(layout::kListHeaderWords) * sizeof(std::uint32_t);
+
+struct CounterCopy {
+  layout::Counters counters;
+  layout::uvec4 touched;  ///< header of the list of touched cells
+};
+
+/// Where the exposure follows a frame's pixels.
+std::size_t exposureOffset(std::size_t pixelBytes) { return (pixelBytes + 15) / 16 * 16; }
+
+VolumePtr volumeFrom(const gpu::Readback& readback, const Grid& grid, VolumeStage stage) {
+  auto volume = std::make_shared<Volume>();
+  volume->grid = grid;
+  volume->stage = stage;
+  volume->layers.resize(1);
+  std::vector<float>& coefficients = volume->layers.front().coefficients;
+  coefficients.resize(grid.cells() * 12);
+  std::memcpy(coefficients.data(), readback.bytes().data(), coefficients.size() * sizeof(float));
+  return volume;
+}
+
+}  // namespace
+
+gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes) {
+  if (readback.size() < bytes) readback = gpu::Readback(label, bytes);
+  return readback;
+}
+
+void queueVolumeCopy(SessionState& session, VolumeStage stage) {
+  const bool injected = stage == VolumeStage::kInjected;
+  gpu::Readback& target = injected ? session.injectedReadback : session.volumeReadback;
+  const std::size_t bytes = session.product.size();
+  withRoom(target, injected ? "injected volume" : "volume", bytes).copyFrom(session.product, 0, 0, bytes);
+}
+
+void queueCounterCopy(SessionState& session) {
+  gpu::Readback& target = withRoom(session.countersReadback, "counters", sizeof(CounterCopy));
+  const gpu::Buffer& touched = session.field->touched[std::size_t(session.field->current)];
+  target.copyFrom(session.field->counters, 0, offsetof(CounterCopy, counters), sizeof(layout::Counters));
+  target.copyFrom(touched, 0, offsetof(CounterCopy, touched), kListHeaderBytes);
+}
+
+void takeCopies(SessionState& session, const VolumeCopies& copies) {
+  const Grid& grid = session.field->grid;
+  if (copies.transported)
+    session.transportedVolume = volumeFrom(session.volumeReadback, grid, VolumeStage::kTransported);
+  if (copies.injected) session.injectedVolume = volumeFrom(session.injectedReadback, grid, VolumeStage::kInjected);
+  if (!copies.counters) return;
+  CounterCopy counts;
+  std::memcpy(&counts, session.countersReadback.bytes().data(), sizeof counts);
+  session.trianglesSkipped = counts.counters.degenerate;
+  session.clampedCells = counts.counters.clamped;
+  session.touchedCells = counts.touched.w;
+}
+
+void queueFrameCopy(View& view) {
+  const FrameTargets& targets = *view.targets;
+  const std::size_t pixels = std::size_t(targets.size.x) * std::size_t(targets.size.y);
+  const bool display = bool(targets.display);
+  const std::size_t bytes = pixels * (display ? 3 : 3 * sizeof(float));
+  gpu::Readback& target = withRoom(view.readback, "frame", exposureOffset(bytes) + sizeof(glm::vec4));
+  target.copyPixels(targets.result(), GL_RGB, display ? GL_UNSIGNED_BYTE : GL_FLOAT, 0);
+  if (targets.exposure) target.copyFrom(targets.exposure, 0, exposureOffset(bytes), sizeof(glm::vec4));
+}
+
+FramePtr takeFrame(const View& view, const FrameRequest& request) {
+  auto frame = std::make_shared<Frame>();
+  frame->size = request.size;
+  frame->format = request.format;
+  frame->exposureEv = request.exposure.ev;
+  const std::size_t values = std::size_t(request.size.x) * std::size_t(request.size.y) * 3;
+  const std::byte* pixels = view.readback.bytes().data();
+  if (request.format == PixelFormat::kRgb32F) {
+    frame->rgb32f.resize(values);
+    std::memcpy(frame->rgb32f.data(), pixels, values * sizeof(float));
+    return frame;
+  }
+  frame->rgb8.resize(values);
+  std::memcpy(frame->rgb8.data(), pixels, values);
+  if (view.targets->exposure) {
+    glm::vec4 found(0.0F);
+    std::memcpy(&found, pixels + exposureOffset(values), sizeof found);
+    frame->exposureEv = double(found.y);
+  }
+  return frame;
+}
+
+}  // namespace lpv

@@ -1,0 +1,32 @@
+#pragma once
+// Stage: results from the GPU to the CPU, without waiting: queue the copy, fence, poll, then read the mapping.
+
+#include "gpu/fence.h"
+#include "lpv/pieces.h"
+#include "lpv/session_state.h"
+
+namespace lpv {
+
+/// Copies of a tick that are under way: queued by the functions below, taken by finish().
+struct VolumeCopies {
+  bool transported = false;
+  bool injected = false;
+  bool counters = false;
+};
+
+/// Makes the product (or the injected field) readable by the CPU once a later fence has signalled.
+void queueVolumeCopy(SessionState& session, VolumeStage stage);
+/// The counters of the voxelization and volume stages.
+void queueCounterCopy(SessionState& session);
+/// After the fence: what was copied, volumes and counts, into the session's state.
+void takeCopies(SessionState& session, const VolumeCopies& copies);
+
+/// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).
+void queueFrameCopy(View& view);
+/// After the fence: the picture.
+FramePtr takeFrame(const View& view, const FrameRequest& request);
+
+/// `readback` with room for at least `bytes`; grows, never shrinks.
+gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes);
+
+}  // namespace lpv

@@ -1,0 +1,154 @@
+#include "lpv/scene_cache.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/gl.h"
+
+namespace lpv {
+
+namespace {
+
+constexpr std::size_t kUploadPieceBytes = std::size_t(4) << 20;
+
+template <typename T>
+std::shared_ptr<gpu::Buffer> newArray(const char* label, const std::vector<T>& values) {
+  if (values.empty()) return nullptr;
+  return std::make_shared<gpu::Buffer>(label, gpu::bytesOf(std::span<const T>(values)), gpu::BufferUse::kDynamic);
+}
+
+/// `values` in the old buffer where it is nobody else's and of the right size, else in a new one.
+template <typename T>
+std::shared_ptr<gpu::Buffer> rewritten(const char* label, std::shared_ptr<gpu::Buffer> old,
+                                       const std::vector<T>& values) {
+  const auto bytes = gpu::bytesOf(std::span<const T>(values));
+  if (old == nullptr || old.use_count() > 1 || old->size() != bytes.size()) return newArray(label, values);
+  glInvalidateBufferData(old->id());
+  old->update(0, bytes);
+  return old;
+}
+
+bool sameTriangles(const Mesh& a, const Mesh& b) {
+  return a.positions.size() == b.positions.size() && a.triangles == b.triangles;
+}
+
+struct TexelUpload {
+  GLenum storage, layout, type;
+};
+
+TexelUpload uploadOf(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::kRgb8Srgb:
+      return {GL_SRGB8_ALPHA8, GL_RGB, GL_UNSIGNED_BYTE};
+    case TexelFormat::kRgb16F:
+      return {GL_RGBA16F, GL_RGB, GL_HALF_FLOAT};
+    case TexelFormat::kRgb32F:
+      break;
+  }
+  return {GL_RGBA32F, GL_RGB, GL_FLOAT};
+}
+
+template <typename Map>
+void dropExpired(Map& map) {
+  std::erase_if(map, [](const auto& entry) { return entry.second.expired(); });
+}
+
+struct MeshUse {
+  std::string user;
+  MeshPtr mesh;
+};
+
+std::vector<MeshUse> meshUses(const Scene& scene) {
+  std::vector<MeshUse> uses;
+  for (const auto& [name, light] : scene.lights) {
+    if (light->enabled) uses.push_back({"light/" + name, light->mesh});
+  }
+  for (const auto& [name, surface] : scene.surfaces) uses.push_back({"surface/" + name, surface->mesh});
+  return uses;
+}
+
+}  // namespace
+
+GpuMeshPtr SceneCache::meshFor(const MeshPtr& mesh, GpuMeshPtr previous) {
+  if (const auto found = meshes_.find(mesh.get()); found != meshes_.end()) {
+    if (GpuMeshPtr shared = found->second.lock()) return shared;
+  }
+  auto made = std::make_shared<GpuMesh>();
+  made->source = mesh;
+  made->triangleCount = std::uint32_t(mesh->triangles.size());
+  if (previous != nullptr && sameTriangles(*previous->source, *mesh)) {
+    GpuMesh old = *previous;
+    previous.reset();  // the last but one owner of the arrays, unless another light or session has the mesh too
+    made->triangles = old.triangles;
+    made->positions = rewritten("positions", std::move(old.positions), mesh->positions);
+    made->normals = rewritten("normals", std::move(old.normals), mesh->normals);
+    made->uvs = old.source->uvs == mesh->uvs ? old.uvs : newArray("uvs", mesh->uvs);
+  } else {
+    made->positions = newArray("positions", mesh->positions);
+    made->normals = newArray("normals", mesh->normals);
+    made->uvs = newArray("uvs", mesh->uvs);
+    made->triangles = newArray("triangles", mesh->triangles);
+  }
+  meshes_[mesh.get()] = made;
+  return made;
+}
+
+Pieces SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& resources) {
+  if (const auto found = textures_.find(texture.get()); found != textures_.end()) {
+    if (GpuTexturePtr shared = found->second.lock()) {
+      resources.textures[texture] = shared;
+      co_return;
+    }
+  }
+  const TexelUpload format = uploadOf(texture->format);
+  const glm::ivec2 size(texture->width, texture->height);
+  auto made = std::make_shared<gpu::Texture>(
+      gpu::Texture::make2d("texture", size, format.storage, gpu::Sampling::kMipmapRepeat, gpu::mipLevels(size)));
+  const std::size_t rowBytes = std::size_t(size.x) * texelBytes(texture->format);
+  const int rowsAtOnce = int(std::max<std::size_t>(1, kUploadPieceBytes / rowBytes));
+  for (int row = 0; row < size.y; row += rowsAtOnce) {
+    const int rows = std::min(rowsAtOnce, size.y - row);
+    made->uploadRows(row, rows, format.layout, format.type, texture->texels.data() + std::size_t(row) * rowBytes);
+    co_yield piece(Stage::kUpload, double(rows));
+  }
+  made->generateMipmaps();
+  co_yield piece(Stage::kUpload);
+  textures_[texture.get()] = made;
+  resources.textures[texture] = made;
+}
+
+Pieces SceneCache::upload(const Scene& scene, SceneResources& resources) {
+  const std::vector<MeshUse> uses = meshUses(scene);
+  std::map<MeshPtr, GpuMeshPtr> used;
+  std::map<std::string, MeshPtr> meshOf;
+  for (const MeshUse& use : uses) {
+    meshOf[use.user] = use.mesh;
+    if (const auto known = resources.meshes.find(use.mesh); known != resources.meshes.end()) used.insert(*known);
+  }
+  for (const MeshUse& use : uses) {
+    if (used.contains(use.mesh)) continue;
+    GpuMeshPtr previous;
+    if (const auto before = resources.meshOf.find(use.user); before != resources.meshOf.end()) {
+      // Taken out of the session's own map, so that use_count tells whether anybody else has it.
+      if (auto node = resources.meshes.extract(before->second); !node.empty()) previous = std::move(node.mapped());
+    }
+    used[use.mesh] = meshFor(use.mesh, std::move(previous));
+    co_yield piece(Stage::kUpload);
+  }
+  resources.meshes = std::move(used);
+  resources.meshOf = std::move(meshOf);
+  std::map<TexturePtr, GpuTexturePtr> textures;
+  for (const auto& [name, surface] : scene.surfaces) {
+    const TexturePtr& texture = surface->albedoTexture;
+    if (texture == nullptr || textures.contains(texture)) continue;
+    if (!resources.textures.contains(texture)) co_await uploadTexture(texture, resources);
+    textures[texture] = resources.textures[texture];
+  }
+  resources.textures = std::move(textures);
+  dropExpired(meshes_);
+  dropExpired(textures_);
+}
+
+}  // namespace lpv

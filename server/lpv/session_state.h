@@ -1,0 +1,67 @@
+#pragma once
+// What the GPU thread keeps of a session between ticks, and what of it is still true of a new scene.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "gpu/readback.h"
+#include "lpv/clock.h"
+#include "lpv/engine.h"
+#include "lpv/field.h"
+#include "lpv/lights.h"
+#include "lpv/scene_cache.h"
+#include "lpv/shade.h"
+#include "lpv/volume.h"
+
+namespace lpv {
+
+/// What is kept for one subscriber's frames (FrameRequest::view), or made for one frame only.
+struct View {
+  std::unique_ptr<Gbuffer> gbuffer;
+  std::unique_ptr<FrameTargets> targets;
+  gpu::Readback readback;
+};
+
+struct SessionState {
+  std::shared_ptr<StageClock> clock = std::make_shared<StageClock>();
+  SceneResources resources;
+
+  // What the field on the GPU was made from.
+  std::vector<EmittingLight> lights;
+  Palette palette;
+  FixedPoint fixedPoint;
+  CellBox box;                      ///< holds every cell that emits
+  int iterations = 0;
+  bool clampFaces = false;
+  std::unique_ptr<LightField> field;
+
+  // What of it is up to date.
+  bool injected = false;
+  bool transported = false;
+  bool textured = false;
+  std::optional<IncidentTextures> textures;
+  VolumePtr transportedVolume;      ///< null: not read back since the field changed
+  VolumePtr injectedVolume;
+
+  std::map<std::uint64_t, View> views;
+
+  // Scratch and counts.
+  gpu::Buffer product;              ///< 12 floats per cell, between the volume stage and its copy
+  gpu::Readback volumeReadback, injectedReadback, countersReadback;
+  std::uint64_t trianglesSkipped = 0;
+  std::uint64_t touchedCells = 0;
+  std::uint64_t clampedCells = 0;
+
+  /// Takes the scene's lights, grid and options over and marks what has to be made anew. Throws gpu::Failure when the
+  /// field's memory cannot be had.
+  void adopt(const Scene& scene);
+  /// After a failed tick: nothing on the GPU is trusted any more.
+  void invalidate();
+
+ private:
+  void adoptLights(const Scene& scene, std::vector<EmittingLight> now);
+};
+
+}  // namespace lpv

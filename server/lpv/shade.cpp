@@ -1,0 +1,113 @@
+#include "lpv/shade.h"
+
+#include <algorithm>
+
+#include "gpu/gl.h"
+
+namespace lpv {
+
+namespace {
+
+int exposureGroups(const glm::ivec2& size) {
+  return (size.x * size.y + layout::kExposurePixels - 1) / layout::kExposurePixels;
+}
+
+gpu::Texture colourTarget(const char* label, const glm::ivec2& size, GLenum format) {
+  return gpu::Texture::make2d(label, size, format, gpu::Sampling::kNearestClamp);
+}
+
+void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const IncidentTextures* volume) {
+  targets.frameParams.bindUniform(layout::kParams);
+  gbuffer.albedo.bind(layout::kAlbedo);
+  gbuffer.normal.bind(layout::kNormal);
+  gbuffer.depth.bind(layout::kSurfaceDepth);
+  targets.emitters.emission.bind(layout::kEmission);
+  targets.emitters.depth.bind(layout::kEmitterDepth);
+  if (volume == nullptr) {
+    targets.radiance.bind(layout::kRadiance);
+    targets.exposure.bindStorage(layout::kExposure);
+    return;
+  }
+  const int count = volume->channels == 1 ? 1 : 3;
+  for (int i = 0; i < count; ++i) volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
+}
+
+void prepareFullScreen() {
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glEnable(GL_SCISSOR_TEST);
+}
+
+}  // namespace
+
+FrameTargets::FrameTargets(const glm::ivec2& s, PixelFormat format, bool automaticExposure)
+    : size(s), emitters(s), frameParams("frame params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic) {
+  const bool toDisplay = format == PixelFormat::kRgb8;
+  if (!toDisplay || automaticExposure) {
+    radiance = colourTarget("radiance", size, GL_RGBA32F);
+    radianceTarget = gpu::Framebuffer("radiance", {&radiance}, nullptr);
+  }
+  if (toDisplay) {
+    display = colourTarget("display", size, GL_RGBA8);
+    displayTarget = gpu::Framebuffer("display", {&display}, nullptr);
+  }
+  if (toDisplay && automaticExposure)
+    exposure = gpu::Buffer("exposure", (1 + std::size_t(exposureGroups(size))) * sizeof(glm::vec4));
+}
+
+bool FrameTargets::fits(const FrameRequest& request) const {
+  const bool toDisplay = request.format == PixelFormat::kRgb8;
+  return size == request.size && bool(display) == toDisplay &&
+         bool(exposure) == (toDisplay && request.exposure.automatic);
+}
+
+Shader::Shader() { glCreateVertexArrays(1, &noVertices_); }
+
+Shader::~Shader() { glDeleteVertexArrays(1, &noVertices_); }
+
+/// A full-screen pass, band by band.
+Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
+                    const Gbuffer& gbuffer, const IncidentTextures* volume, Pacing pacing) {
+  const glm::ivec2 size = target.size();
+  for (int row = 0; row < size.y;) {
+    const int rows = std::clamp(pacing.unitsFor(Stage::kShade, 65536.0) / size.x, 1, size.y - row);
+    target.bind();
+    prepareFullScreen();
+    bindInputs(targets, gbuffer, volume);
+    glScissor(0, row, size.x, rows);
+    glBindVertexArray(noVertices_);
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_SCISSOR_TEST);  // it would cut clears too
+    row += rows;
+    co_yield piece(Stage::kShade, double(rows) * size.x);
+  }
+}
+
+void Shader::findExposure(const FrameTargets& targets) {
+  gpu::memoryBarrier();
+  targets.frameParams.bindUniform(layout::kParams);
+  targets.radiance.bind(layout::kRadiance);
+  targets.exposure.bindStorage(layout::kExposure);
+  exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(exposureGroups(targets.size)));
+  gpu::memoryBarrier();
+  exposure_.get({{"LPV_FINISH", "1"}}).dispatch(1);
+  gpu::memoryBarrier();
+}
+
+Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const IncidentTextures& volume,
+                   const FrameRequest& request, Lookup lookup, Pacing pacing) {
+  const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
+  const bool direct = toDisplay && !automatic;  // exposure known: one pass
+  gpu::Program& program = shade_.get({{"LPV_CHANNELS", volume.channels == 1 ? "1" : "3"},
+                                      {"LPV_NEAREST", lookup == Lookup::kNearest ? "1" : "0"},
+                                      {"LPV_DISPLAY", direct ? "1" : "0"}});
+  co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &volume, pacing);
+  if (!automatic) co_return;
+  findExposure(targets);
+  co_await fill(targets.displayTarget, display_.get({}), targets, gbuffer, nullptr, pacing);
+}
+
+}  // namespace lpv

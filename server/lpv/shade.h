@@ -1,0 +1,55 @@
+#pragma once
+// Stage: from G-buffer, emitters and volume to the picture, exposed and tone-mapped where it is for display.
+
+#include <optional>
+
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+#include "lpv/clock.h"
+#include "lpv/emitters.h"
+#include "lpv/engine.h"
+#include "lpv/gbuffer.h"
+#include "lpv/volume.h"
+
+namespace lpv {
+
+/// What one frame is made in; only what its format and exposure need.
+struct FrameTargets {
+  FrameTargets(const glm::ivec2& size, PixelFormat format, bool automaticExposure);
+
+  glm::ivec2 size;
+  EmitterBuffer emitters;
+  gpu::Buffer frameParams;      ///< layout::FrameParams
+  gpu::Texture radiance;        ///< RGBA32F, linear; for 32-bit frames and automatic exposure
+  gpu::Framebuffer radianceTarget;
+  gpu::Texture display;         ///< RGBA8, sRGB-coded; for 8-bit frames
+  gpu::Framebuffer displayTarget;
+  gpu::Buffer exposure;         ///< vec4 (factor, stops, -, -), then sums; for automatic exposure
+
+  /// Where the finished picture is.
+  const gpu::Framebuffer& result() const { return display ? displayTarget : radianceTarget; }
+  bool fits(const FrameRequest& request) const;
+};
+
+class Shader {
+ public:
+  Shader();
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+  ~Shader();
+
+  Pieces run(const FrameTargets& targets, const Gbuffer& gbuffer, const IncidentTextures& volume,
+             const FrameRequest& request, Lookup lookup, Pacing pacing);
+
+ private:
+  Pieces fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
+              const Gbuffer& gbuffer, const IncidentTextures* volume, Pacing pacing);
+  void findExposure(const FrameTargets& targets);
+
+  gpu::ProgramVariants shade_{{"shade.vert", "shade.frag"}};
+  gpu::ProgramVariants display_{{"shade.vert", "display.frag"}};
+  gpu::ProgramVariants exposure_{{"exposure.comp"}};
+  std::uint32_t noVertices_ = 0;  ///< a vertex array without attributes
+};
+
+}  // namespace lpv

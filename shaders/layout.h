@@ -1,0 +1,139 @@
+// Bindings, work-group sizes and buffer layouts, read by C++ and by GLSL. A change here changes both sides; the C++
+// side asserts sizes and offsets (std140 for parameter blocks, std430 for storage).
+
+#ifdef __cplusplus
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#define LPV_CONST inline constexpr
+namespace lpv::layout {
+using uint = std::uint32_t;
+using glm::dmat4;
+using glm::ivec4;
+using glm::mat4;
+using glm::uvec4;
+using glm::vec4;
+#else
+#define LPV_CONST const
+#endif
+
+// --- storage buffers
+LPV_CONST int kPositions = 0;      // float, 3 per vertex, object space
+LPV_CONST int kTriangles = 1;      // uint, 3 per triangle
+LPV_CONST int kAccumulators = 2;   // int, kAccumulatorWords per cell
+LPV_CONST int kTouchedCells = 3;   // CellList
+LPV_CONST int kLargeTriangles = 4; // CellList of work items
+LPV_CONST int kCounters = 5;       // Counters
+LPV_CONST int kFieldOut = 6;       // vec4 per halo cell and channel
+LPV_CONST int kFieldSum = 7;       // vec4 per halo cell and channel (clamped form only)
+LPV_CONST int kProduct = 8;        // float, 12 per cell: 3 colours x 4 coefficients
+LPV_CONST int kExposure = 9;       // vec4: the exposure; then one per group of its reduction
+LPV_CONST int kRecordedPairs = 10; // tests only: uvec2 (triangle, cell)
+LPV_CONST int kTestIn = 11;        // tests only
+LPV_CONST int kTestOut = 12;       // tests only
+
+// --- uniform blocks
+LPV_CONST int kParams = 0;     // one struct below per stage
+LPV_CONST int kDrawParams = 1; // DrawParams of one object
+
+// --- texture units
+LPV_CONST int kFieldIn = 0;        // samplerBuffer over a field
+LPV_CONST int kFieldSource = 1;    // samplerBuffer over the injected field
+LPV_CONST int kIncident = 2;       // 2, 3, 4: sampler3D of incident radiance, one per colour (or per channel)
+LPV_CONST int kAlbedo = 5;
+LPV_CONST int kNormal = 6;
+LPV_CONST int kSurfaceDepth = 7;
+LPV_CONST int kEmission = 8;
+LPV_CONST int kEmitterDepth = 9;
+LPV_CONST int kRadiance = 10;
+// --- image units
+LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
+
+// --- work-groups
+LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
+LPV_CONST int kColumnGroup = 128;       // large triangles: columns of one work item at a time
+LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
+LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
+LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes
+LPV_CONST int kFieldMarch = 4;          // cells along z per thread, so that the slab behind is still in registers
+LPV_CONST int kExposureGroup = 64;      // threads of the exposure reduction
+LPV_CONST int kExposurePixels = 1024;   // pixels per group of its first pass
+
+// --- vertex attributes of drawn meshes, also their buffer bindings
+LPV_CONST int kPositionAttribute = 0;   // vec3, object space
+LPV_CONST int kNormalAttribute = 1;     // vec3, object space
+LPV_CONST int kUvAttribute = 2;         // vec2
+
+// --- voxelization
+LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
+LPV_CONST int kAccumulatorWords = 16;   // per cell: 4 coefficients of up to 3 channels, kCountWord, padding
+LPV_CONST int kCountWord = 12;          // N of eq. 1
+LPV_CONST int kSmallColumns = 24;       // triangles with more columns are split
+LPV_CONST int kMaxSlices = 8;           // work items of one split triangle
+LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
+
+// A list whose length also is an indirect dispatch: groups of kCellGroup cells, or one group per work item.
+LPV_CONST int kListHeaderWords = 4;     // groups x, y, z, count; the entries follow
+
+struct Counters {
+  uint degenerate;  // light triangles of zero area
+  uint clamped;     // output cells cut back to phi >= 0, |D| <= phi
+  uint pad0, pad1;
+};
+
+struct VoxelizeParams {
+  dmat4 gridFromObject;    // grid space: cell units from the grid's minimum corner
+  dmat4 outwardFromObject; // times the object-space cross product of two edges: outer side in grid space
+  ivec4 dims;              // cells x, y, z
+  uvec4 triangles;         // x first, y how many
+  vec4 weight;             // per channel: share of the channel's palette radiance, times 2^shift
+};
+
+struct InjectParams {
+  ivec4 dims;
+  vec4 scale;              // x: s^2 / 2^shift, m^2
+};
+
+struct PropagateParams {
+  ivec4 dims;
+  ivec4 lower;             // first cell of the box to compute
+  ivec4 upper;             // one past the last cell; w: groups along y of one channel
+};
+
+struct VolumeParams {
+  ivec4 dims;              // w: first z of this piece
+  vec4 palette[3];         // rgb radiance of each channel
+  vec4 factors;            // x: factor of band 0, y: factor of band 1
+};
+
+struct FrameParams {
+  mat4 clipFromEye;        // reversed depth: near 1, far 0; eye space is world space moved to the eye
+  vec4 rayOrigin;          // grid space: from the eye to the top left corner of the picture plane at view depth 1
+  vec4 rayRight;           // grid space: across the whole picture
+  vec4 rayDown;            // grid space: down the whole picture
+  vec4 eye;                // grid space
+  vec4 depth;              // view depth = x / (stored depth + y), metres; z, w: 1 / size of the picture in pixels
+  vec4 palette;            // rgb radiance of the one channel of a monochrome volume
+  vec4 exposure;           // x: 2^ev, applied to what automatic exposure finds too; y: key of automatic exposure
+  ivec4 dims;              // cells; w: pixels of the picture
+};
+
+struct DrawParams {
+  mat4 eyeFromObject;
+  mat4 normalFromObject;   // inverse transpose of the linear part
+  vec4 colour;             // albedo, or radiance of the front
+  vec4 backColour;         // radiance of the back
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(Counters) == 16);
+static_assert(sizeof(VoxelizeParams) == 304 && offsetof(VoxelizeParams, dims) == 256);
+static_assert(sizeof(InjectParams) == 32);
+static_assert(sizeof(PropagateParams) == 48);
+static_assert(sizeof(VolumeParams) == 80 && offsetof(VolumeParams, factors) == 64);
+static_assert(sizeof(FrameParams) == 192 && offsetof(FrameParams, dims) == 176);
+static_assert(sizeof(DrawParams) == 160 && offsetof(DrawParams, colour) == 128);
+}  // namespace lpv::layout
+#undef LPV_CONST
+#endif

@@ -1,0 +1,115 @@
+// The exact set of (triangle, cell) pairs of one triangle (paper 3.1; MATHS.md 2): vertices snapped to 1/256 cell,
+// strict overlap on the 13 axes of the triangle/box test (Akenine-Moller 2001) evaluated in double on integers, so that
+// no rounding happens (|coordinate| < 2^17 lattice units: products below 2^53).
+
+/// A triangle on the lattice, turned so that its dominant axis is the third: columns run along it.
+struct LatticeTriangle {
+  dvec3 v0, v1, v2;   // lattice units; exact integers
+  dvec3 normal;       // cross product of edges, exact; zero when degenerate
+  ivec3 dims;         // of the grid, turned the same way
+  int axis;           // which axis is dominant: 0 x, 1 y, 2 z
+  ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
+  bool oneCell;       // wholly inside one cell, whether that is in the grid or not
+  bool facePlane;     // lies in a plane between two layers of cells
+};
+
+dvec3 snapToLattice(dvec3 gridPoint) { return floor(gridPoint * double(kLatticeUnits) + 0.5lf); }
+
+dvec3 turned(dvec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
+ivec3 turned(ivec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
+ivec3 turnedBack(ivec3 v, int axis) { return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v; }
+
+/// First and last cell that [least, most] of one axis can make a pair with, up to one beyond the grid. An interval of no
+/// length on a cell face belongs to the upper cell, or to the last cell of the grid.
+ivec2 cellRange(double least, double most, int cells) {
+  const double units = double(kLatticeUnits);
+  // Clamped before the conversion: a far vertex must not wrap around in int.
+  double first = clamp(floor(least / units), -1.0lf, double(cells));
+  double last = clamp(ceil(most / units) - 1.0lf, -1.0lf, double(cells));
+  if (least == most) {
+    if (least == units * double(cells)) first = double(cells) - 1.0lf;
+    last = first;
+  }
+  return ivec2(int(first), int(last));
+}
+
+LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
+  LatticeTriangle t;
+  precise dvec3 normal = cross(b - a, c - a);
+  const dvec3 size = abs(normal);
+  t.axis = size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
+  t.v0 = turned(a, t.axis);
+  t.v1 = turned(b, t.axis);
+  t.v2 = turned(c, t.axis);
+  t.normal = turned(normal, t.axis);
+  t.dims = turned(dims, t.axis);
+  const dvec3 least = min(t.v0, min(t.v1, t.v2));
+  const dvec3 most = max(t.v0, max(t.v1, t.v2));
+  for (int k = 0; k < 3; ++k) {
+    const ivec2 range = cellRange(least[k], most[k], t.dims[k]);
+    t.lower[k] = range.x;
+    t.upper[k] = range.y;
+  }
+  t.oneCell = t.lower == t.upper;
+  t.lower = max(t.lower, ivec3(0));
+  t.upper = min(t.upper, t.dims - 1);
+  t.facePlane = least.z == most.z && mod(least.z, double(kLatticeUnits)) == 0.0lf;
+  return t;
+}
+
+bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
+
+/// The cell of a degenerate triangle: that of its centroid; false when it is outside the grid.
+bool centroidCell(dvec3 a, dvec3 b, dvec3 c, ivec3 dims, out ivec3 cell) {
+  const dvec3 sum = a + b + c;
+  const double units = 3.0lf * double(kLatticeUnits);
+  for (int k = 0; k < 3; ++k) {
+    double i = floor(sum[k] / units);
+    if (sum[k] == units * double(dims[k])) i -= 1.0lf;
+    if (i < 0.0lf || i >= double(dims[k])) return false;
+    cell[k] = int(i);
+  }
+  return true;
+}
+
+/// Columns of the triangle's box within the grid; 0 where there are none.
+int columnCount(LatticeTriangle t) {
+  const ivec2 n = t.upper.xy - t.lower.xy + 1;
+  return t.upper.z < t.lower.z ? 0 : max(n.x, 0) * max(n.y, 0);
+}
+
+/// Cells of one column to be tested: 1.001 around the plane's depth at the column's centre (MATHS.md 2).
+ivec2 depthRange(LatticeTriangle t, ivec2 column) {
+  if (t.lower.z == t.upper.z) return ivec2(t.lower.z);
+  const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
+  const double along = dot(t.normal.xy, centre - t.v0.xy) / t.normal.z;
+  const double depth = (t.v0.z - along) / double(kLatticeUnits);
+  const double first = clamp(floor(depth - 1.001lf), -1.0lf, double(t.dims.z));
+  const double last = clamp(floor(depth + 1.001lf), -1.0lf, double(t.dims.z));
+  return ivec2(max(t.lower.z, int(first)), min(t.upper.z, int(last)));
+}
+
+/// Strict overlap of three projections with [-reach, reach]; a zero axis says nothing.
+bool overlaps(double p0, double p1, double p2, double reach) {
+  return reach == 0.0lf || (min(p0, min(p1, p2)) < reach && max(p0, max(p1, p2)) > -reach);
+}
+
+/// The three axes edge x (unit vectors). `depthless`: without the two that only see the depth of a triangle in a face plane.
+bool overlapsEdgeAxes(dvec3 e, dvec3 a, dvec3 b, dvec3 c, double halfCell, bool depthless) {
+  const dvec3 s = abs(e);
+  if (!overlaps(e.x * a.y - e.y * a.x, e.x * b.y - e.y * b.x, e.x * c.y - e.y * c.x, halfCell * (s.x + s.y))) return false;
+  if (depthless) return true;
+  return overlaps(e.y * a.z - e.z * a.y, e.y * b.z - e.z * b.y, e.y * c.z - e.z * c.y, halfCell * (s.y + s.z)) &&
+         overlaps(e.z * a.x - e.x * a.z, e.z * b.x - e.x * b.z, e.z * c.x - e.x * c.z, halfCell * (s.z + s.x));
+}
+
+/// Whether triangle and (turned) cell make a pair; the cell is within [lower, upper].
+bool isPair(LatticeTriangle t, ivec3 cell) {
+  const double halfCell = 0.5lf * double(kLatticeUnits);
+  const dvec3 centre = (dvec3(cell) + 0.5lf) * double(kLatticeUnits);
+  precise dvec3 a = t.v0 - centre, b = t.v1 - centre, c = t.v2 - centre;
+  // The box axes of the columns hold for every cell of [lower, upper]; so does depth: cellRange is strict.
+  if (!t.facePlane && abs(dot(t.normal, a)) >= halfCell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z))) return false;
+  return overlapsEdgeAxes(b - a, a, b, c, halfCell, t.facePlane) && overlapsEdgeAxes(c - b, a, b, c, halfCell, t.facePlane) &&
+         overlapsEdgeAxes(a - c, a, b, c, halfCell, t.facePlane);
+}

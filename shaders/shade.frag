@@ -1,0 +1,48 @@
+// Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
+// through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen.
+#include "layout.h"
+#include "sh.glsl"
+#include "octahedral.glsl"
+#include "lookup.glsl"
+#include "tonemap.glsl"
+
+#ifndef LPV_DISPLAY
+#error "LPV_DISPLAY: 0 or 1"
+#endif
+
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(binding = kAlbedo) uniform sampler2D albedo;
+layout(binding = kNormal) uniform sampler2D normal;
+layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
+layout(binding = kEmission) uniform sampler2D emission;
+layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
+
+layout(location = 0) out vec4 colour;
+
+/// Grid position of what is seen in this pixel at a stored depth.
+vec3 gridPosition(float depth) {
+  const vec2 uv = gl_FragCoord.xy * frame.depth.zw;
+  const vec3 ray = frame.rayOrigin.xyz + uv.x * frame.rayRight.xyz + uv.y * frame.rayDown.xyz;
+  return frame.eye.xyz + frame.depth.x / (depth + frame.depth.y) * ray;
+}
+
+vec3 reflected(ivec2 pixel, float depth) {
+  const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
+  const vec3 e = irradianceAt(gridPosition(depth), n, frame.dims.xyz, frame.palette.rgb);
+  return texelFetch(albedo, pixel, 0).rgb * e / kPi;
+}
+
+void main() {
+  const ivec2 pixel = ivec2(gl_FragCoord.xy);
+  const float surface = texelFetch(surfaceDepth, pixel, 0).x;
+  const float emitter = texelFetch(emitterDepth, pixel, 0).x;  // reversed: larger is nearer, 0 is nothing
+  colour = vec4(0.0);
+  if (emitter > 0.0 && emitter >= surface) {
+    colour.rgb = texelFetch(emission, pixel, 0).rgb;
+  } else if (surface > 0.0) {
+    colour = vec4(reflected(pixel, surface), 1.0);
+  }
+#if LPV_DISPLAY
+  colour = vec4(displayFromRadiance(colour.rgb, frame.exposure.x), 1.0);
+#endif
+}
