@@ -1,0 +1,202 @@
+#include "api/blob_content.h"
+#include "api/deadline.h"
+#include "api/services.h"
+
+namespace lpv::api {
+namespace {
+
+/// An upload in progress: bytes arrive, the buffer grows with them, at the end a worker parses.
+class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse> {
+ public:
+  explicit Upload(Context& context) : context_(context), idle_(*context.timers) {}
+
+  void receive(pb::UploadBlobRequest request) override {
+    if (hasEnded()) return;
+    if (Status s = take(request); !s.ok()) {
+      bytes_ = std::string();
+      end(s);
+      return;
+    }
+    idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this(), seconds = context_.limits.uploadIdle.count()] {
+      const auto self = std::static_pointer_cast<Upload>(weak.lock());
+      if (!self) return;
+      self->end(Status(Code::kDeadlineExceeded,
+                       "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
+    });
+  }
+
+  void halfClosed() override {
+    idle_.stop();
+    if (hasEnded()) return;
+    if (!session_) return end(invalid("header", "the stream ended without a header"));
+    if (std::int64_t(bytes_.size()) != size_) {
+      return end(invalid("data", "data has " + std::to_string(bytes_.size()) + " bytes, the header announced " +
+                                     std::to_string(size_)));
+    }
+    context_.pool->post([self = std::static_pointer_cast<Upload>(shared_from_this())] { self->finish(); });
+  }
+
+  bool next(pb::UploadBlobResponse* response) override {
+    const std::lock_guard lock(mutex_);
+    if (!answer_) return false;
+    *response = *answer_;
+    answer_.reset();
+    return true;
+  }
+
+  void cancelled() override {
+    idle_.stop();
+    end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ private:
+  Status take(pb::UploadBlobRequest& request) {
+    if (!session_) {
+      if (!request.has_header()) return invalid("header", "the first message has no header");
+      if (Status s = begin(request.header()); !s.ok()) return s.within("header");
+    } else if (request.has_header()) {
+      return invalid("header", "a later message has a header again");
+    }
+    if (std::int64_t(bytes_.size() + request.data().size()) > size_) {
+      return invalid("data", "data has more bytes than the " + std::to_string(size_) + " that the header announced");
+    }
+    bytes_ += request.data();  // grows with what arrives: an announcement alone costs nothing
+    return {};
+  }
+
+  Status begin(const pb::BlobHeader& header) {
+    if (header.kind() != pb::BLOB_KIND_MESH && header.kind() != pb::BLOB_KIND_TEXTURE) {
+      return invalid("kind", "kind has the unknown value " + std::to_string(int(header.kind())));
+    }
+    if (header.size() < 1)
+      return invalid("size", "size is " + std::to_string(header.size()) + ", needed is at least 1");
+    if (header.size() > context_.limits.maxBlobBytes) {
+      return exhausted("size", "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
+                                   std::to_string(context_.limits.maxBlobBytes) + " bytes");
+    }
+    const Expected<SessionPtr> session = findSession(context_, "session", header.session());
+    if (!session) return session.status();
+    session_ = *session;
+    kind_ = header.kind();
+    size_ = header.size();
+    return {};
+  }
+
+  void finish() {
+    const Expected<BlobPtr> blob = blobFromBytes(kind_, std::move(bytes_));
+    if (!blob) return end(blob.status());
+    const Expected<bool> existed = session_->addBlob(*blob);
+    if (!existed) return end(existed.status());
+    {
+      const std::lock_guard lock(mutex_);
+      answer_.emplace();
+      answer_->set_hash((*blob)->hash);
+      answer_->set_existed(*existed);
+    }
+    end(Status());
+  }
+
+  Context& context_;
+  Deadline idle_;
+  SessionPtr session_;
+  pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;
+  std::int64_t size_ = 0;
+  std::string bytes_;
+  std::mutex mutex_;
+  std::optional<pb::UploadBlobResponse> answer_;
+};
+
+/// A blob on its way out, part by part as the client takes them.
+class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
+ public:
+  explicit Read(Context& context) : context_(context) {}
+
+  void receive(pb::ReadBlobRequest request) override {
+    context_.pool->post([self = std::static_pointer_cast<Read>(shared_from_this()), request = std::move(request)] {
+      if (Status s = self->open(request); !s.ok()) return self->end(s);
+      self->wake();
+    });
+  }
+
+  bool next(pb::ReadBlobResponse* response) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!bytes_ || done_) return false;
+      if (first_) {
+        response->set_kind(kind_);
+        response->set_size(std::int64_t(bytes_->size()));
+        first_ = false;
+      }
+      const std::size_t count = std::min(kMaxPartBytes, bytes_->size() - offset_);
+      response->set_data(bytes_->data() + offset_, count);
+      offset_ += count;
+      done_ = offset_ == bytes_->size();
+    }
+    if (done_) endInNext(Status());
+    return true;
+  }
+
+  void cancelled() override { end(Status(Code::kCancelled, "the client went away")); }
+
+ private:
+  Status open(const pb::ReadBlobRequest& request) {
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    if (!session) return session.status();
+    std::shared_ptr<const std::string> bytes;
+    pb::BlobKind kind = pb::BLOB_KIND_MESH;
+    if (const BlobPtr blob = (*session)->findBlob(request.hash())) {
+      bytes = blob->bytes;
+      if (blob->kind == BlobKind::kTexture) kind = pb::BLOB_KIND_TEXTURE;
+    } else if (const MeshPtr mesh = (*session)->findMeshInUse(request.hash())) {
+      bytes = std::make_shared<const std::string>(meshBytes(*mesh));
+    } else {
+      return Status(Code::kNotFound, "there is no blob \"" + request.hash().substr(0, 80) + "\" in this session",
+                    "hash");
+    }
+    if (request.offset() < 0 || request.offset() > std::int64_t(bytes->size())) {
+      return Status(Code::kOutOfRange,
+                    "offset is " + std::to_string(request.offset()) + ", the blob has " +
+                        std::to_string(bytes->size()) + " bytes",
+                    "offset");
+    }
+    const std::lock_guard lock(mutex_);
+    kind_ = kind;
+    offset_ = std::size_t(request.offset());
+    bytes_ = std::move(bytes);
+    return {};
+  }
+
+  Context& context_;
+  std::mutex mutex_;
+  std::shared_ptr<const std::string> bytes_;
+  pb::BlobKind kind_ = pb::BLOB_KIND_MESH;
+  std::size_t offset_ = 0;
+  bool first_ = true;
+  bool done_ = false;
+};
+
+constexpr int kMaxHashes = 1000;
+
+}  // namespace
+
+Status findBlobs(Context& context, const pb::FindBlobsRequest& request, pb::FindBlobsResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  if (request.hashes_size() > kMaxHashes) {
+    return invalid("hashes", "hashes has " + std::to_string(request.hashes_size()) + " entries, allowed are 1000");
+  }
+  for (const std::string& hash : request.hashes()) {
+    if ((*session)->findBlob(hash)) response->add_found(hash);
+  }
+  return {};
+}
+
+StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(Context& context) {
+  return std::make_shared<Upload>(context);
+}
+
+StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context& context) {
+  return std::make_shared<Read>(context);
+}
+
+}  // namespace lpv::api

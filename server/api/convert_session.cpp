@@ -1,0 +1,190 @@
+#include "api/convert_session.h"
+
+#include "api/convert_geometry.h"
+
+namespace lpv::api {
+namespace {
+
+constexpr char kPrefix[] = "sessions/";
+constexpr std::size_t kMaxDisplayName = 200;
+constexpr std::int64_t kMaxTtlSeconds = 10LL * 365 * 24 * 3600;
+
+Status unknownValue(const char* field, int value) {
+  return invalid(field, std::string(field) + " has the unknown value " + std::to_string(value));
+}
+
+/// Copies an enum whose wire values are 1 + the domain's, leaving the default for 0.
+template <typename Wire, typename Domain>
+Status take(const char* field, Wire wire, int highest, Domain* out) {
+  const int value = static_cast<int>(wire);
+  if (value < 0 || value > highest) return unknownValue(field, value);
+  if (value > 0) *out = static_cast<Domain>(value - 1);
+  return {};
+}
+
+template <typename Wire, typename Domain>
+Wire wireOf(Domain value) {
+  return static_cast<Wire>(static_cast<int>(value) + 1);
+}
+
+static_assert(pb::INJECTION_COUNT == 1 + static_cast<int>(Injection::kCount));
+static_assert(pb::INJECTION_FLUX == 1 + static_cast<int>(Injection::kFlux));
+static_assert(pb::INJECTION_METHOD_DENSE == 1 + static_cast<int>(InjectionMethod::kDense));
+static_assert(pb::INJECTION_METHOD_RASTER == 1 + static_cast<int>(InjectionMethod::kRaster));
+static_assert(pb::TRANSPORT_GATHER == 1 + static_cast<int>(Transport::kGather));
+static_assert(pb::TRANSPORT_DIRECT == 1 + static_cast<int>(Transport::kDirect));
+static_assert(pb::QUALITY_ACCURATE == 1 + static_cast<int>(Quality::kAccurate));
+static_assert(pb::LOOKUP_CAP == 1 + static_cast<int>(Lookup::kCap));
+static_assert(pb::LOOKUP_NEAREST == 1 + static_cast<int>(Lookup::kNearest));
+static_assert(pb::VISIBILITY_OFF == 1 + static_cast<int>(Visibility::kOff));
+
+Expected<GridOptions> gridFromProto(const pb::GridSettings& in) {
+  GridOptions out;
+  switch (in.size_case()) {
+    case pb::GridSettings::kLongest:
+      if (in.longest() == 0) return invalid("longest", "grid.longest is 0, allowed are 1..128 cells along an axis");
+      out.longest = in.longest();
+      break;
+    case pb::GridSettings::kDims:
+      out.dims = {in.dims().x(), in.dims().y(), in.dims().z()};
+      if (out.dims == glm::ivec3(0))
+        return invalid("dims", "grid.dims is 0, 0, 0, allowed are 1..128 cells along an axis");
+      break;
+    case pb::GridSettings::kAutomatic:
+      out.automatic = in.automatic();
+      break;
+    case pb::GridSettings::SIZE_NOT_SET:
+      break;
+  }
+  out.hasBounds = in.has_bounds();
+  if (out.hasBounds) out.bounds = fromProto(in.bounds());
+  return out;
+}
+
+/// One settings field by its name within SessionSettings.
+Status takeField(const std::string& field, const pb::SessionSettings& in, Settings* out) {
+  SessionOptions& o = out->options;
+  if (field == "grid") {
+    const Expected<GridOptions> grid = gridFromProto(in.grid());
+    if (!grid) return grid.status().within("grid");
+    o.grid = *grid;
+    return {};
+  }
+  const SessionOptions defaults;
+  if (field == "injection") return o.injection = defaults.injection, take("injection", in.injection(), 2, &o.injection);
+  if (field == "method") return o.method = defaults.method, take("method", in.method(), 3, &o.method);
+  if (field == "dense_samples") return o.denseSamples = in.dense_samples(), Status();
+  if (field == "transport") return o.transport = defaults.transport, take("transport", in.transport(), 3, &o.transport);
+  if (field == "quality") return o.quality = defaults.quality, take("quality", in.quality(), 2, &o.quality);
+  if (field == "iterations") return o.iterations = in.iterations(), Status();
+  if (field == "clamp_faces") return o.clampFaces = in.clamp_faces(), Status();
+  if (field == "k") return o.k = in.k(), Status();
+  if (field == "lookup") return o.lookup = defaults.lookup, take("lookup", in.lookup(), 3, &o.lookup);
+  if (field == "max_error") return o.maxError = in.max_error(), Status();
+  if (field == "visibility")
+    return o.visibility = defaults.visibility, take("visibility", in.visibility(), 3, &o.visibility);
+  if (field == "bounces") return o.bounces = in.bounces(), Status();
+  if (field == "haze") return o.haze = in.haze(), Status();
+  if (field == "display_name") {
+    if (in.display_name().size() > kMaxDisplayName) return invalid("display_name", "display_name is above 200 bytes");
+    out->manners.displayName = in.display_name();
+    return {};
+  }
+  if (field == "ttl") {
+    const std::int64_t seconds = in.has_ttl() ? in.ttl().seconds() : 3600;
+    if (seconds < 0 || seconds > kMaxTtlSeconds) {
+      return invalid("ttl", "ttl is " + std::to_string(seconds) + " s, allowed are 0 (never) to 10 years");
+    }
+    out->manners.ttl = std::chrono::seconds(seconds);
+    return {};
+  }
+  return invalid("update_mask", "update_mask has the unknown path \"settings." + field + "\"");
+}
+
+constexpr const char* kFields[] = {"grid",       "injection",   "method", "dense_samples", "transport", "quality",
+                                   "iterations", "clamp_faces", "k",      "lookup",        "max_error", "visibility",
+                                   "bounces",    "haze",        "ttl",    "display_name"};
+
+}  // namespace
+
+Expected<std::string> sessionId(const std::string& field, const std::string& name) {
+  if (name.starts_with(kPrefix) && name.size() > sizeof kPrefix - 1) return name.substr(sizeof kPrefix - 1);
+  return invalid(field, field + " is \"" + name.substr(0, 80) + "\", the form is \"sessions/{id}\"");
+}
+
+std::string sessionName(const std::string& id) { return kPrefix + id; }
+
+Expected<Settings> fromProto(const pb::SessionSettings& settings) {
+  Settings out;
+  for (const char* field : kFields) {
+    if (Status s = takeField(field, settings, &out); !s.ok()) return s.within("settings");
+  }
+  return out;
+}
+
+Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& settings,
+                            const google::protobuf::FieldMask& mask) {
+  if (mask.paths().empty()) return invalid("update_mask", "update_mask names no field; say what shall change");
+  Settings out = current;
+  for (const std::string& path : mask.paths()) {
+    constexpr char kSettings[] = "settings.";
+    if (!path.starts_with(kSettings)) {
+      return invalid("update_mask",
+                     "update_mask has the path \"" + path + "\"; what can change is below \"settings.\"");
+    }
+    const std::string field = path.substr(sizeof kSettings - 1);
+    if (Status s = takeField(field.substr(0, field.find('.')), settings, &out); !s.ok()) return s.within("settings");
+  }
+  return out;
+}
+
+void toProto(const SessionOptions& o, pb::SessionSettings* out) {
+  if (o.grid.dims != glm::ivec3(0)) {
+    out->mutable_grid()->mutable_dims()->set_x(o.grid.dims.x);
+    out->mutable_grid()->mutable_dims()->set_y(o.grid.dims.y);
+    out->mutable_grid()->mutable_dims()->set_z(o.grid.dims.z);
+  } else {
+    out->mutable_grid()->set_longest(o.grid.longest != 0 ? o.grid.longest : kDefaultCellsOfLongestEdge);
+  }
+  if (o.grid.hasBounds) toProto(o.grid.bounds, out->mutable_grid()->mutable_bounds());
+  out->set_injection(wireOf<pb::Injection>(o.injection));
+  out->set_method(wireOf<pb::InjectionMethod>(o.method));
+  out->set_dense_samples(o.denseSamples);
+  out->set_transport(wireOf<pb::Transport>(o.transport));
+  out->set_quality(wireOf<pb::Quality>(o.quality));
+  out->set_iterations(o.iterations);
+  out->set_clamp_faces(o.clampFaces);
+  out->set_k(o.k);
+  out->set_lookup(wireOf<pb::Lookup>(o.lookup));
+  out->set_max_error(o.maxError);
+  out->set_visibility(wireOf<pb::Visibility>(o.visibility));
+  out->set_bounces(o.bounces);
+  out->set_haze(o.haze);
+}
+
+void toProto(const SessionSummary& in, pb::Session* out) {
+  const auto seconds = [](std::chrono::system_clock::time_point t) {
+    return std::chrono::duration_cast<std::chrono::seconds>(t.time_since_epoch()).count();
+  };
+  out->set_name(sessionName(in.id));
+  toProto(in.options, out->mutable_settings());
+  out->mutable_settings()->mutable_ttl()->set_seconds(in.ttl.count());
+  out->mutable_settings()->set_display_name(in.displayName);
+  toProto(in.grid, out->mutable_grid());
+  out->set_revision(in.revision);
+  out->set_epoch(in.epoch);
+  out->mutable_create_time()->set_seconds(seconds(in.created));
+  if (in.ttl.count() > 0 && in.subscribers == 0) {
+    out->mutable_expire_time()->set_seconds(seconds(in.lastUsed + in.ttl));
+  }
+  out->set_light_count(int(in.lights));
+  out->set_surface_count(int(in.surfaces));
+  out->set_triangle_count(in.triangles);
+  out->set_client_count(int(in.clients));
+  out->set_subscriber_count(int(in.subscribers));
+  out->set_durability(pb::DURABILITY_MEMORY);
+}
+
+ClientIdentity fromProto(const pb::ClientIdentity& identity) { return {identity.client_id(), identity.secret()}; }
+
+}  // namespace lpv::api

@@ -1,0 +1,37 @@
+#pragma once
+// Messages of session.proto to domain values and back.
+
+#include <google/protobuf/field_mask.pb.h>
+
+#include <string>
+
+#include "lpv/v1/session.pb.h"
+#include "scene/options.h"
+#include "session/session.h"
+
+namespace lpv::api {
+
+namespace pb = lpv::v1;
+
+/// "sessions/{id}" to the id. INVALID_ARGUMENT at `field` for another form.
+Expected<std::string> sessionId(const std::string& field, const std::string& name);
+std::string sessionName(const std::string& id);
+
+/// A session's settings as the domain has them.
+struct Settings {
+  SessionOptions options;
+  SessionManners manners;
+};
+
+/// Settings of a new session. Unknown enum values are INVALID_ARGUMENT; ranges are the domain's business.
+Expected<Settings> fromProto(const pb::SessionSettings& settings);
+/// `current` with the masked fields ("settings.iterations", "settings.grid", ...) taken from `settings`.
+Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& settings,
+                            const google::protobuf::FieldMask& mask);
+
+void toProto(const SessionOptions& options, pb::SessionSettings* out);
+void toProto(const SessionSummary& summary, pb::Session* out);
+
+ClientIdentity fromProto(const pb::ClientIdentity& identity);
+
+}  // namespace lpv::api

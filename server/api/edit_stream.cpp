@@ -1,0 +1,139 @@
+// Edits in order over one stream, each answered; a rejected edit ends nothing.
+
+#include <deque>
+
+#include "api/convert_scene.h"
+#include "api/convert_session.h"
+#include "api/pulse.h"
+#include "api/services.h"
+
+namespace lpv::api {
+namespace {
+
+class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsResponse> {
+ public:
+  explicit EditStream(Context& context) : context_(context), first_(*context.timers), pulse_(*context.timers) {}
+
+  void expectFirst() {
+    first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
+      const auto self = std::static_pointer_cast<EditStream>(weak.lock());
+      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time"));
+    });
+  }
+
+  void receive(pb::StreamEditsRequest request) override {
+    if (hasEnded()) return;
+    if (!session_) {
+      first_.stop();
+      if (Status s = open(request); !s.ok()) return end(s);
+    }
+    if (!request.has_edit()) return;
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(std::move(*request.mutable_edit()));
+    workLocked();
+  }
+
+  void halfClosed() override {
+    {
+      const std::lock_guard lock(mutex_);
+      inputEnded_ = true;
+    }
+    wake();
+  }
+
+  bool wantsRead() override {
+    const std::lock_guard lock(mutex_);
+    return waiting_.size() + acks_.size() < std::size_t(context_.limits.maxQueuedEdits);
+  }
+
+  bool next(pb::StreamEditsResponse* response) override {
+    const std::lock_guard lock(mutex_);
+    if (!acks_.empty()) {
+      response->mutable_ack()->Swap(&acks_.front());
+      acks_.pop_front();
+      pulse_.quiet();
+      return true;
+    }
+    if (session_ && pulse_.next(*session_, response)) return true;
+    if (pulse_.over()) {
+      endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
+    } else if (inputEnded_ && waiting_.empty() && !working_) {
+      endInNext(Status());
+    }
+    return false;
+  }
+
+  void cancelled() override {
+    first_.stop();
+    pulse_.stop();
+    if (session_) session_->unwatch(watcher_);
+    end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ private:
+  std::shared_ptr<EditStream> me() { return std::static_pointer_cast<EditStream>(shared_from_this()); }
+
+  Status open(const pb::StreamEditsRequest& request) {
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    if (!session) return session.status();
+    client_ = fromProto(request.client());
+    if (Status s = (*session)->verify(client_); !s.ok()) return s;
+    const auto weak = std::weak_ptr<EditStream>(me());
+    watcher_ = (*session)->watch([] {},
+                                 [weak](Closing why) {
+                                   if (const auto self = weak.lock()) self->pulse_.close(why);
+                                 });
+    {
+      const std::lock_guard lock(mutex_);
+      session_ = *session;
+    }
+    pulse_.start([weak] {
+      if (const auto self = weak.lock()) self->wake();
+    });
+    return {};
+  }
+
+  /// Applies the next edit on a worker, one at a time so that the order stays.
+  void workLocked() {
+    if (working_ || waiting_.empty()) return;
+    working_ = true;
+    context_.pool->post([self = me(), edit = std::move(waiting_.front())] { self->apply(edit); });
+    waiting_.pop_front();
+  }
+
+  void apply(const pb::Edit& edit) {
+    Expected<Edit> parsed = fromProto(edit, context_.limits);
+    const EditOutcome outcome = parsed ? session_->apply(client_, std::move(*parsed))
+                                       : session_->refuse(client_, edit.sequence(), parsed.status());
+    {
+      const std::lock_guard lock(mutex_);
+      acks_.emplace_back();
+      toProto(outcome, session_->epoch(), &acks_.back());
+      working_ = false;
+      workLocked();
+    }
+    wake();
+  }
+
+  Context& context_;
+  Deadline first_;
+  Pulse pulse_;
+  SessionPtr session_;
+  ClientIdentity client_;
+  std::uint64_t watcher_ = 0;
+  std::mutex mutex_;
+  std::deque<pb::Edit> waiting_;
+  std::deque<pb::EditAck> acks_;
+  bool working_ = false;
+  bool inputEnded_ = false;
+};
+
+}  // namespace
+
+StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(Context& context) {
+  auto stream = std::make_shared<EditStream>(context);
+  stream->expectFirst();
+  return stream;
+}
+
+}  // namespace lpv::api

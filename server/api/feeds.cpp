@@ -1,0 +1,188 @@
+#include "api/feeds.h"
+
+#include <spdlog/spdlog.h>
+
+#include "api/convert_session.h"
+#include "api/services.h"
+
+namespace lpv::api {
+
+template <typename Event>
+Status Feed<Event>::start(const Wish& wish, std::function<void()> wake) {
+  {
+    const std::lock_guard lock(mutex_);
+    wake_ = wake;
+  }
+  pulse_.start(std::move(wake));
+  const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(wish, this->shared_from_this());
+  if (!subscriber) return subscriber.status();
+  {
+    const std::lock_guard lock(mutex_);
+    subscriber_ = *subscriber;
+  }
+  return {};
+}
+
+template <typename Event>
+bool Feed<Event>::next(Event* event) {
+  const std::lock_guard lock(mutex_);
+  if (!subscriber_ || pulse_.over()) return false;
+  if (!greeted_) {
+    greeted_ = true;
+    event->mutable_subscribed()->set_subscriber(subscriber_->id);
+    event->mutable_subscribed()->set_epoch(session_->epoch());
+    event->mutable_subscribed()->set_revision(session_->revision());
+    return true;
+  }
+  while (!results_.empty()) {
+    if (results_.front()(event)) {
+      pulse_.quiet();
+      return true;
+    }
+    results_.pop_front();
+  }
+  return pulse_.next(*session_, event);
+}
+
+template <typename Event>
+void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts, std::int64_t bytes) {
+  std::function<void()> wake;
+  {
+    const std::lock_guard lock(mutex_);
+    if (resultId < newest_) return;  // its credit comes back with the later one's acknowledgement
+    newest_ = resultId;
+    results_.push_back(std::move(parts));
+    wake = wake_;
+  }
+  context_.counters->resultBytesSent += bytes;
+  if (wake) wake();
+}
+
+template <typename Event>
+void Feed<Event>::stop() {
+  pulse_.stop();
+  std::shared_ptr<Subscriber> subscriber;
+  {
+    const std::lock_guard lock(mutex_);
+    wake_ = nullptr;
+    subscriber = subscriber_;
+  }
+  if (subscriber) session_->unsubscribe(subscriber);
+}
+
+template <typename Event>
+Status Feed<Event>::update(const pb::SubscriberUpdate& update) {
+  return applyUpdate(session_, subscriber_, update, context_.limits);
+}
+
+template class Feed<pb::VolumeEvent>;
+template class Feed<pb::FrameEvent>;
+
+void VolumeFeed::offer(const Result& result) {
+  const auto parts = std::make_shared<VolumeParts>(result, stage_, element_);
+  push(
+      result.meta.resultId,
+      [parts](pb::VolumeEvent* event) {
+        pb::VolumePart part;
+        if (!parts->next(&part)) return false;
+        *event->mutable_part() = std::move(part);
+        return true;
+      },
+      parts->bytes());
+}
+
+void FrameFeed::offer(const Result& result) {
+  Expected<std::string> file = encodeFrame(*result.frame, format_, quality_);
+  if (!file) {
+    spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());
+    close(Closing::kDraining);
+    return;
+  }
+  const auto parts = std::make_shared<FrameParts>(result, format_, std::move(*file));
+  push(
+      result.meta.resultId,
+      [parts](pb::FrameEvent* event) {
+        pb::FramePart part;
+        if (!parts->next(&part)) return false;
+        *event->mutable_part() = std::move(part);
+        return true;
+      },
+      parts->bytes());
+}
+
+Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::VolumeSubscription& in,
+                                               std::function<void()> wake) {
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
+  if (!session) return session.status();
+  const ClientIdentity client = fromProto(in.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return s;
+  const Expected<VolumeStage> stage = stageOf(in.stage());
+  if (!stage) return stage.status();
+  const Expected<wire::Element> element = elementOf(in.format());
+  if (!element) return element.status();
+  if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
+  if (in.has_region()) {
+    return unimplemented("region", "region is not built in this version; leave it unset for the whole volume");
+  }
+  if (in.tolerance_class() != 0) {
+    return unimplemented("tolerance_class", "tolerance_class is not built in this version; use 0");
+  }
+  Wish wish;
+  wish.volume = *stage;
+  wish.clientId = client.id;
+  wish.maxRate = in.max_rate();
+  wish.twoCredits = in.two_credits();
+  auto feed = std::make_shared<VolumeFeed>(context, *session, *stage, *element);
+  if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
+  return feed;
+}
+
+Expected<std::shared_ptr<FrameFeed>> openFeed(Context& context, const pb::FrameSubscription& in,
+                                              std::function<void()> wake) {
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
+  if (!session) return session.status();
+  const ClientIdentity client = fromProto(in.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return s;
+  const Expected<FrameOrder> order = orderFrom(in, context.limits);
+  if (!order) return order.status();
+  if (const Expected<Camera> camera = (*session)->cameraFor(order->wish.camera); !camera) return camera.status();
+  Wish wish;
+  wish.frame = order->wish;
+  wish.clientId = client.id;
+  wish.maxRate = in.max_rate();
+  wish.twoCredits = in.two_credits();
+  auto feed = std::make_shared<FrameFeed>(context, *session, order->format, order->quality);
+  if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
+  return feed;
+}
+
+Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
+                   const pb::SubscriberUpdate& update, const Limits& limits) {
+  if (Status s = checkRate(update.max_rate()); !s.ok()) return s;
+  if (update.request_key_frame()) session->resend(subscriber);
+  if (update.has_acknowledge()) session->acknowledge(subscriber, update.acknowledge().result_id());
+  const bool rewishes = update.has_camera() || update.width() != 0 || update.height() != 0 || update.has_exposure() ||
+                        update.max_rate() != 0.0;
+  if (!rewishes) return {};
+  const Wish now = session->wishOf(subscriber);
+  FrameWish wish;
+  if (now.frame) {
+    const Expected<FrameWish> next = updated(*now.frame, update, limits);
+    if (!next) return next.status();
+    wish = *next;
+  }
+  return session->rewish(subscriber, wish, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
+}
+
+Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {
+  switch (format) {
+    case pb::FRAME_FORMAT_PNG:
+      return encode::png(frame.size, frame.rgb8);
+    case pb::FRAME_FORMAT_EXR:
+      return encode::exr(frame.size, frame.rgb32f);
+    default:
+      return encode::jpeg(frame.size, frame.rgb8, quality);
+  }
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,87 @@
+#pragma once
+// The sending end of a subscriber: results as events, heartbeats in between, a notice at the end. One credit means
+// that at most two results can be here; what the client has not taken is never more than that.
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "api/context.h"
+#include "api/parts.h"
+#include "api/pulse.h"
+#include "api/wishes.h"
+
+namespace lpv::api {
+
+/// What volume and frame feeds share. Event is VolumeEvent or FrameEvent.
+template <typename Event>
+class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>> {
+ public:
+  Feed(Context& context, SessionPtr session)
+      : context_(context), session_(std::move(session)), pulse_(*context.timers) {}
+
+  /// Subscribes and starts the heartbeat; `wake` is called when next() may have something.
+  Status start(const Wish& wish, std::function<void()> wake);
+  /// The next event; false where there is none.
+  bool next(Event* event);
+  /// True after the closing notice has been taken.
+  bool closed() const { return pulse_.over(); }
+  Status update(const pb::SubscriberUpdate& update);
+  void stop();
+
+  void close(Closing why) override { pulse_.close(why); }
+  const SessionPtr& session() const { return session_; }
+
+ protected:
+  /// Adds the messages of a finished result, unless a later one was encoded before it.
+  void push(std::uint64_t resultId, std::function<bool(Event*)> parts, std::int64_t bytes);
+  Context& context_;
+
+ private:
+  SessionPtr session_;
+  std::shared_ptr<Subscriber> subscriber_;
+  Pulse pulse_;
+  std::mutex mutex_;
+  std::function<void()> wake_;
+  std::deque<std::function<bool(Event*)>> results_;
+  std::uint64_t newest_ = 0;  ///< result id
+  bool greeted_ = false;
+};
+
+class VolumeFeed final : public Feed<pb::VolumeEvent> {
+ public:
+  VolumeFeed(Context& context, SessionPtr session, VolumeStage stage, wire::Element element)
+      : Feed(context, std::move(session)), stage_(stage), element_(element) {}
+  void offer(const Result& result) override;
+
+ private:
+  VolumeStage stage_;
+  wire::Element element_;
+};
+
+class FrameFeed final : public Feed<pb::FrameEvent> {
+ public:
+  FrameFeed(Context& context, SessionPtr session, pb::FrameFormat format, int quality)
+      : Feed(context, std::move(session)), format_(format), quality_(quality) {}
+  void offer(const Result& result) override;
+
+ private:
+  pb::FrameFormat format_;
+  int quality_;
+};
+
+/// A feed for what a subscription asks, subscribed; errors by field.
+Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::VolumeSubscription& subscription,
+                                               std::function<void()> wake);
+Expected<std::shared_ptr<FrameFeed>> openFeed(Context& context, const pb::FrameSubscription& subscription,
+                                              std::function<void()> wake);
+
+/// An update's effect on a live subscriber.
+Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
+                   const pb::SubscriberUpdate& update, const Limits& limits);
+
+/// Encodes pixels; the result is a file.
+Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality);
+
+}  // namespace lpv::api

@@ -1,0 +1,124 @@
+// Long probes: any number of points in parts, every part answered from the same result.
+
+#include <deque>
+
+#include "api/probing.h"
+#include "api/services.h"
+
+namespace lpv::api {
+namespace {
+
+constexpr std::size_t kMaxQueuedParts = 4;
+
+class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeResponse> {
+ public:
+  explicit ProbeStream(Context& context) : context_(context) {}
+
+  void receive(pb::StreamProbeRequest request) override {
+    if (hasEnded()) return;
+    if (!asked_) {
+      if (Status s = ask(request.request()); !s.ok()) return end(s.within("request"));
+    }
+    Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
+    if (!points) return end(points.status().within("request"));
+    const std::lock_guard lock(mutex_);
+    if (points->empty()) return;
+    waiting_.push_back(std::move(*points));
+    workLocked();
+  }
+
+  void halfClosed() override {
+    const std::lock_guard lock(mutex_);
+    inputEnded_ = true;
+    if (!asked_) return context_.pool->post([self = me()] { self->end(invalid("request", "no message came")); });
+    workLocked();
+  }
+
+  bool wantsRead() override {
+    const std::lock_guard lock(mutex_);
+    return waiting_.size() + answers_.size() < kMaxQueuedParts;
+  }
+
+  bool next(pb::StreamProbeResponse* response) override {
+    bool finished = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!answers_.empty()) {
+        response->mutable_response()->Swap(&answers_.front());
+        answers_.pop_front();
+        return true;
+      }
+      finished = inputEnded_ && result_ && waiting_.empty() && !working_;
+    }
+    if (finished) endInNext(Status());
+    return false;
+  }
+
+  void cancelled() override {
+    if (call_) session_->forget(call_);
+    end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ private:
+  std::shared_ptr<ProbeStream> me() { return std::static_pointer_cast<ProbeStream>(shared_from_this()); }
+
+  Status ask(const pb::ProbeRequest& request) {
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    if (!session) return session.status();
+    session_ = *session;
+    asked_ = true;
+    WaitingCall call;
+    call.volume = VolumeStage::kTransported;
+    call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
+    call.done = [weak = weak_from_this()](Expected<Result> result) {
+      const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
+      if (!self) return;
+      if (!result) return self->end(result.status());
+      {
+        const std::lock_guard lock(self->mutex_);
+        self->result_ = *result;
+        self->workLocked();
+      }
+      self->wake();
+    };
+    call_ = session_->ask(std::move(call));
+    return {};
+  }
+
+  /// Answers the next part on a worker, one at a time so that the order stays.
+  void workLocked() {
+    if (working_ || !result_ || waiting_.empty()) return;
+    working_ = true;
+    context_.pool->post([self = me(), points = std::move(waiting_.front()), result = *result_] {
+      pb::ProbeResponse answer;
+      answerPoints(result, points, &answer);
+      {
+        const std::lock_guard lock(self->mutex_);
+        self->answers_.push_back(std::move(answer));
+        self->working_ = false;
+        self->workLocked();
+      }
+      self->wake();
+    });
+    waiting_.pop_front();
+  }
+
+  Context& context_;
+  SessionPtr session_;
+  bool asked_ = false;
+  std::shared_ptr<WaitingCall> call_;
+  std::mutex mutex_;
+  std::optional<Result> result_;
+  std::deque<ProbePoints> waiting_;
+  std::deque<pb::ProbeResponse> answers_;
+  bool working_ = false;
+  bool inputEnded_ = false;
+};
+
+}  // namespace
+
+StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(Context& context) {
+  return std::make_shared<ProbeStream>(context);
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lpv/v1/result.pb.h"
+#include "session/limits.h"
+#include "session/results.h"
+
+namespace lpv::api {
+
+namespace pb = lpv::v1;
+
+/// World positions and unit normals.
+using ProbePoints = std::vector<std::pair<glm::dvec3, glm::dvec3>>;
+
+/// Points of a ProbeRequest, checked.
+Expected<ProbePoints> probePoints(const std::string& bytes, const Limits& limits);
+
+/// Irradiance at each point from one volume result.
+void answerPoints(const Result& result, const ProbePoints& points, pb::ProbeResponse* out);
+
+}  // namespace lpv::api

@@ -1,0 +1,230 @@
+// Single answers: volumes, frames, probes, picks. Each waits for a result at or after its revision.
+
+#include "api/convert_geometry.h"
+#include "api/feeds.h"
+#include "api/probing.h"
+#include "api/services.h"
+#include "scene/raycast.h"
+
+namespace lpv::api {
+namespace {
+
+/// A call that asks the session for one result and hands it out in parts. Make builds the parts on a worker thread.
+template <typename Request, typename Response>
+class Answer : public Stream<Request, Response> {
+ public:
+  explicit Answer(Context& context) : context_(context) {}
+
+  void receive(Request request) override {
+    if (asked_) return;
+    asked_ = true;
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    if (!session) return this->end(session.status());
+    session_ = *session;
+    Expected<WaitingCall> call = prepare(request);
+    if (!call) return this->end(call.status());
+    call->minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
+    call->done = [weak = this->weak_from_this()](Expected<Result> result) {
+      const auto self = std::static_pointer_cast<Answer>(weak.lock());
+      if (self) self->finish(std::move(result));
+    };
+    const std::shared_ptr<WaitingCall> waiting = session_->ask(std::move(*call));
+    const std::lock_guard lock(mutex_);
+    call_ = waiting;
+  }
+
+  bool next(Response* response) override {
+    bool more = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!parts_) return false;
+      more = parts_(response);
+    }
+    if (!more) this->endInNext(Status());
+    return more;
+  }
+
+  void cancelled() override {
+    std::shared_ptr<WaitingCall> call;
+    {
+      const std::lock_guard lock(mutex_);
+      call = call_;
+    }
+    if (call) session_->forget(call);
+    this->end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ protected:
+  using Parts = std::function<bool(Response*)>;
+  /// Checks the request and says what to ask for.
+  virtual Expected<WaitingCall> prepare(Request& request) = 0;
+  /// The answer's messages.
+  virtual Expected<Parts> parts(const Result& result) = 0;
+
+  Context& context_;
+  SessionPtr session_;
+
+ private:
+  void finish(Expected<Result> result) {
+    if (!result) return this->end(result.status());
+    Expected<Parts> made = parts(*result);
+    if (!made) return this->end(made.status());
+    {
+      const std::lock_guard lock(mutex_);
+      parts_ = std::move(*made);
+    }
+    this->wake();
+  }
+
+  bool asked_ = false;
+  std::mutex mutex_;
+  Parts parts_;
+  std::shared_ptr<WaitingCall> call_;
+};
+
+class VolumeAnswer final : public Answer<pb::GetVolumeRequest, pb::GetVolumeResponse> {
+ public:
+  using Answer::Answer;
+
+ protected:
+  Expected<WaitingCall> prepare(pb::GetVolumeRequest& request) override {
+    const Expected<VolumeStage> stage = stageOf(request.stage());
+    if (!stage) return stage.status();
+    const Expected<wire::Element> element = elementOf(request.format());
+    if (!element) return element.status();
+    stage_ = *stage;
+    element_ = *element;
+    WaitingCall call;
+    call.volume = stage_;
+    return call;
+  }
+  Expected<Parts> parts(const Result& result) override {
+    const auto parts = std::make_shared<VolumeParts>(result, stage_, element_);
+    context_.counters->resultBytesSent += parts->bytes();
+    return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
+  }
+
+ private:
+  VolumeStage stage_ = VolumeStage::kTransported;
+  wire::Element element_ = wire::Element::kHalf;
+};
+
+class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameResponse> {
+ public:
+  using Answer::Answer;
+
+ protected:
+  Expected<WaitingCall> prepare(pb::GetFrameRequest& request) override {
+    Expected<FrameOrder> order = orderFrom(request, context_.limits);
+    if (!order) return order.status();
+    if (const Expected<Camera> camera = session_->cameraFor(order->wish.camera); !camera) return camera.status();
+    order_ = *order;
+    WaitingCall call;
+    call.frame = order_.wish;
+    return call;
+  }
+  Expected<Parts> parts(const Result& result) override {
+    Expected<std::string> file = encodeFrame(*result.frame, order_.format, order_.quality);
+    if (!file) return file.status();
+    const auto parts = std::make_shared<FrameParts>(result, order_.format, std::move(*file));
+    context_.counters->resultBytesSent += parts->bytes();
+    return Parts([parts](pb::GetFrameResponse* response) { return parts->next(response->mutable_part()); });
+  }
+
+ private:
+  FrameOrder order_;
+};
+
+class ProbeAnswer final : public Answer<pb::ProbeRequest, pb::ProbeResponse> {
+ public:
+  using Answer::Answer;
+
+ protected:
+  Expected<WaitingCall> prepare(pb::ProbeRequest& request) override {
+    Expected<ProbePoints> points = probePoints(request.points(), context_.limits);
+    if (!points) return points.status();
+    points_ = std::move(*points);
+    WaitingCall call;
+    call.volume = VolumeStage::kTransported;
+    return call;
+  }
+  Expected<Parts> parts(const Result& result) override {
+    auto response = std::make_shared<pb::ProbeResponse>();
+    answerPoints(result, points_, response.get());
+    return Parts([response, done = false](pb::ProbeResponse* out) mutable {
+      if (done) return false;
+      out->Swap(response.get());
+      return done = true;
+    });
+  }
+
+ private:
+  ProbePoints points_;
+};
+
+}  // namespace
+
+StreamPtr<pb::GetVolumeRequest, pb::GetVolumeResponse> getVolume(Context& context) {
+  return std::make_shared<VolumeAnswer>(context);
+}
+
+StreamPtr<pb::GetFrameRequest, pb::GetFrameResponse> getFrame(Context& context) {
+  return std::make_shared<FrameAnswer>(context);
+}
+
+StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(Context& context) {
+  return std::make_shared<ProbeAnswer>(context);
+}
+
+/// The camera and picture size that a pick is about: a live subscriber's, or given.
+static Expected<FrameWish> pickedWish(const SessionPtr& session, const pb::PickRequest& request, const Limits& limits) {
+  FrameWish wish;
+  if (!request.subscriber().empty()) {
+    const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(request.subscriber());
+    const std::optional<FrameWish> frame = subscriber ? session->wishOf(subscriber).frame : std::nullopt;
+    if (!frame) {
+      return Status(Code::kNotFound, "there is no frame subscriber \"" + request.subscriber().substr(0, 80) + "\"",
+                    "subscriber");
+    }
+    return *frame;
+  }
+  const Expected<glm::ivec2> size = frameSize(request.width(), request.height(), limits);
+  if (!size) return size.status();
+  wish.size = *size;
+  if (request.has_camera()) {
+    const Expected<Camera> camera = fromProto(request.camera());
+    if (!camera) return camera.status().within("camera");
+    wish.camera.camera = *camera;
+  }
+  return wish;
+}
+
+Status pick(Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  const Expected<FrameWish> wish = pickedWish(*session, request, context.limits);
+  if (!wish) return wish.status();
+  const glm::dvec2 size(wish->size);
+  if (!(request.x() >= 0.0 && request.x() <= size.x && request.y() >= 0.0 && request.y() <= size.y)) {
+    return Status(Code::kOutOfRange,
+                  "x, y is " + std::to_string(request.x()) + ", " + std::to_string(request.y()) + ", the picture is " +
+                      std::to_string(wish->size.x) + " x " + std::to_string(wish->size.y),
+                  "x");
+  }
+  const Expected<Camera> camera = (*session)->cameraFor(wish->camera);
+  if (!camera) return camera.status();
+  const ScenePtr scene = (*session)->scene();
+  response->set_revision(scene->revision);
+  const glm::dvec3 direction = camera->rayDirection(request.x() / size.x, request.y() / size.y, size.x / size.y);
+  const std::optional<Hit> hit = raycast(*scene, camera->eye, direction);
+  if (!hit) return {};
+  response->set_hit(true);
+  response->set_object(hit->object);
+  response->set_kind(hit->isLight ? "light" : "surface");
+  toProto(hit->position, response->mutable_position());
+  toProto(hit->normal, response->mutable_normal());
+  response->set_distance(hit->distance);
+  return {};
+}
+
+}  // namespace lpv::api

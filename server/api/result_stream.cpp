@@ -1,0 +1,146 @@
+// Subscriptions as streams: the bidirectional form and its server-streaming twin over the same feeds.
+
+#include "api/feeds.h"
+#include "api/services.h"
+
+namespace lpv::api {
+namespace {
+
+/// A stream that has a feed once its subscription has arrived. Traits say how messages carry what.
+template <typename Traits>
+class ResultStream final : public Stream<typename Traits::Request, typename Traits::Response> {
+ public:
+  explicit ResultStream(Context& context) : context_(context), first_(*context.timers) {}
+
+  /// The client has to say what it wants within the limit.
+  void expectFirst() {
+    first_.restart(context_.limits.firstMessage, [weak = this->weak_from_this()] {
+      const auto self = std::static_pointer_cast<ResultStream>(weak.lock());
+      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: the subscription did not arrive in time"));
+    });
+  }
+
+  void receive(typename Traits::Request request) override {
+    if (this->hasEnded()) return;
+    if (feed_) {
+      const pb::SubscriberUpdate* update = Traits::update(request);
+      const Status status =
+          update ? feed_->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
+      // A refused camera or size ends nothing a client could still want: it is told, and reopens with a right one.
+      if (!status.ok()) this->end(status.within("update"));
+      return;
+    }
+    first_.stop();
+    const typename Traits::Subscription* subscription = Traits::subscription(request);
+    if (!subscription) return this->end(invalid("subscription", "the first message has no subscription"));
+    auto feed = openFeed(context_, *subscription, [weak = this->weak_from_this()] {
+      if (const auto self = std::static_pointer_cast<ResultStream>(weak.lock())) self->wake();
+    });
+    if (!feed) return this->end(feed.status().within("subscription"));
+    {
+      const std::lock_guard lock(mutex_);
+      feed_ = *feed;
+    }
+    this->wake();
+  }
+
+  void halfClosed() override {
+    if (Traits::kBidirectional) this->end(Status());
+  }
+
+  bool next(typename Traits::Response* response) override {
+    const std::shared_ptr<typename Traits::FeedType> feed = current();
+    if (!feed || this->hasEnded()) return false;
+    if (feed->next(response->mutable_event())) return true;
+    response->clear_event();
+    if (feed->closed()) this->endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
+    return false;
+  }
+
+  void cancelled() override {
+    first_.stop();
+    if (const auto feed = current()) feed->stop();
+    this->end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ private:
+  std::shared_ptr<typename Traits::FeedType> current() {
+    const std::lock_guard lock(mutex_);
+    return feed_;
+  }
+
+  Context& context_;
+  Deadline first_;
+  std::mutex mutex_;
+  std::shared_ptr<typename Traits::FeedType> feed_;
+};
+
+template <typename Req, typename Resp, typename Sub, typename F>
+struct WatchTraits {
+  using Request = Req;
+  using Response = Resp;
+  using Subscription = Sub;
+  using FeedType = F;
+  static constexpr bool kBidirectional = false;
+  static const Sub* subscription(const Req& request) {
+    return request.has_subscription() ? &request.subscription() : nullptr;
+  }
+  static const pb::SubscriberUpdate* update(const Req&) { return nullptr; }
+};
+
+template <typename Req, typename Resp, typename Sub, typename F>
+struct BidiTraits {
+  using Request = Req;
+  using Response = Resp;
+  using Subscription = Sub;
+  using FeedType = F;
+  static constexpr bool kBidirectional = true;
+  static const Sub* subscription(const Req& request) {
+    return request.has_subscription() ? &request.subscription() : nullptr;
+  }
+  static const pb::SubscriberUpdate* update(const Req& request) {
+    return request.has_update() ? &request.update() : nullptr;
+  }
+};
+
+template <typename Traits>
+std::shared_ptr<ResultStream<Traits>> make(Context& context) {
+  auto stream = std::make_shared<ResultStream<Traits>>(context);
+  stream->expectFirst();
+  return stream;
+}
+
+}  // namespace
+
+StreamPtr<pb::WatchVolumeRequest, pb::WatchVolumeResponse> watchVolume(Context& context) {
+  return make<WatchTraits<pb::WatchVolumeRequest, pb::WatchVolumeResponse, pb::VolumeSubscription, VolumeFeed>>(
+      context);
+}
+
+StreamPtr<pb::StreamVolumeRequest, pb::StreamVolumeResponse> streamVolume(Context& context) {
+  return make<BidiTraits<pb::StreamVolumeRequest, pb::StreamVolumeResponse, pb::VolumeSubscription, VolumeFeed>>(
+      context);
+}
+
+StreamPtr<pb::WatchFramesRequest, pb::WatchFramesResponse> watchFrames(Context& context) {
+  return make<WatchTraits<pb::WatchFramesRequest, pb::WatchFramesResponse, pb::FrameSubscription, FrameFeed>>(context);
+}
+
+StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(Context& context) {
+  return make<BidiTraits<pb::StreamFramesRequest, pb::StreamFramesResponse, pb::FrameSubscription, FrameFeed>>(context);
+}
+
+Status updateSubscription(Context& context, const pb::UpdateSubscriptionRequest& request,
+                          pb::UpdateSubscriptionResponse*) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
+  if (!subscriber) {
+    return Status(Code::kNotFound,
+                  "there is no subscriber \"" + request.subscriber().substr(0, 80) + "\"; its stream may have ended",
+                  "subscriber");
+  }
+  return applyUpdate(*session, subscriber, request.update(), context.limits).within("update");
+}
+
+}  // namespace lpv::api

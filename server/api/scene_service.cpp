@@ -1,0 +1,60 @@
+#include "api/convert_geometry.h"
+#include "api/convert_scene.h"
+#include "api/convert_session.h"
+#include "api/paging.h"
+#include "api/services.h"
+
+namespace lpv::api {
+
+Status applyEdit(Context& context, const pb::ApplyEditRequest& request, pb::ApplyEditResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  const ClientIdentity client = fromProto(request.client());
+  Expected<Edit> edit = fromProto(request.edit(), context.limits);
+  const EditOutcome outcome = edit ? (*session)->apply(client, std::move(*edit))
+                                   : (*session)->refuse(client, request.edit().sequence(), edit.status());
+  if (!outcome.status.ok()) return outcome.status;
+  toProto(outcome, (*session)->epoch(), response->mutable_ack());
+  return {};
+}
+
+Status listLights(Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  response->set_revision((*session)->revision());
+  const std::vector<Versioned<Light>> lights = (*session)->lights();
+  return page(
+      request, lights, [](const Versioned<Light>& light) { return light.object->name; },
+      [&](const Versioned<Light>& light) {
+        pb::Light* out = response->add_lights();
+        toProto(light, out);
+        // Worth milliseconds for a large mesh: only where somebody asks for a list, never in the stream of changes.
+        out->mutable_status()->set_area(worldArea(*light.object->mesh, light.object->transform));
+        out->mutable_status()->set_skipped_degenerate(std::int64_t(degenerateTriangles(*light.object->mesh)));
+      },
+      response->mutable_next_page_token());
+}
+
+Status listSurfaces(Context& context, const pb::ListSurfacesRequest& request, pb::ListSurfacesResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  response->set_revision((*session)->revision());
+  const std::vector<Versioned<Surface>> surfaces = (*session)->surfaces();
+  return page(
+      request, surfaces, [](const Versioned<Surface>& surface) { return surface.object->name; },
+      [&](const Versioned<Surface>& surface) { toProto(surface, response->add_surfaces()); },
+      response->mutable_next_page_token());
+}
+
+Status listCameras(Context& context, const pb::ListCamerasRequest& request, pb::ListCamerasResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  response->set_revision((*session)->revision());
+  const std::vector<std::pair<std::string, Camera>> cameras = (*session)->cameras();
+  return page(
+      request, cameras, [](const auto& camera) { return camera.first; },
+      [&](const auto& camera) { toProto(camera.first, camera.second, response->add_cameras()); },
+      response->mutable_next_page_token());
+}
+
+}  // namespace lpv::api

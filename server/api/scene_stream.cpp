@@ -1,0 +1,97 @@
+// Scene changes as a stream: made from current state when the reader can take them, so a slow reader costs no memory.
+
+#include <deque>
+#include <optional>
+
+#include "api/convert_scene.h"
+#include "api/convert_session.h"
+#include "api/pulse.h"
+#include "api/services.h"
+
+namespace lpv::api {
+namespace {
+
+class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneResponse> {
+ public:
+  explicit SceneStream(Context& context) : context_(context), pulse_(*context.timers) {}
+
+  void receive(pb::WatchSceneRequest request) override {
+    if (Status s = open(request); !s.ok()) return end(s);
+    wake();
+  }
+
+  bool next(pb::WatchSceneResponse* response) override {
+    const std::lock_guard lock(mutex_);
+    if (!session_) return false;
+    if (pulse_.over()) {
+      endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
+      return false;
+    }
+    if (parts_.empty()) refill();
+    if (parts_.empty()) return pulse_.next(*session_, response);
+    response->Swap(&parts_.front());
+    parts_.pop_front();
+    pulse_.quiet();
+    return true;
+  }
+
+  void cancelled() override {
+    pulse_.stop();
+    SessionPtr session;
+    {
+      const std::lock_guard lock(mutex_);
+      session = session_;
+    }
+    if (session) session->unwatch(watcher_);
+    end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ private:
+  Status open(const pb::WatchSceneRequest& request) {
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    if (!session) return session.status();
+    if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return s;
+    const std::lock_guard lock(mutex_);
+    sent_ = request.since_revision();
+    snapshotDue_ = sent_ == 0;
+    session_ = *session;
+    const auto weak = std::weak_ptr<SceneStream>(std::static_pointer_cast<SceneStream>(shared_from_this()));
+    const auto wakeUp = [weak] {
+      if (const auto self = weak.lock()) self->wake();
+    };
+    watcher_ = session_->watch(wakeUp, [weak](Closing why) {
+      if (const auto self = weak.lock()) self->pulse_.close(why);
+    });
+    pulse_.start(wakeUp);
+    return {};
+  }
+
+  /// Everything since what was sent, as messages. An empty session at revision 0 is told as a snapshot once.
+  void refill() {
+    if (!snapshotDue_ && session_->revision() == sent_) return;
+    std::map<std::string, std::uint64_t> sequences;
+    const Changes changes = session_->changesSince(snapshotDue_ ? std::nullopt : std::optional(sent_), &sequences);
+    for (pb::WatchSceneResponse& part : toProto(changes, session_->epoch(), sent_, sequences)) {
+      parts_.push_back(std::move(part));
+    }
+    sent_ = changes.revision;
+    snapshotDue_ = false;
+  }
+
+  Context& context_;
+  Pulse pulse_;
+  std::mutex mutex_;
+  SessionPtr session_;
+  std::uint64_t watcher_ = 0;
+  std::uint64_t sent_ = 0;
+  bool snapshotDue_ = false;
+  std::deque<pb::WatchSceneResponse> parts_;
+};
+
+}  // namespace
+
+StreamPtr<pb::WatchSceneRequest, pb::WatchSceneResponse> watchScene(Context& context) {
+  return std::make_shared<SceneStream>(context);
+}
+
+}  // namespace lpv::api

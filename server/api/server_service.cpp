@@ -1,0 +1,84 @@
+#include <unistd.h>
+
+#include <fstream>
+
+#include "api/services.h"
+
+namespace lpv::api {
+namespace {
+
+constexpr const char* kFeatures[] = {"injection.count", "method.compute", "transport.propagate", "lookup.sh2",
+                                     "lookup.nearest",  "frames.jpeg",    "frames.png",          "frames.exr",
+                                     "volume.half",     "volume.float"};
+
+void toProto(const Limits& in, pb::Limits* out) {
+  out->set_max_sessions(in.maxSessions);
+  out->set_max_clients_per_session(in.maxClientsPerSession);
+  out->set_max_cells_per_axis(kMaxCellsPerAxis);
+  out->set_max_lights(in.maxLights);
+  out->set_max_surfaces(in.maxSurfaces);
+  out->set_max_triangles(in.maxTriangles);
+  out->set_max_texels(in.maxTexels);
+  out->set_max_blob_bytes(in.maxBlobBytes);
+  out->set_max_message_bytes(int(kMaxMessageBytes));
+  out->set_max_operations_per_edit(in.maxOperationsPerEdit);
+  out->set_max_edits_per_second(in.maxEditsPerSecond);
+  out->set_max_tick_rate(in.maxTickRate);
+  out->set_max_frame_edge(in.maxFrameEdge);
+  out->set_max_probe_points(in.maxProbePoints);
+  out->mutable_upload_idle()->set_seconds(in.uploadIdle.count());
+}
+
+/// Resident memory, bytes; 0 where the system does not tell.
+std::int64_t residentBytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  if (!(statm >> total >> resident)) return 0;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+}  // namespace
+
+Status getServerInfo(Context& context, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse* response) {
+  response->set_version(context.version);
+  pb::Device* device = response->mutable_device();
+  device->set_name(context.device.name);
+  device->set_vendor(context.device.vendor);
+  device->set_version(context.device.version);
+  device->set_platform(context.device.platform);
+  device->set_software(context.device.software);
+  toProto(context.limits, response->mutable_limits());
+  response->mutable_start_time()->set_seconds(
+      std::chrono::duration_cast<std::chrono::seconds>(context.started.time_since_epoch()).count());
+  for (const char* feature : kFeatures) response->add_features(feature);
+  return {};
+}
+
+Status getStats(Context& context, const pb::GetStatsRequest&, pb::GetStatsResponse* response) {
+  std::int64_t blobs = 0;
+  std::int64_t blobBytes = 0;
+  std::size_t subscribers = 0;
+  const std::vector<SessionPtr> sessions = context.registry->all();
+  for (const SessionPtr& session : sessions) {
+    const SessionSummary summary = session->summary();
+    blobs += std::int64_t(summary.blobs);
+    blobBytes += summary.blobBytes;
+    subscribers += summary.subscribers;
+  }
+  response->set_sessions(int(sessions.size()));
+  response->set_subscribers(int(subscribers));
+  response->set_ticks(context.counters->ticks);
+  response->set_results_sent(context.counters->resultsSent);
+  response->set_result_bytes_sent(context.counters->resultBytesSent);
+  response->set_edits_accepted(context.counters->editsAccepted);
+  response->set_edits_rejected(context.counters->editsRejected);
+  response->set_blobs(blobs);
+  response->set_blob_bytes(blobBytes);
+  response->set_resident_bytes(residentBytes());
+  const auto uptime = std::chrono::system_clock::now() - context.started;
+  response->mutable_uptime()->set_seconds(std::chrono::duration_cast<std::chrono::seconds>(uptime).count());
+  return {};
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,124 @@
+#include "api/wishes.h"
+
+#include <cmath>
+
+#include "api/convert_geometry.h"
+
+namespace lpv::api {
+namespace {
+
+constexpr int kDefaultQuality = 85;
+
+Status checkEdge(const char* field, int edge, const Limits& limits) {
+  if (edge >= limits.minFrameEdge && edge <= limits.maxFrameEdge) return {};
+  return invalid(field, std::string(field) + " is " + std::to_string(edge) + " pixels, allowed are " +
+                            std::to_string(limits.minFrameEdge) + " to " + std::to_string(limits.maxFrameEdge));
+}
+
+Expected<pb::FrameFormat> formatOf(pb::FrameFormat format, pb::FrameFormat otherwise) {
+  if (format == pb::FRAME_FORMAT_UNSPECIFIED) return otherwise;
+  if (pb::FrameFormat_IsValid(int(format))) return format;
+  return invalid("format", "format has the unknown value " + std::to_string(int(format)));
+}
+
+Expected<int> qualityOf(int quality) {
+  if (quality == 0) return kDefaultQuality;
+  if (quality >= 1 && quality <= 100) return quality;
+  return invalid("quality", "quality is " + std::to_string(quality) + ", allowed are 1 to 100");
+}
+
+Expected<CameraChoice> cameraChoice(const pb::Camera* camera, const std::string& name) {
+  CameraChoice choice;
+  choice.name = name;
+  if (!camera) return choice;
+  if (!name.empty()) return invalid("camera_name", "camera and camera_name are both given; give one");
+  const Expected<Camera> checked = fromProto(*camera);
+  if (!checked) return checked.status().within("camera");
+  choice.camera = *checked;
+  return choice;
+}
+
+/// What subscriptions and calls have in common.
+template <typename Message>
+Expected<FrameOrder> common(const Message& in, const pb::Camera* camera, pb::FrameFormat otherwise,
+                            const Limits& limits) {
+  FrameOrder order;
+  const Expected<glm::ivec2> size = frameSize(in.width(), in.height(), limits);
+  if (!size) return size.status();
+  const Expected<pb::FrameFormat> format = formatOf(in.format(), otherwise);
+  if (!format) return format.status();
+  const Expected<int> quality = qualityOf(in.quality());
+  if (!quality) return quality.status();
+  const Expected<lpv::Exposure> exposure = exposureFrom(in.exposure());
+  if (!exposure) return exposure.status().within("exposure");
+  const Expected<CameraChoice> choice = cameraChoice(camera, in.camera_name());
+  if (!choice) return choice.status();
+  order.wish.size = *size;
+  order.wish.exposure = *exposure;
+  order.wish.camera = *choice;
+  order.wish.format = *format == pb::FRAME_FORMAT_EXR ? PixelFormat::kRgb32F : PixelFormat::kRgb8;
+  order.format = *format;
+  order.quality = *quality;
+  return order;
+}
+
+}  // namespace
+
+Expected<lpv::Exposure> exposureFrom(const pb::Exposure& in) {
+  lpv::Exposure out;
+  if (in.exposure_case() != pb::Exposure::kEv) return out;
+  if (!(std::abs(in.ev()) <= 40.0)) {
+    return invalid("ev", "exposure.ev is " + std::to_string(in.ev()) + " stops, allowed are -40 to 40");
+  }
+  out.automatic = false;
+  out.ev = in.ev();
+  return out;
+}
+
+Expected<glm::ivec2> frameSize(int width, int height, const Limits& limits) {
+  if (width == 0 && height == 0) return glm::ivec2(640, 360);
+  if (Status s = checkEdge("width", width, limits); !s.ok()) return s;
+  if (Status s = checkEdge("height", height, limits); !s.ok()) return s;
+  return glm::ivec2(width, height);
+}
+
+Status checkRate(double rate) {
+  if (rate == 0.0 || (rate >= 0.1 && rate <= 240.0)) return {};
+  return invalid("max_rate",
+                 "max_rate is " + std::to_string(rate) + " a second, allowed are 0 (the server's) and 0.1 to 240");
+}
+
+Expected<FrameOrder> orderFrom(const pb::FrameSubscription& in, const Limits& limits) {
+  if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
+  const pb::Camera* camera = in.has_camera() && in.camera().has_camera() ? &in.camera().camera() : nullptr;
+  Expected<FrameOrder> order = common(in, camera, pb::FRAME_FORMAT_JPEG, limits);
+  if (order) order->wish.cameraSequence = in.camera().sequence();
+  return order;
+}
+
+Expected<FrameOrder> orderFrom(const pb::GetFrameRequest& in, const Limits& limits) {
+  return common(in, in.has_camera() ? &in.camera() : nullptr, pb::FRAME_FORMAT_PNG, limits);
+}
+
+Expected<FrameWish> updated(const FrameWish& wish, const pb::SubscriberUpdate& update, const Limits& limits) {
+  FrameWish out = wish;
+  if (update.has_camera()) {
+    const Expected<Camera> camera = fromProto(update.camera().camera());
+    if (!camera) return camera.status().within("camera");
+    out.camera = {*camera, {}};
+    out.cameraSequence = update.camera().sequence();
+  }
+  if (update.width() != 0 || update.height() != 0) {
+    const Expected<glm::ivec2> size = frameSize(update.width(), update.height(), limits);
+    if (!size) return size.status();
+    out.size = *size;
+  }
+  if (update.has_exposure()) {
+    const Expected<lpv::Exposure> exposure = exposureFrom(update.exposure());
+    if (!exposure) return exposure.status().within("exposure");
+    out.exposure = *exposure;
+  }
+  return out;
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,31 @@
+#pragma once
+// What result messages ask for, checked, as the session understands it.
+
+#include "lpv/v1/result.pb.h"
+#include "session/results.h"
+#include "session/session.h"
+
+namespace lpv::api {
+
+namespace pb = lpv::v1;
+
+/// A frame wish and the coding its pixels get.
+struct FrameOrder {
+  FrameWish wish;
+  pb::FrameFormat format = pb::FRAME_FORMAT_JPEG;
+  int quality = 85;
+};
+
+/// Defaults filled in; INVALID_ARGUMENT by field.
+Expected<FrameOrder> orderFrom(const pb::FrameSubscription& subscription, const Limits& limits);
+Expected<FrameOrder> orderFrom(const pb::GetFrameRequest& request, const Limits& limits);
+
+Expected<lpv::Exposure> exposureFrom(const pb::Exposure& exposure);
+/// Both 0: 640 x 360.
+Expected<glm::ivec2> frameSize(int width, int height, const Limits& limits);
+Status checkRate(double rate);
+
+/// `order.wish` changed as an update says; the session decides about camera sequences.
+Expected<FrameWish> updated(const FrameWish& wish, const pb::SubscriberUpdate& update, const Limits& limits);
+
+}  // namespace lpv::api

@@ -1,0 +1,107 @@
+#include "app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "app/version.h"
+
+namespace lpv::app {
+namespace {
+
+/// Options of the contract whose feature is not in this version: named, so that a refusal can say so.
+constexpr const char* kLater[] = {"--web", "--ops-listen", "--state-dir"};
+
+void addLimits(CLI::App& app, Limits& limits) {
+  const auto limit = [&app](const char* flag, auto& value, const char* what, double low, double high) {
+    app.add_option(flag, value, what)->check(CLI::Range(low, high))->capture_default_str()->group("Limits");
+  };
+  limit("--max-sessions", limits.maxSessions, "sessions on this server", 1, 100000);
+  limit("--max-clients-per-session", limits.maxClientsPerSession, "joined clients of a session", 1, 10000);
+  limit("--max-subscribers-per-session", limits.maxSubscribersPerSession, "result streams of a session", 1, 10000);
+  limit("--max-lights", limits.maxLights, "lights of a session", 1, 100000);
+  limit("--max-surfaces", limits.maxSurfaces, "surfaces of a session", 1, 100000);
+  limit("--max-triangles", limits.maxTriangles, "triangles of a session", 1, 1e9);
+  limit("--max-texels", limits.maxTexels, "texels of a session's textures", 1, 1e10);
+  limit("--max-blob-bytes", limits.maxBlobBytes, "bytes of one blob", 1, 1e9);
+  limit("--max-edits-per-second", limits.maxEditsPerSecond, "edits of one client", 1, 100000);
+  limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
+}
+
+/// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
+bool isLoopback(const std::string& address) {
+  const std::string host = address.substr(0, address.rfind(':'));
+  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
+}
+
+Status check(Options& options) {
+  if (options.listen.rfind(':') == std::string::npos) {
+    return invalid("listen", "--listen is \"" + options.listen + "\", the form is HOST:PORT");
+  }
+  if (options.listen.starts_with(":")) options.listen = "127.0.0.1" + options.listen;
+  if (!isLoopback(options.listen) && !options.insecure) {
+    return invalid("listen", "--listen " + options.listen +
+                                 " is not a loopback address, and TLS and tokens are not built in this version; use "
+                                 "127.0.0.1, or --insecure on a network you trust");
+  }
+  const Expected<DeviceChoice> choice = parseDeviceChoice(options.device);
+  if (!choice) return choice.status();
+  options.choice = *choice;
+  return {};
+}
+
+}  // namespace
+
+Parsed parse(int argc, char** argv) {
+  Parsed out;
+  Options& o = out.options;
+  CLI::App app("lpvd: keeps light propagation volumes per session on the GPU and streams what they light", "lpvd");
+  app.set_config("--config", "", "read options from a TOML file")->envname("LPVD_CONFIG");
+  app.add_option("--listen", o.listen, "gRPC address, HOST:PORT or :PORT on the loopback; port 0 takes a free one")
+      ->capture_default_str();
+  app.add_option("--port-file", o.portFile, "write the gRPC port here once listening");
+  app.add_option("--device", o.device, "auto, software, or a number from --list-devices")->capture_default_str();
+  app.add_option("--log-level", o.logLevel, "trace, debug, info, warn, error, off")->capture_default_str();
+  app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens");
+  app.add_flag("--list-devices", o.listDevices, "print what --device would use and why, then exit")
+      ->configurable(false);
+  app.add_flag("--print-config", o.printConfig, "print the configuration as TOML, then exit")->configurable(false);
+  app.add_flag("--version", o.version, "print the version, then exit")->configurable(false);
+  addLimits(app, o.limits);
+  std::string later;
+  for (const char* flag : kLater) app.add_option(flag, later, "not built in this version")->group("Later versions");
+  for (CLI::Option* option : app.get_options()) {
+    if (!option->get_envname().empty() || !option->get_configurable() || option->get_lnames().empty()) continue;
+    std::string name = "LPVD_" + option->get_lnames().front();
+    for (char& c : name) c = c == '-' ? '_' : char(std::toupper(static_cast<unsigned char>(c)));
+    option->envname(name);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    out.exitStatus = app.exit(error, std::cout, std::cerr) == 0 ? 0 : 2;
+    return out;
+  }
+  for (const char* flag : kLater) {
+    if (app.count(flag) == 0) continue;
+    std::cerr << "lpvd: " << flag << " is not built in this version; leave it out\n";
+    out.exitStatus = 2;
+    return out;
+  }
+  if (o.version) {
+    std::cout << "lpvd " << kVersion << "\n";
+    return out;
+  }
+  if (o.printConfig) {
+    std::cout << app.config_to_str(true, true);
+    return out;
+  }
+  if (const Status status = check(o); !status.ok()) {
+    std::cerr << "lpvd: " << status.message() << "\n";
+    out.exitStatus = 2;
+    return out;
+  }
+  out.run = true;
+  return out;
+}
+
+}  // namespace lpv::app

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "lpv/engine.h"
+#include "session/limits.h"
+
+namespace lpv::app {
+
+/// What lpvd was asked on its command line, in LPVD_* environment variables or in a TOML file.
+struct Options {
+  std::string listen = "127.0.0.1:50051";
+  std::string portFile;
+  std::string device = "auto";
+  std::string logLevel = "info";
+  bool listDevices = false;
+  bool printConfig = false;
+  bool version = false;
+  bool insecure = false;
+  Limits limits;
+  DeviceChoice choice;
+};
+
+/// What to do after parsing: run, or exit with a status.
+struct Parsed {
+  Options options;
+  bool run = false;
+  int exitStatus = 0;
+};
+
+/// Parses and checks. Prints help, version, configuration or an error itself.
+Parsed parse(int argc, char** argv);
+
+}  // namespace lpv::app

@@ -1,0 +1,61 @@
+#include "grpc/door.h"
+
+#include <grpc/grpc.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server_builder.h>
+
+#include "session/limits.h"
+
+namespace lpv::door {
+namespace {
+
+constexpr int kMaxMetadataBytes = 8 * 1024;
+constexpr int kMaxStreamsPerConnection = 100;
+// Only bit 0 (identity): one gzip request of 1 MB was seen to take 1 GB before any handler ran.
+constexpr int kIdentityOnly = 1;
+constexpr const char* kServices[] = {"lpv.v1.ServerService", "lpv.v1.SessionService", "lpv.v1.BlobService",
+                                     "lpv.v1.SceneService", "lpv.v1.ResultService"};
+
+void configure(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(int(kMaxMessageBytes));
+  builder.SetMaxSendMessageSize(int(kMaxMessageBytes));
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadataBytes);
+  builder.AddChannelArgument(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, kIdentityOnly);
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Door>> Door::open(api::Context& context, const std::string& address) {
+  grpc::EnableDefaultHealthCheckService(true);
+  static const bool kReflection = [] {
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    return true;
+  }();
+  (void)kReflection;
+  std::unique_ptr<Door> door(new Door(context));
+  grpc::ServerBuilder builder;
+  configure(builder);
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &door->port_);
+  door->services_.registerWith(builder);
+  door->server_ = builder.BuildAndStart();
+  if (!door->server_ || door->port_ == 0) {
+    return Status(Code::kUnavailable, "cannot listen on " + address + ": in use, or not an address of this machine",
+                  "listen");
+  }
+  for (const char* service : kServices) door->server_->GetHealthCheckService()->SetServingStatus(service, true);
+  return door;
+}
+
+Door::~Door() = default;
+
+void Door::stopServing() { server_->GetHealthCheckService()->SetServingStatus(false); }
+
+void Door::shutdown(std::chrono::milliseconds patience) {
+  server_->Shutdown(std::chrono::system_clock::now() + patience);
+  server_->Wait();
+}
+
+}  // namespace lpv::door

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <grpcpp/server.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "api/context.h"
+#include "grpc/services.h"
+#include "scene/status.h"
+
+namespace lpv::door {
+
+/// A listening gRPC server: health and reflection on, identity encoding only, no shared ports, messages of at most
+/// 1 MiB (PROTOCOL.md, Doors).
+class Door {
+ public:
+  /// Listens on `address` ("host:port", port 0 = any free one). UNAVAILABLE where that is not possible.
+  static Expected<std::unique_ptr<Door>> open(api::Context& context, const std::string& address);
+  ~Door();
+
+  int port() const { return port_; }
+  /// Answers NOT_SERVING to health checks from now on.
+  void stopServing();
+  /// Ends what is left at the deadline.
+  void shutdown(std::chrono::milliseconds patience);
+
+ private:
+  explicit Door(api::Context& context) : services_(context) {}
+  Services services_;
+  std::unique_ptr<grpc::Server> server_;
+  int port_ = 0;
+};
+
+}  // namespace lpv::door

@@ -1,0 +1,226 @@
+#include "grpc/services.h"
+
+#include "api/services.h"
+#include "grpc/reactors.h"
+#include "lpv/v1/blob.grpc.pb.h"
+#include "lpv/v1/result.grpc.pb.h"
+#include "lpv/v1/scene.grpc.pb.h"
+#include "lpv/v1/server.grpc.pb.h"
+#include "lpv/v1/session.grpc.pb.h"
+
+namespace lpv::door {
+
+namespace pb = lpv::v1;
+using Call = grpc::CallbackServerContext;
+
+namespace {
+
+/// A feature of a later version, by name.
+grpc::ServerUnaryReactor* later(Call* call, const char* what) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  reactor->Finish(grpc::Status(grpc::StatusCode::UNIMPLEMENTED, std::string(what) + " is not built in this version"));
+  return reactor;
+}
+
+class ServerDoor final : public pb::ServerService::CallbackService {
+ public:
+  explicit ServerDoor(api::Context& context) : context_(context) {}
+
+  grpc::ServerUnaryReactor* GetServerInfo(Call* call, const pb::GetServerInfoRequest* request,
+                                          pb::GetServerInfoResponse* response) override {
+    return answer(context_, call, request, response, api::getServerInfo);
+  }
+  grpc::ServerUnaryReactor* GetStats(Call* call, const pb::GetStatsRequest* request,
+                                     pb::GetStatsResponse* response) override {
+    return answer(context_, call, request, response, api::getStats);
+  }
+
+ private:
+  api::Context& context_;
+};
+
+class SessionDoor final : public pb::SessionService::CallbackService {
+ public:
+  explicit SessionDoor(api::Context& context) : context_(context) {}
+
+  grpc::ServerUnaryReactor* CreateSession(Call* call, const pb::CreateSessionRequest* request,
+                                          pb::CreateSessionResponse* response) override {
+    return answer(context_, call, request, response, api::createSession);
+  }
+  grpc::ServerUnaryReactor* GetSession(Call* call, const pb::GetSessionRequest* request,
+                                       pb::GetSessionResponse* response) override {
+    return answer(context_, call, request, response, api::getSession);
+  }
+  grpc::ServerUnaryReactor* ListSessions(Call* call, const pb::ListSessionsRequest* request,
+                                         pb::ListSessionsResponse* response) override {
+    return answer(context_, call, request, response, api::listSessions);
+  }
+  grpc::ServerUnaryReactor* UpdateSession(Call* call, const pb::UpdateSessionRequest* request,
+                                          pb::UpdateSessionResponse* response) override {
+    return answer(context_, call, request, response, api::updateSession);
+  }
+  grpc::ServerUnaryReactor* DeleteSession(Call* call, const pb::DeleteSessionRequest* request,
+                                          pb::DeleteSessionResponse* response) override {
+    return answer(context_, call, request, response, api::deleteSession);
+  }
+  grpc::ServerUnaryReactor* FitSession(Call* call, const pb::FitSessionRequest* request,
+                                       pb::FitSessionResponse* response) override {
+    return answer(context_, call, request, response, api::fitSession);
+  }
+  grpc::ServerUnaryReactor* JoinSession(Call* call, const pb::JoinSessionRequest* request,
+                                        pb::JoinSessionResponse* response) override {
+    return answer(context_, call, request, response, api::joinSession);
+  }
+  grpc::ServerUnaryReactor* LeaveSession(Call* call, const pb::LeaveSessionRequest* request,
+                                         pb::LeaveSessionResponse* response) override {
+    return answer(context_, call, request, response, api::leaveSession);
+  }
+  grpc::ServerUnaryReactor* UpdatePresence(Call* call, const pb::UpdatePresenceRequest*,
+                                           pb::UpdatePresenceResponse*) override {
+    return later(call, "presence");
+  }
+  grpc::ServerUnaryReactor* CreateToken(Call* call, const pb::CreateTokenRequest*, pb::CreateTokenResponse*) override {
+    return later(call, "sharing by token");
+  }
+  grpc::ServerUnaryReactor* RevokeToken(Call* call, const pb::RevokeTokenRequest*, pb::RevokeTokenResponse*) override {
+    return later(call, "sharing by token");
+  }
+  grpc::ServerWriteReactor<pb::ExportSessionResponse>* ExportSession(Call*,
+                                                                     const pb::ExportSessionRequest* request) override {
+    using Refused = api::RefusedStream<pb::ExportSessionRequest, pb::ExportSessionResponse>;
+    return WriteReactor<pb::ExportSessionRequest, pb::ExportSessionResponse>::start(
+        std::make_shared<Refused>("saving a session"), *request);
+  }
+  grpc::ServerReadReactor<pb::ImportSessionRequest>* ImportSession(Call*,
+                                                                   pb::ImportSessionResponse* response) override {
+    using Refused = api::RefusedStream<pb::ImportSessionRequest, pb::ImportSessionResponse>;
+    return ReadReactor<pb::ImportSessionRequest, pb::ImportSessionResponse>::start(
+        std::make_shared<Refused>("loading a session"), response);
+  }
+
+ private:
+  api::Context& context_;
+};
+
+class BlobDoor final : public pb::BlobService::CallbackService {
+ public:
+  explicit BlobDoor(api::Context& context) : context_(context) {}
+
+  grpc::ServerUnaryReactor* FindBlobs(Call* call, const pb::FindBlobsRequest* request,
+                                      pb::FindBlobsResponse* response) override {
+    return answer(context_, call, request, response, api::findBlobs);
+  }
+  grpc::ServerReadReactor<pb::UploadBlobRequest>* UploadBlob(Call*, pb::UploadBlobResponse* response) override {
+    return ReadReactor<pb::UploadBlobRequest, pb::UploadBlobResponse>::start(api::uploadBlob(context_), response);
+  }
+  grpc::ServerWriteReactor<pb::ReadBlobResponse>* ReadBlob(Call*, const pb::ReadBlobRequest* request) override {
+    return WriteReactor<pb::ReadBlobRequest, pb::ReadBlobResponse>::start(api::readBlob(context_), *request);
+  }
+
+ private:
+  api::Context& context_;
+};
+
+class SceneDoor final : public pb::SceneService::CallbackService {
+ public:
+  explicit SceneDoor(api::Context& context) : context_(context) {}
+
+  grpc::ServerUnaryReactor* ApplyEdit(Call* call, const pb::ApplyEditRequest* request,
+                                      pb::ApplyEditResponse* response) override {
+    return answer(context_, call, request, response, api::applyEdit);
+  }
+  grpc::ServerUnaryReactor* ListLights(Call* call, const pb::ListLightsRequest* request,
+                                       pb::ListLightsResponse* response) override {
+    return answer(context_, call, request, response, api::listLights);
+  }
+  grpc::ServerUnaryReactor* ListSurfaces(Call* call, const pb::ListSurfacesRequest* request,
+                                         pb::ListSurfacesResponse* response) override {
+    return answer(context_, call, request, response, api::listSurfaces);
+  }
+  grpc::ServerUnaryReactor* ListCameras(Call* call, const pb::ListCamerasRequest* request,
+                                        pb::ListCamerasResponse* response) override {
+    return answer(context_, call, request, response, api::listCameras);
+  }
+  grpc::ServerBidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>* StreamEdits(Call*) override {
+    return BidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>::start(api::streamEdits(context_));
+  }
+  grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Call*, const pb::WatchSceneRequest* request) override {
+    return WriteReactor<pb::WatchSceneRequest, pb::WatchSceneResponse>::start(api::watchScene(context_), *request);
+  }
+  grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest*, pb::UndoResponse*) override {
+    return later(call, "undo");
+  }
+  grpc::ServerUnaryReactor* Redo(Call* call, const pb::RedoRequest*, pb::RedoResponse*) override {
+    return later(call, "redo");
+  }
+
+ private:
+  api::Context& context_;
+};
+
+class ResultDoor final : public pb::ResultService::CallbackService {
+ public:
+  explicit ResultDoor(api::Context& context) : context_(context) {}
+
+  grpc::ServerWriteReactor<pb::WatchVolumeResponse>* WatchVolume(Call*,
+                                                                 const pb::WatchVolumeRequest* request) override {
+    return WriteReactor<pb::WatchVolumeRequest, pb::WatchVolumeResponse>::start(api::watchVolume(context_), *request);
+  }
+  grpc::ServerBidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>* StreamVolume(Call*) override {
+    return BidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>::start(api::streamVolume(context_));
+  }
+  grpc::ServerWriteReactor<pb::WatchFramesResponse>* WatchFrames(Call*,
+                                                                 const pb::WatchFramesRequest* request) override {
+    return WriteReactor<pb::WatchFramesRequest, pb::WatchFramesResponse>::start(api::watchFrames(context_), *request);
+  }
+  grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* StreamFrames(Call*) override {
+    return BidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>::start(api::streamFrames(context_));
+  }
+  grpc::ServerUnaryReactor* UpdateSubscription(Call* call, const pb::UpdateSubscriptionRequest* request,
+                                               pb::UpdateSubscriptionResponse* response) override {
+    return answer(context_, call, request, response, api::updateSubscription);
+  }
+  grpc::ServerWriteReactor<pb::GetVolumeResponse>* GetVolume(Call*, const pb::GetVolumeRequest* request) override {
+    return WriteReactor<pb::GetVolumeRequest, pb::GetVolumeResponse>::start(api::getVolume(context_), *request);
+  }
+  grpc::ServerWriteReactor<pb::GetFrameResponse>* GetFrame(Call*, const pb::GetFrameRequest* request) override {
+    return WriteReactor<pb::GetFrameRequest, pb::GetFrameResponse>::start(api::getFrame(context_), *request);
+  }
+  grpc::ServerUnaryReactor* Probe(Call*, const pb::ProbeRequest* request, pb::ProbeResponse* response) override {
+    return AwaitReactor<pb::ProbeRequest, pb::ProbeResponse>::start(api::probe(context_), *request, response);
+  }
+  grpc::ServerBidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>* StreamProbe(Call*) override {
+    return BidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>::start(api::streamProbe(context_));
+  }
+  grpc::ServerUnaryReactor* Pick(Call* call, const pb::PickRequest* request, pb::PickResponse* response) override {
+    return answer(context_, call, request, response, api::pick);
+  }
+
+ private:
+  api::Context& context_;
+};
+
+}  // namespace
+
+struct Services::Parts {
+  explicit Parts(api::Context& context)
+      : server(context), session(context), blob(context), scene(context), result(context) {}
+  ServerDoor server;
+  SessionDoor session;
+  BlobDoor blob;
+  SceneDoor scene;
+  ResultDoor result;
+};
+
+Services::Services(api::Context& context) : parts_(std::make_unique<Parts>(context)) {}
+Services::~Services() = default;
+
+void Services::registerWith(grpc::ServerBuilder& builder) {
+  builder.RegisterService(&parts_->server);
+  builder.RegisterService(&parts_->session);
+  builder.RegisterService(&parts_->blob);
+  builder.RegisterService(&parts_->scene);
+  builder.RegisterService(&parts_->result);
+}
+
+}  // namespace lpv::door

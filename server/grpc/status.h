@@ -1,0 +1,12 @@
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include "scene/status.h"
+
+namespace lpv::door {
+
+/// The same error on the wire: code, message, and google.rpc.Status with the field in grpc-status-details-bin.
+grpc::Status toGrpc(const Status& status);
+
+}  // namespace lpv::door

@@ -1,0 +1,104 @@
+#include "session/clients.h"
+
+#include <algorithm>
+#include <random>
+
+namespace lpv {
+
+std::string randomHex(std::size_t bytes) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::random_device device;
+  std::string out;
+  while (out.size() < bytes * 2) {
+    const unsigned value = device();
+    for (int shift = 0; shift < 32 && out.size() < bytes * 2; shift += 4) out += kDigits[(value >> shift) & 0xFU];
+  }
+  return out;
+}
+
+Expected<ClientIdentity> Clients::join() {
+  if (std::ssize(clients_) >= limits_.maxClientsPerSession) {
+    return exhausted("max_clients_per_session", "max_clients_per_session: the session has " +
+                                                    std::to_string(clients_.size()) + " clients, allowed are " +
+                                                    std::to_string(limits_.maxClientsPerSession));
+  }
+  const ClientIdentity identity{"c-" + randomHex(8), randomHex(16)};
+  Client& client = clients_[identity.id];
+  client.secret = identity.secret;
+  client.tokens = limits_.maxEditsPerSecond;
+  client.refilled = Clock::now();
+  return identity;
+}
+
+Status Clients::verify(const ClientIdentity& identity) const {
+  if (identity.id.empty()) return {};
+  const auto found = clients_.find(identity.id);
+  if (found != clients_.end() && found->second.secret == identity.secret) return {};
+  return Status(
+      Code::kPermissionDenied,
+      "client \"" + identity.id + "\" was not issued by this session, or its secret is another; call JoinSession",
+      "client");
+}
+
+Expected<std::optional<EditOutcome>> Clients::repeated(const std::string& id, std::uint64_t sequence) const {
+  const auto found = clients_.find(id);
+  if (found == clients_.end() || sequence == 0) return std::optional<EditOutcome>();
+  const Client& client = found->second;
+  const auto same = std::find_if(client.outcomes.begin(), client.outcomes.end(),
+                                 [&](const EditOutcome& outcome) { return outcome.sequence == sequence; });
+  if (same != client.outcomes.end()) return std::optional<EditOutcome>(*same);
+  if (sequence <= client.forgottenUpTo) {
+    return Status(Code::kFailedPrecondition,
+                  "sequence " + std::to_string(sequence) + " is older than the last " +
+                      std::to_string(kRememberedOutcomes) + " edits of this client; its outcome is forgotten",
+                  "sequence");
+  }
+  return std::optional<EditOutcome>();
+}
+
+Status Clients::admit(const std::string& id, Clock::time_point now) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return {};
+  Client& client = found->second;
+  const double elapsed = std::chrono::duration<double>(now - client.refilled).count();
+  client.tokens = std::min(limits_.maxEditsPerSecond, client.tokens + elapsed * limits_.maxEditsPerSecond);
+  client.refilled = now;
+  if (client.tokens < 1.0) {
+    return exhausted("max_edits_per_second", "max_edits_per_second: allowed are " +
+                                                 std::to_string(limits_.maxEditsPerSecond) +
+                                                 " edits a second per client; wait and repeat the same sequence");
+  }
+  client.tokens -= 1.0;
+  return {};
+}
+
+void Clients::record(const std::string& id, const EditOutcome& outcome) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return;
+  Client& client = found->second;
+  if (outcome.status.ok()) {
+    client.acceptedSequence = std::max(client.acceptedSequence, outcome.sequence);
+    client.acceptedRevision = outcome.revision;
+  }
+  if (outcome.sequence == 0) return;
+  client.outcomes.push_back(outcome);
+  if (client.outcomes.size() > kRememberedOutcomes) {
+    client.forgottenUpTo = std::max(client.forgottenUpTo, client.outcomes.front().sequence);
+    client.outcomes.pop_front();
+  }
+}
+
+std::uint64_t Clients::acceptedSequence(const std::string& id) const {
+  const auto found = clients_.find(id);
+  return found == clients_.end() ? 0 : found->second.acceptedSequence;
+}
+
+std::map<std::string, std::uint64_t> Clients::sequencesSince(std::uint64_t since) const {
+  std::map<std::string, std::uint64_t> out;
+  for (const auto& [id, client] : clients_) {
+    if (client.acceptedRevision > since) out[id] = client.acceptedSequence;
+  }
+  return out;
+}
+
+}  // namespace lpv

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/status.h"
+#include "session/limits.h"
+#include "session/timers.h"
+
+namespace lpv {
+
+/// What became of an edit; kept so that a repeated sequence gets the same answer.
+struct EditOutcome {
+  std::uint64_t sequence = 0;
+  Status status;
+  std::uint64_t revision = 0;  ///< made, or current where rejected
+  std::vector<std::string> names;
+};
+
+/// Who a client says it is.
+struct ClientIdentity {
+  std::string id;
+  std::string secret;
+};
+
+/// The members of one session. Not thread-safe: the session's lock guards it.
+class Clients {
+ public:
+  explicit Clients(const Limits& limits) : limits_(limits) {}
+
+  /// A new identity: id and 128-bit secret. RESOURCE_EXHAUSTED when the session is full.
+  Expected<ClientIdentity> join();
+  void leave(const std::string& id) { clients_.erase(id); }
+  /// PERMISSION_DENIED unless the identity was issued here. An empty identity is nobody: ok.
+  Status verify(const ClientIdentity& identity) const;
+
+  /// The outcome of an edit seen before; FAILED_PRECONDITION for a sequence too old to be remembered.
+  Expected<std::optional<EditOutcome>> repeated(const std::string& id, std::uint64_t sequence) const;
+  /// RESOURCE_EXHAUSTED when the client edits faster than max_edits_per_second. Not an outcome: retry.
+  Status admit(const std::string& id, Clock::time_point now);
+  void record(const std::string& id, const EditOutcome& outcome);
+
+  /// Highest sequence accepted from `id`; 0 for nobody.
+  std::uint64_t acceptedSequence(const std::string& id) const;
+  /// Clients whose last accepted edit is newer than revision `since`, with its sequence.
+  std::map<std::string, std::uint64_t> sequencesSince(std::uint64_t since) const;
+  std::size_t count() const { return clients_.size(); }
+
+ private:
+  struct Client {
+    std::string secret;
+    std::deque<EditOutcome> outcomes;   // oldest first, at most kRememberedOutcomes
+    std::uint64_t forgottenUpTo = 0;
+    std::uint64_t acceptedSequence = 0;
+    std::uint64_t acceptedRevision = 0;
+    double tokens = 0.0;
+    Clock::time_point refilled;
+  };
+  Limits limits_;
+  std::map<std::string, Client> clients_;
+};
+
+/// Outcomes kept per client (PROTOCOL.md).
+inline constexpr std::size_t kRememberedOutcomes = 1024;
+
+/// `bytes` random bytes from the operating system, in lower-case hexadecimal.
+std::string randomHex(std::size_t bytes);
+
+}  // namespace lpv

@@ -1,0 +1,150 @@
+#pragma once
+// A session's scene with its history: edits in, revisions out. Pure state, no threads, no clocks.
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scene/edits.h"
+#include "scene/scene.h"
+#include "session/blobs.h"
+#include "session/limits.h"
+
+namespace lpv {
+
+/// An object and the revision that last changed it.
+template <typename T>
+struct Versioned {
+  std::shared_ptr<const T> object;
+  std::uint64_t revision = 0;
+};
+
+enum class ObjectKind { kLight, kSurface, kCamera };
+
+struct Deleted {
+  ObjectKind kind;
+  std::string name;
+  std::uint64_t revision;
+};
+
+/// What differs between two revisions, as current state.
+struct Changes {
+  bool snapshot = false;       ///< everything: forget what was before
+  std::uint64_t revision = 0;  ///< state shown
+  std::vector<Versioned<Light>> lights;
+  std::vector<Versioned<Surface>> surfaces;
+  std::vector<std::pair<std::string, Camera>> cameras;
+  std::vector<Deleted> deleted;
+  std::optional<SessionOptions> options;
+  std::optional<Grid> grid;
+};
+
+/// Names the content of a mesh that no blob carried (SetVertices).
+using MeshHasher = std::function<BlobHash(const Mesh&)>;
+
+/// Deletions remembered for readers that come back; older ones get a snapshot.
+inline constexpr std::size_t kMaxTombstones = 10'000;
+
+class Document {
+ public:
+  /// `options` have passed checkOptions and their grid can be made.
+  Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher);
+
+  std::uint64_t revision() const { return revision_; }
+  const SessionOptions& options() const { return options_; }
+  const Grid& grid() const { return grid_; }
+  std::size_t lightCount() const { return lights_.size(); }
+  std::size_t surfaceCount() const { return surfaces_.size(); }
+  std::int64_t triangleCount() const { return triangles_; }
+
+  /// The mesh that a SetVertices on `object` would start from, or null.
+  MeshPtr meshOf(const std::string& object) const;
+
+  /// Applies every operation or none. On success the revision has risen by one and the names of the objects concerned
+  /// are returned, one per operation. Errors name the operation ("operations[3].create_light.radiance").
+  Expected<std::vector<std::string>> apply(const Edit& edit, const Blobs& blobs);
+
+  /// New settings: a revision where they differ.
+  Status setOptions(const SessionOptions& options);
+
+  /// The state as ticks read it. Cheap while nothing changes.
+  ScenePtr snapshot();
+
+  /// What differs from revision `since`; everything, as a snapshot, where that is unset or no longer known.
+  Changes changesSince(std::optional<std::uint64_t> since) const;
+
+  /// World bounds of all surfaces and enabled lights.
+  Bounds content() const;
+
+  std::vector<Versioned<Light>> lights() const;
+  std::vector<Versioned<Surface>> surfaces() const;
+  std::vector<std::pair<std::string, Camera>> cameras() const;
+  /// Finds a mesh in use by the hash of its content: deformed meshes are in no blob.
+  MeshPtr meshInUse(const BlobHash& hash) const;
+  /// Hashes of blobs that objects refer to.
+  std::set<BlobHash> hashesInUse() const;
+
+ private:
+  template <typename T>
+  using Objects = std::map<std::string, Versioned<T>>;
+  struct CameraEntry {
+    Camera camera;
+    std::uint64_t revision = 0;
+  };
+  /// What an edit has replaced so far, to take it back.
+  struct Undo {
+    std::map<std::string, std::optional<Versioned<Light>>> lights;
+    std::map<std::string, std::optional<Versioned<Surface>>> surfaces;
+    std::map<std::string, std::optional<CameraEntry>> cameras;
+    std::size_t tombstones = 0;
+    Grid grid;
+    std::uint64_t gridRevision = 0;
+    bool contentAdded = false;
+  };
+
+  Expected<std::string> applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const UpdateLight& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const DeleteLight& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const CreateSurface& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const UpdateSurface& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const DeleteSurface& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const SetVertices& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const PutCamera& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const DeleteCamera& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const FitGrid& op, const Blobs& blobs, Undo& undo);
+
+  void put(const std::string& name, std::shared_ptr<const Light> light, Undo& undo);
+  void put(const std::string& name, std::shared_ptr<const Surface> surface, Undo& undo);
+  void takeBack(Undo& undo);
+  Status checkTotals() const;
+  std::string freeName(const std::string& wanted) const;
+  bool exists(const Deleted& deleted) const;
+  Status refit(bool always);
+  void recount();
+
+  Limits limits_;
+  MeshHasher hasher_;
+  SessionOptions options_;
+  Grid grid_;
+  std::uint64_t revision_ = 0;
+  std::uint64_t optionsRevision_ = 0;
+  std::uint64_t gridRevision_ = 0;
+  Objects<Light> lights_;
+  Objects<Surface> surfaces_;
+  std::map<std::string, CameraEntry> cameras_;
+  std::deque<Deleted> tombstones_;
+  std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
+  std::int64_t triangles_ = 0;
+  ScenePtr snapshot_;
+};
+
+/// Does the part of SetVertices that takes time. Call outside locks, with `base` = Document::meshOf(object).
+Status prepareVertices(SetVertices& op, MeshPtr base, const MeshHasher& hasher);
+
+}  // namespace lpv

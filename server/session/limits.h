@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace lpv {
+
+/// Limits enforced at the door; a refusal names the limit as it is called on the command line (PROTOCOL.md).
+struct Limits {
+  int maxSessions = 128;
+  int maxClientsPerSession = 64;
+  int maxSubscribersPerSession = 64;
+  int maxLights = 1024;
+  int maxSurfaces = 4096;
+  int maxCameras = 256;
+  std::int64_t maxTriangles = 2'000'000;       ///< of all blobs and deformed meshes of a session
+  std::int64_t maxTexels = 64 * 1024 * 1024;   ///< of all textures of a session
+  std::int64_t maxBlobBytes = 64 * 1024 * 1024;
+  int maxOperationsPerEdit = 1000;
+  int maxQueuedEdits = 256;                    ///< a stream's reader pauses here
+  double maxEditsPerSecond = 240.0;            ///< per client
+  double maxTickRate = 30.0;                   ///< ticks of one session per second
+  int maxFrameEdge = 4096;                     ///< pixels
+  int minFrameEdge = 16;
+  int maxProbePoints = 16384;
+  std::chrono::seconds uploadIdle{60};
+  std::chrono::seconds firstMessage{10};
+  std::chrono::minutes keepUnusedBlobs{10};    ///< an uploaded blob nobody refers to is dropped after this
+};
+
+/// No message exceeds this in either direction.
+inline constexpr std::size_t kMaxMessageBytes = 1024 * 1024;
+/// Bulk bytes in one message: leaves room for the envelope.
+inline constexpr std::size_t kMaxPartBytes = kMaxMessageBytes - 16 * 1024;
+
+}  // namespace lpv

@@ -1,0 +1,97 @@
+#pragma once
+// What a session hands out, and who waits for it.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lpv/engine.h"
+#include "scene/camera.h"
+#include "scene/volume.h"
+#include "session/timers.h"
+
+namespace lpv {
+
+/// What every result says of itself.
+struct ResultMeta {
+  std::uint64_t epoch = 0;
+  std::uint64_t revision = 0;
+  std::uint64_t resultId = 0;
+  std::int64_t completedNs = 0;        ///< system clock, nanoseconds since the Unix epoch
+  std::uint64_t clientSequence = 0;    ///< highest edit sequence of the receiver's client that is contained
+  std::shared_ptr<const TickReport> report;
+  Lookup lookup = Lookup::kSh2;        ///< how the session reads irradiance from the volume
+};
+
+/// One finished thing: a volume or a frame.
+struct Result {
+  ResultMeta meta;
+  VolumePtr volume;
+  FramePtr frame;
+  std::uint64_t cameraSequence = 0;
+};
+
+/// Why a session's streams end.
+enum class Closing { kDeleted, kDraining };
+
+/// The camera of a frame subscriber or call: given, or a camera of the session by name, or a view of everything.
+struct CameraChoice {
+  std::optional<Camera> camera;
+  std::string name;
+};
+
+/// What a frame subscriber or call wants to see.
+struct FrameWish {
+  CameraChoice camera;
+  std::uint64_t cameraSequence = 0;
+  glm::ivec2 size{640, 360};
+  Exposure exposure;
+  PixelFormat format = PixelFormat::kRgb8;
+};
+
+/// What a subscriber wants.
+struct Wish {
+  std::optional<VolumeStage> volume;  ///< a volume of this stage ...
+  std::optional<FrameWish> frame;     ///< ... or frames
+  std::string clientId;               ///< whose edit sequences to echo; may be empty
+  double maxRate = 0.0;               ///< results per second; 0 = the session's tick rate
+  bool twoCredits = false;
+};
+
+/// The receiving end of a subscriber; called on worker threads, one call at a time, without locks held.
+class ResultSink {
+ public:
+  virtual ~ResultSink() = default;
+  virtual void offer(const Result& result) = 0;
+  virtual void close(Closing why) = 0;
+};
+
+/// A live subscriber. Its fields belong to the session's lock.
+struct Subscriber {
+  std::uint64_t key = 0;
+  std::string id;
+  Wish wish;
+  std::weak_ptr<ResultSink> sink;
+
+  int inFlight = 0;                    ///< results sent and not acknowledged
+  std::uint64_t lastSent = 0;          ///< result id
+  std::uint64_t shownRevision = 0;     ///< of the last result sent
+  bool shownAny = false;
+  bool wishChanged = false;            ///< camera, size or exposure since the last frame asked for
+  bool inTick = false;                 ///< the tick under way makes its frame
+  Clock::time_point notBefore{};       ///< rate limit
+  Clock::time_point sentAt{};
+  double roundTrip = 0.0;              ///< seconds, smoothed
+};
+
+/// A call that waits for one result.
+struct WaitingCall {
+  std::uint64_t minRevision = 0;
+  std::optional<VolumeStage> volume;
+  std::optional<FrameWish> frame;
+  std::function<void(Expected<Result>)> done;  ///< called once, on a worker thread
+};
+
+}  // namespace lpv

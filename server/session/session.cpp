@@ -1,0 +1,256 @@
+#include "session/session.h"
+
+#include <utility>
+
+namespace lpv {
+
+Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const SessionOptions& options,
+                 SessionManners manners, const Workshop& workshop)
+    : id_(std::move(id)),
+      key_(key),
+      epoch_(epoch),
+      workshop_(workshop),
+      created_(std::chrono::system_clock::now()),
+      manners_(std::move(manners)),
+      document_(options, workshop.limits, workshop.hasher),
+      blobs_(workshop.limits),
+      clients_(workshop.limits),
+      lastUsed_(created_) {}
+
+Session::~Session() { workshop_.engine->forget(key_); }
+
+SessionSummary Session::summary() const {
+  const std::lock_guard lock(mutex_);
+  SessionSummary out;
+  out.id = id_;
+  out.displayName = manners_.displayName;
+  out.options = document_.options();
+  out.grid = document_.grid();
+  out.revision = document_.revision();
+  out.epoch = epoch_;
+  out.created = created_;
+  out.ttl = manners_.ttl;
+  out.lights = document_.lightCount();
+  out.surfaces = document_.surfaceCount();
+  out.triangles = document_.triangleCount();
+  out.clients = clients_.count();
+  out.subscribers = subscribers_.size();
+  out.blobs = blobs_.count();
+  out.blobBytes = blobs_.bytes();
+  out.lastUsed = lastUsed_;
+  return out;
+}
+
+std::uint64_t Session::revision() const {
+  const std::lock_guard lock(mutex_);
+  return document_.revision();
+}
+
+Expected<ClientIdentity> Session::join() {
+  const std::lock_guard lock(mutex_);
+  return clients_.join();
+}
+
+void Session::leave(const ClientIdentity& client) {
+  const std::lock_guard lock(mutex_);
+  if (clients_.verify(client).ok()) clients_.leave(client.id);
+}
+
+Status Session::verify(const ClientIdentity& client) const {
+  const std::lock_guard lock(mutex_);
+  return clients_.verify(client);
+}
+
+EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
+  for (Operation& operation : edit.operations) {
+    auto* vertices = std::get_if<SetVertices>(&operation);
+    if (!vertices) continue;
+    MeshPtr base;
+    {
+      const std::lock_guard lock(mutex_);
+      base = document_.meshOf(vertices->object);
+    }
+    // A failure here is found again, with its place in the edit, when the document applies it.
+    (void)prepareVertices(*vertices, base, workshop_.hasher).ok();
+  }
+  EditOutcome outcome;
+  {
+    const std::lock_guard lock(mutex_);
+    outcome = applyLocked(client, edit);
+  }
+  ++(outcome.status.ok() ? workshop_.counters->editsAccepted : workshop_.counters->editsRejected);
+  if (outcome.status.ok()) tellWatchers();
+  return outcome;
+}
+
+EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why) {
+  ++workshop_.counters->editsRejected;
+  const std::lock_guard lock(mutex_);
+  EditOutcome outcome;
+  outcome.sequence = sequence;
+  outcome.revision = document_.revision();
+  outcome.status = clients_.verify(client);
+  if (!outcome.status.ok()) return outcome;
+  const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
+  if (before && *before) return **before;
+  outcome.status = before ? why : before.status();
+  if (before) clients_.record(client.id, outcome);
+  return outcome;
+}
+
+Status Session::closedStatus(const char* field) const {
+  return {Code::kNotFound, "session \"" + id_ + "\" is closed", field};
+}
+
+EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit) {
+  lastUsed_ = std::chrono::system_clock::now();
+  EditOutcome outcome;
+  outcome.sequence = edit.sequence;
+  outcome.revision = document_.revision();
+  if (closed_) {
+    outcome.status = closedStatus("session");
+    return outcome;
+  }
+  outcome.status = clients_.verify(client);
+  if (!outcome.status.ok()) return outcome;
+  const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, edit.sequence);
+  if (!before) {
+    outcome.status = before.status();
+    return outcome;
+  }
+  if (*before) return **before;
+  outcome.status = clients_.admit(client.id, Clock::now());
+  if (!outcome.status.ok()) return outcome;
+  const Expected<std::vector<std::string>> names = document_.apply(edit, blobs_);
+  outcome.status = names.status().within("edit");
+  outcome.revision = document_.revision();
+  if (names) outcome.names = *names;
+  clients_.record(client.id, outcome);
+  if (names) kick();
+  return outcome;
+}
+
+Status Session::setOptions(const SessionOptions& options, const std::optional<SessionManners>& manners) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return closedStatus("name");
+    if (Status s = document_.setOptions(options); !s.ok()) return s;
+    if (manners) manners_ = *manners;
+    lastUsed_ = std::chrono::system_clock::now();
+    kick();
+  }
+  tellWatchers();
+  return {};
+}
+
+Expected<bool> Session::addBlob(const BlobPtr& blob) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return closedStatus("session");
+  lastUsed_ = std::chrono::system_clock::now();
+  return blobs_.add(blob, Clock::now());
+}
+
+BlobPtr Session::findBlob(const BlobHash& hash) const {
+  const std::lock_guard lock(mutex_);
+  return blobs_.find(hash);
+}
+
+MeshPtr Session::findMeshInUse(const BlobHash& hash) const {
+  const std::lock_guard lock(mutex_);
+  return document_.meshInUse(hash);
+}
+
+ScenePtr Session::scene() {
+  const std::lock_guard lock(mutex_);
+  return document_.snapshot();
+}
+
+Changes Session::changesSince(std::optional<std::uint64_t> since,
+                              std::map<std::string, std::uint64_t>* clientSequences) const {
+  const std::lock_guard lock(mutex_);
+  if (clientSequences) *clientSequences = clients_.sequencesSince(since.value_or(0));
+  return document_.changesSince(since);
+}
+
+std::vector<Versioned<Light>> Session::lights() const {
+  const std::lock_guard lock(mutex_);
+  return document_.lights();
+}
+
+std::vector<Versioned<Surface>> Session::surfaces() const {
+  const std::lock_guard lock(mutex_);
+  return document_.surfaces();
+}
+
+std::vector<std::pair<std::string, Camera>> Session::cameras() const {
+  const std::lock_guard lock(mutex_);
+  return document_.cameras();
+}
+
+std::uint64_t Session::watch(std::function<void()> changed, std::function<void(Closing)> closed) {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t key = nextKey_++;
+  if (closed_) {
+    workshop_.pool->post([closed = std::move(closed)] { closed(Closing::kDeleted); });
+  } else {
+    watchers_[key] = {std::move(changed), std::move(closed)};
+  }
+  return key;
+}
+
+void Session::unwatch(std::uint64_t watcher) {
+  const std::lock_guard lock(mutex_);
+  watchers_.erase(watcher);
+  lastUsed_ = std::chrono::system_clock::now();
+}
+
+void Session::tellWatchers() {
+  std::vector<std::function<void()>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [key, watcher] : watchers_) calls.push_back(watcher.changed);
+  }
+  for (const auto& call : calls) call();
+}
+
+void Session::touch() {
+  const std::lock_guard lock(mutex_);
+  lastUsed_ = std::chrono::system_clock::now();
+}
+
+bool Session::expired(std::chrono::system_clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  const bool busy = !subscribers_.empty() || !watchers_.empty() || !calls_.empty();
+  return manners_.ttl.count() > 0 && !busy && now - lastUsed_ > manners_.ttl;
+}
+
+void Session::dropUnusedBlobs() {
+  const std::lock_guard lock(mutex_);
+  blobs_.dropUnused(document_.hashesInUse(), Clock::now());
+}
+
+void Session::close(Closing why) {
+  std::vector<std::shared_ptr<ResultSink>> sinks;
+  std::map<std::uint64_t, Watcher> watchers;
+  std::list<std::shared_ptr<WaitingCall>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    closed_ = true;
+    for (const auto& [id, subscriber] : subscribers_) {
+      if (auto sink = subscriber->sink.lock()) sinks.push_back(std::move(sink));
+    }
+    watchers.swap(watchers_);
+    calls.swap(calls_);
+  }
+  for (const auto& sink : sinks) sink->close(why);
+  for (const auto& [key, watcher] : watchers) watcher.closed(why);
+  const Status gone = why == Closing::kDeleted
+                          ? Status(Code::kNotFound, "session \"" + id_ + "\" was deleted", "session")
+                          : Status(Code::kUnavailable, "the server is draining");
+  for (const auto& call : calls) {
+    if (call->done) call->done(gone);
+  }
+}
+
+}  // namespace lpv

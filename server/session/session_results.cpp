@@ -1,0 +1,356 @@
+// How a session decides what its next tick makes, and for whom: one credit per subscriber, newest wins, nothing is
+// made that nobody waits for (PROTOCOL.md, Results).
+
+#include <algorithm>
+#include <utility>
+
+#include "session/session.h"
+
+namespace lpv {
+namespace {
+
+constexpr double kSmoothing = 0.2;                            // weight of a new round trip in the running mean
+constexpr std::chrono::milliseconds kRetryAfterFailure{1000};  // a failed tick is not repeated at once
+
+Clock::duration interval(double rate) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate));
+}
+
+std::int64_t nowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Wish& wish, const std::shared_ptr<ResultSink>& sink) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return closedStatus("session");
+  if (std::ssize(subscribers_) >= workshop_.limits.maxSubscribersPerSession) {
+    return exhausted("max_subscribers_per_session", "max_subscribers_per_session: allowed are " +
+                                                        std::to_string(workshop_.limits.maxSubscribersPerSession) +
+                                                        " result streams");
+  }
+  auto subscriber = std::make_shared<Subscriber>();
+  subscriber->key = nextKey_++;
+  subscriber->id = "s-" + std::to_string(subscriber->key) + "-" + randomHex(4);
+  subscriber->wish = wish;
+  subscriber->sink = sink;
+  subscribers_[subscriber->id] = subscriber;
+  kick();
+  return subscriber;
+}
+
+void Session::unsubscribe(const std::shared_ptr<Subscriber>& subscriber) {
+  const std::lock_guard lock(mutex_);
+  subscribers_.erase(subscriber->id);
+  lastUsed_ = std::chrono::system_clock::now();
+  workshop_.engine->forgetView(key_, subscriber->key);
+}
+
+std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = subscribers_.find(id);
+  return found == subscribers_.end() ? nullptr : found->second;
+}
+
+void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId) {
+  const std::lock_guard lock(mutex_);
+  if (subscriber->inFlight == 0 || resultId > subscriber->lastSent) return;
+  // An acknowledgement covers everything before it, so the newest one leaves nothing in flight.
+  subscriber->inFlight = resultId == subscriber->lastSent ? 0 : subscriber->inFlight - 1;
+  const double seconds = std::chrono::duration<double>(Clock::now() - subscriber->sentAt).count();
+  subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
+  kick();
+}
+
+void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
+  const std::lock_guard lock(mutex_);
+  subscriber->shownAny = false;
+  kick();
+}
+
+Status Session::rewish(const std::shared_ptr<Subscriber>& subscriber, const FrameWish& wish,
+                       std::optional<double> maxRate) {
+  const std::lock_guard lock(mutex_);
+  if (maxRate) subscriber->wish.maxRate = *maxRate;
+  if (!subscriber->wish.frame) return {};
+  FrameWish next = wish;
+  if (next.cameraSequence < subscriber->wish.frame->cameraSequence) {
+    next.camera = subscriber->wish.frame->camera;
+    next.cameraSequence = subscriber->wish.frame->cameraSequence;
+  }
+  subscriber->wish.frame = next;
+  subscriber->wishChanged = true;
+  kick();
+  return {};
+}
+
+Wish Session::wishOf(const std::shared_ptr<Subscriber>& subscriber) const {
+  const std::lock_guard lock(mutex_);
+  return subscriber->wish;
+}
+
+std::shared_ptr<WaitingCall> Session::ask(WaitingCall call) {
+  auto waiting = std::make_shared<WaitingCall>(std::move(call));
+  const std::lock_guard lock(mutex_);
+  if (closed_) {
+    workshop_.pool->post([waiting, gone = closedStatus("session")] { waiting->done(gone); });
+    return waiting;
+  }
+  lastUsed_ = std::chrono::system_clock::now();
+  calls_.push_back(waiting);
+  kick();
+  return waiting;
+}
+
+void Session::forget(const std::shared_ptr<WaitingCall>& call) {
+  const std::lock_guard lock(mutex_);
+  calls_.remove(call);
+}
+
+Expected<Camera> Session::cameraFor(const CameraChoice& choice) const {
+  const std::lock_guard lock(mutex_);
+  if (choice.camera) return *choice.camera;
+  for (const auto& [name, camera] : document_.cameras()) {
+    if (!choice.name.empty() && name == choice.name) return camera;
+  }
+  if (!choice.name.empty()) {
+    return Status(Code::kNotFound, "there is no camera \"" + choice.name + "\" in this session", "camera_name");
+  }
+  return defaultCamera(document_.content());
+}
+
+/// Newer state, or a changed wish, that the subscriber has not been sent.
+bool Session::wants(const Subscriber& subscriber) const {
+  return !subscriber.shownAny || subscriber.shownRevision < document_.revision() || subscriber.wishChanged;
+}
+
+bool Session::hasCredit(const Subscriber& subscriber) const {
+  if (subscriber.inFlight == 0) return true;
+  const double rate = subscriber.wish.maxRate > 0.0 ? subscriber.wish.maxRate : workshop_.limits.maxTickRate;
+  return subscriber.wish.twoCredits && subscriber.inFlight == 1 && subscriber.roundTrip > 1.0 / rate;
+}
+
+void Session::kickLater(Clock::time_point when) {
+  if (kickAt_ && *kickAt_ <= when) return;
+  kickAt_ = when;
+  workshop_.timers->at(when, [weak = weak_from_this()] {
+    const SessionPtr self = weak.lock();
+    if (!self) return;
+    const std::lock_guard lock(self->mutex_);
+    self->kickAt_.reset();
+    self->kick();
+  });
+}
+
+/// Starts a tick where one is due. Called with the lock held, after everything that may make one due.
+void Session::kick() {
+  if (tickUnderWay_ || closed_) return;
+  std::optional<Planned> plan = planTick(Clock::now());
+  if (!plan) return;
+  tickUnderWay_ = true;
+  nextTick_ = Clock::now() + interval(workshop_.limits.maxTickRate);
+  TickRequest request = plan->request;
+  workshop_.engine->submit(
+      std::move(request), [weak = weak_from_this(), pool = workshop_.pool,
+                           shared = std::make_shared<const Planned>(std::move(*plan))](Expected<TickResult> result) {
+        pool->post([weak, shared, moved = std::make_shared<Expected<TickResult>>(std::move(result))] {
+          if (const SessionPtr self = weak.lock()) self->tickDone(*shared, std::move(*moved));
+        });
+      });
+}
+
+std::optional<Session::Planned> Session::planTick(Clock::time_point now) {
+  Planned plan;
+  Clock::time_point next = Clock::time_point::max();
+  if (now < nextTick_) {
+    const bool due = !calls_.empty() || std::any_of(subscribers_.begin(), subscribers_.end(), [this](const auto& s) {
+      return hasCredit(*s.second) && wants(*s.second);
+    });
+    if (due) kickLater(nextTick_);
+    return std::nullopt;
+  }
+  planSubscribers(plan, now, next);
+  planCalls(plan);
+  const TickRequest& request = plan.request;
+  if (!request.transported && !request.injected && request.frames.empty()) {
+    if (next != Clock::time_point::max()) kickLater(next);
+    return std::nullopt;
+  }
+  plan.request.session = key_;
+  plan.request.scene = document_.snapshot();
+  plan.epoch = epoch_;
+  plan.lookup = document_.options().lookup;
+  plan.clientSequences = clients_.sequencesSince(0);
+  return plan;
+}
+
+void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next) {
+  for (const auto& [id, subscriber] : subscribers_) {
+    if (!hasCredit(*subscriber) || !wants(*subscriber)) continue;
+    if (now < subscriber->notBefore) {
+      next = std::min(next, subscriber->notBefore);
+      continue;
+    }
+    if (subscriber->wish.volume) {
+      addVolume(plan.request, *subscriber->wish.volume);
+      plan.volumeReaders.push_back(subscriber);
+    } else {
+      plan.request.frames.push_back(frameRequest(*subscriber->wish.frame, subscriber->key));
+      plan.frameReaders.emplace_back(subscriber, subscriber->wish.frame->cameraSequence);
+      subscriber->wishChanged = false;
+    }
+  }
+}
+
+void Session::planCalls(Planned& plan) {
+  for (auto it = calls_.begin(); it != calls_.end();) {
+    const std::shared_ptr<WaitingCall> call = *it;
+    if (call->minRevision > document_.revision()) {
+      ++it;
+      continue;
+    }
+    it = calls_.erase(it);
+    if (call->frame) {
+      plan.request.frames.push_back(frameRequest(*call->frame, 0));
+      plan.frameCalls.push_back(call);
+    } else if (const std::optional<Result> cached = cachedVolume(*call->volume, call->minRevision)) {
+      workshop_.pool->post([call, result = *cached] { call->done(result); });
+    } else {
+      addVolume(plan.request, *call->volume);
+      plan.volumeCalls.push_back(call);
+    }
+  }
+}
+
+void Session::addVolume(TickRequest& request, VolumeStage stage) {
+  (stage == VolumeStage::kInjected ? request.injected : request.transported) = true;
+}
+
+FrameRequest Session::frameRequest(const FrameWish& wish, std::uint64_t view) {
+  FrameRequest request;
+  request.view = view;
+  request.camera = cameraOrDefault(wish.camera);
+  request.size = wish.size;
+  request.exposure = wish.exposure;
+  request.format = wish.format;
+  return request;
+}
+
+/// A camera that was deleted since it was chosen shows the whole scene rather than ending the stream.
+Camera Session::cameraOrDefault(const CameraChoice& choice) {
+  if (choice.camera) return *choice.camera;
+  const ScenePtr scene = document_.snapshot();
+  const auto named = scene->cameras.find(choice.name);
+  return named != scene->cameras.end() ? named->second : defaultCamera(document_.content());
+}
+
+std::optional<Result> Session::cachedVolume(VolumeStage stage, std::uint64_t minRevision) const {
+  const auto found = latest_.find(stage);
+  if (found == latest_.end() || found->second.meta.revision < minRevision) return std::nullopt;
+  return found->second;
+}
+
+void Session::tickDone(const Planned& plan, Expected<TickResult> result) {
+  if (!result) {
+    fail(plan, result.status());
+    return;
+  }
+  ++workshop_.counters->ticks;
+  std::vector<Delivery> deliveries;
+  {
+    const std::lock_guard lock(mutex_);
+    tickUnderWay_ = false;
+    deliveries = settle(plan, *result);
+  }
+  deliver(std::move(deliveries));
+  const std::lock_guard lock(mutex_);
+  kick();
+}
+
+/// Gives each result its name and picks who gets it.
+std::vector<Session::Delivery> Session::settle(const Planned& plan, TickResult& tick) {
+  ResultMeta meta;
+  meta.epoch = plan.epoch;
+  meta.revision = tick.revision;
+  meta.completedNs = nowNs();
+  meta.report = std::make_shared<const TickReport>(std::move(tick.report));
+  meta.lookup = plan.lookup;
+  std::vector<Delivery> out;
+  if (tick.transported) settleVolume(plan, meta, VolumeStage::kTransported, tick.transported, &out);
+  if (tick.injected) settleVolume(plan, meta, VolumeStage::kInjected, tick.injected, &out);
+  settleFrames(plan, meta, tick.frames, &out);
+  return out;
+}
+
+/// A volume goes to every reader with credit that lacks it, also to those that came or got their credit back while the
+/// tick ran, and to the calls that waited.
+void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
+                           std::vector<Delivery>* out) {
+  const Clock::time_point now = Clock::now();
+  meta.resultId = nextResult_++;
+  const Result& latest = latest_[stage] = {meta, volume, nullptr, 0};
+  for (const auto& [id, subscriber] : subscribers_) {
+    const bool lacks = !subscriber->shownAny || subscriber->shownRevision < meta.revision;
+    if (subscriber->wish.volume != stage || !hasCredit(*subscriber) || !lacks || now < subscriber->notBefore) continue;
+    Result result = latest;
+    result.meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
+    markSent(*subscriber, result, now);
+    out->push_back({subscriber, std::move(result)});
+  }
+  for (const auto& call : plan.volumeCalls) {
+    if (call->volume == stage) workshop_.pool->post([call, latest] { call->done(latest); });
+  }
+}
+
+/// The frames of a tick are its subscribers', in the order planned, then its calls'.
+void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
+                           std::vector<Delivery>* out) {
+  const Clock::time_point now = Clock::now();
+  auto frame = frames.begin();
+  for (const auto& [subscriber, cameraSequence] : plan.frameReaders) {
+    meta.resultId = nextResult_++;
+    meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
+    Result result{meta, nullptr, *frame++, cameraSequence};
+    if (!subscribers_.contains(subscriber->id)) continue;
+    markSent(*subscriber, result, now);
+    out->push_back({subscriber, std::move(result)});
+  }
+  for (const auto& call : plan.frameCalls) {
+    meta.resultId = nextResult_++;
+    meta.clientSequence = 0;
+    workshop_.pool->post([call, result = Result{meta, nullptr, *frame++, 0}] { call->done(result); });
+  }
+}
+
+void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
+  ++subscriber.inFlight;
+  subscriber.lastSent = result.meta.resultId;
+  subscriber.shownRevision = result.meta.revision;
+  subscriber.shownAny = true;
+  subscriber.sentAt = now;
+  if (subscriber.wish.maxRate > 0.0) subscriber.notBefore = now + interval(subscriber.wish.maxRate);
+}
+
+void Session::fail(const Planned& plan, const Status& status) {
+  for (const auto& call : plan.volumeCalls) call->done(status);
+  for (const auto& call : plan.frameCalls) call->done(status);
+  const std::lock_guard lock(mutex_);
+  for (const auto& [subscriber, cameraSequence] : plan.frameReaders) subscriber->wishChanged = true;
+  tickUnderWay_ = false;
+  nextTick_ = Clock::now() + kRetryAfterFailure;
+  kick();
+}
+
+/// Each on a worker of its own: encoding one reader's frame keeps no other reader waiting.
+void Session::deliver(std::vector<Delivery> deliveries) {
+  for (Delivery& delivery : deliveries) {
+    ++workshop_.counters->resultsSent;
+    workshop_.pool->post([sink = delivery.subscriber->sink, result = std::move(delivery.result)] {
+      if (const std::shared_ptr<ResultSink> alive = sink.lock()) alive->offer(result);
+    });
+  }
+}
+
+}  // namespace lpv
