@@ -1,0 +1,96 @@
+// undo | redo | pick
+
+#include <memory>
+
+#include "command.h"
+#include "lpv/convert.h"
+#include "output.h"
+#include "scene_flags.h"
+#include "values.h"
+
+namespace lpv::cli {
+namespace {
+
+/// `call` is Client::undo or Client::redo.
+template <typename Request, typename Response>
+void addStep(CLI::App& parent, Commands& commands, const std::string& name, const std::string& about,
+             Expected<Response> (client::Client::*call)(const Request&)) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app = commands.add(parent, name, about, [id, call](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    Request request;
+    request.set_session(client::sessionName(*id));
+    const Expected<Response> done = ((*client).*call)(request);
+    if (!done) return done.status();
+    if (context.json()) print(toJson(*done));
+    for (const std::string& field : done->skipped_fields()) {
+      if (!context.json()) print("left as somebody else has set it: " + field);
+    }
+    return Status();
+  });
+  addSession(app, *id);
+}
+
+/// The session's camera of that name.
+Expected<v1::Camera> namedCamera(client::Client& client, const std::string& session, const std::string& name) {
+  const auto cameras = client.cameras(session);
+  if (!cameras) return cameras.status();
+  for (const v1::Camera& camera : cameras->items) {
+    if (camera.name() == name) return camera;
+  }
+  return Status(Code::kNotFound, "there is no camera '" + name + "'", "camera_name");
+}
+
+void printPick(const Context& context, const v1::PickResponse& pick) {
+  if (context.json()) return print(toJson(pick));
+  if (!pick.hit()) return print("nothing");
+  const auto triple = [](const v1::Vec3& v) {
+    return numberText(v.x()) + "," + numberText(v.y()) + "," + numberText(v.z());
+  };
+  print(pick.kind() + " " + pick.object() + " at " + triple(pick.position()) + " normal " + triple(pick.normal()));
+}
+
+}  // namespace
+
+void addHistoryCommands(CLI::App& app, Commands& commands) {
+  addStep(app, commands, "undo", "Takes the last edit back", &client::Client::undo);
+  addStep(app, commands, "redo", "Makes an edit again that was taken back", &client::Client::redo);
+}
+
+void addPickCommand(CLI::App& app, Commands& commands) {
+  struct Options {
+    std::string id;
+    std::optional<std::vector<double>> pixel;
+    FrameFlags frame;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& command = commands.add(app, "pick", "Says what a pixel shows", [given](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    v1::PickRequest request;
+    request.set_session(given->id);
+    request.set_x((*given->pixel)[0]);
+    request.set_y((*given->pixel)[1]);
+    request.set_width(given->frame.pixels().x);
+    request.set_height(given->frame.pixels().y);
+    if (given->frame.hasCamera()) *request.mutable_camera() = given->frame.camera();
+    if (!given->frame.cameraName.empty()) {
+      const auto camera = namedCamera(*client, given->id, given->frame.cameraName);
+      if (!camera) return camera.status();
+      *request.mutable_camera() = *camera;
+    }
+    const auto pick = client->pick(request);
+    if (pick) printPick(context, *pick);
+    return pick.status();
+  });
+  addSession(command, given->id);
+  addParsed<std::vector<double>>(
+      command, "--pixel", given->pixel, "x,y", [](const std::string& text) { return parseNumbers(text, {2}); },
+      "From the left and top; the first pixel's centre is 0.5,0.5")
+      ->required();
+  given->frame.addCameraTo(command);
+  given->frame.addSizeTo(command);
+}
+
+}  // namespace lpv::cli

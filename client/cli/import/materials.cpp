@@ -1,0 +1,121 @@
+#include "import/materials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "import/file_check.h"
+#include "import/image.h"
+
+namespace lpv::cli {
+namespace {
+
+constexpr double kLargestRadiance = 1e9;
+
+double factor(const aiMaterial& material, const char* key, unsigned type, unsigned index, double otherwise) {
+  ai_real value = 0;
+  return material.Get(key, type, index, value) == AI_SUCCESS && std::isfinite(value) ? double(value) : otherwise;
+}
+
+std::optional<glm::dvec3> colour(const aiMaterial& material, const char* key, unsigned type, unsigned index) {
+  aiColor4D value;
+  if (material.Get(key, type, index, value) != AI_SUCCESS) return {};
+  const glm::dvec3 rgb(value.r, value.g, value.b);
+  if (!std::isfinite(rgb.x) || !std::isfinite(rgb.y) || !std::isfinite(rgb.z)) return {};
+  return glm::max(rgb, glm::dvec3(0.0));
+}
+
+/// "%20" and the like, as glTF's addresses have them.
+std::string unescaped(const std::string& uri) {
+  std::string out;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const bool escape = uri[i] == '%' && i + 2 < uri.size() && std::isxdigit(static_cast<unsigned char>(uri[i + 1])) &&
+                        std::isxdigit(static_cast<unsigned char>(uri[i + 2]));
+    out += escape ? char(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
+    if (escape) i += 2;
+  }
+  return out;
+}
+
+std::string nameOf(const aiMaterial& material) {
+  aiString name;
+  return material.Get(AI_MATKEY_NAME, name) == AI_SUCCESS ? std::string(name.C_Str()) : std::string();
+}
+
+}  // namespace
+
+Materials::Materials(const aiScene& scene, const std::string& path, const GltfExtras& extras,
+                     const ImportOptions& options)
+    : scene_(scene),
+      folder_(std::filesystem::path(path).parent_path().string()),
+      extension_(extensionOf(path)),
+      extras_(extras),
+      options_(options) {
+  for (unsigned i = 0; i < scene.mNumMaterials; ++i) materials_.push_back(read(*scene.mMaterials[i]));
+}
+
+Material Materials::read(const aiMaterial& material) {
+  Material out;
+  if (extension_ == "ply" || extension_ == "stl")
+    return out;  // these files have no materials; the importer makes one up
+  const glm::dvec3 emissive = colour(material, AI_MATKEY_COLOR_EMISSIVE).value_or(glm::dvec3(0.0));
+  out.radiance = emissive * extras_.strengthOf(nameOf(material), emissive);
+  out.radiance = glm::clamp(out.radiance, 0.0, kLargestRadiance);
+  const auto base = colour(material, AI_MATKEY_BASE_COLOR);
+  out.albedo = base ? *base : colour(material, AI_MATKEY_COLOR_DIFFUSE).value_or(out.albedo);
+  out.albedo = glm::clamp(out.albedo, 0.0, 1.0);
+  out.roughness = std::clamp(factor(material, AI_MATKEY_ROUGHNESS_FACTOR, 1.0), 0.0, 1.0);
+  out.metalness = std::clamp(factor(material, AI_MATKEY_METALLIC_FACTOR, 0.0), 0.0, 1.0);
+  int twoSided = 0;
+  out.doubleSided = material.Get(AI_MATKEY_TWOSIDED, twoSided) == AI_SUCCESS && twoSided != 0;
+  out.oneSidedSurface = (extension_ == "glb" || extension_ == "gltf") && !out.doubleSided;
+  if (out.emits()) {
+    setTexture(material, {aiTextureType_EMISSIVE, aiTextureType_EMISSION_COLOR}, out);
+    if (out.texture && options_.ignoreEmissiveTextures) {
+      out.radiance *= meanColour(*out.texture);
+      out.texture = nullptr;
+    }
+  } else {
+    setTexture(material, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, out);
+  }
+  return out;
+}
+
+/// The first of the kinds that the material has.
+void Materials::setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out) {
+  for (const aiTextureType type : types) {
+    aiString name;
+    unsigned channel = 0;
+    if (material.GetTexture(type, 0, &name, nullptr, &channel) != AI_SUCCESS || name.length == 0) continue;
+    out.texture = texture(name.C_Str());
+    out.uvChannel = channel;
+    return;
+  }
+}
+
+TexturePtr Materials::texture(const std::string& name) {
+  const auto known = textures_.find(name);
+  if (known != textures_.end()) return known->second;
+  Expected<Texture> loaded = load(name);
+  if (!loaded) warnings_.push_back("left out texture " + loaded.status().message());
+  TexturePtr result = loaded ? std::make_shared<const Texture>(std::move(*loaded)) : nullptr;
+  return textures_[name] = result;
+}
+
+Expected<Texture> Materials::load(const std::string& name) const {
+  if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str()); embedded != nullptr) {
+    if (embedded->mHeight != 0) return invalid("texture", name + ": uncompressed embedded textures cannot be read");
+    return decodeImage(std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth),
+                       embedded->achFormatHint);
+  }
+  std::string relative = unescaped(name);
+  std::replace(relative.begin(), relative.end(), '\\', '/');
+  const std::filesystem::path path = std::filesystem::path(folder_) / relative;
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return invalid("texture", path.string() + ": there is no such file");
+  return readImage(path.string());
+}
+
+}  // namespace lpv::cli

@@ -1,0 +1,55 @@
+#pragma once
+// Assimp's materials as radiance or albedo, with their textures.
+
+#include <assimp/material.h>
+#include <assimp/scene.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "import/gltf_extras.h"
+#include "import/scene_file.h"
+#include "scene/texture.h"
+
+namespace lpv::cli {
+
+/// What a material says, as far as a light or a surface can use it.
+struct Material {
+  glm::dvec3 radiance{0.0};  ///< W/(sr m^2); 0: it does not emit
+  glm::dvec3 albedo{0.8};
+  double roughness = 1.0;
+  double metalness = 0.0;
+  bool doubleSided = false;
+  bool oneSidedSurface = false;  ///< the format says that backs are not seen
+  TexturePtr texture;            ///< of the radiance, or of the albedo
+  unsigned uvChannel = 0;        ///< that the texture uses
+
+  bool emits() const { return radiance.x > 0.0 || radiance.y > 0.0 || radiance.z > 0.0; }
+};
+
+/// Reads materials of one file; textures are read once. Those that cannot be read are left out with a warning.
+class Materials {
+ public:
+  Materials(const aiScene& scene, const std::string& path, const GltfExtras& extras, const ImportOptions& options);
+  const Material& at(unsigned index) { return materials_[index]; }
+  std::vector<std::string> takeWarnings() { return std::move(warnings_); }
+
+ private:
+  Material read(const aiMaterial& material);
+  void setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out);
+  TexturePtr texture(const std::string& name);
+  Expected<Texture> load(const std::string& name) const;
+
+  const aiScene& scene_;
+  std::string folder_;
+  std::string extension_;
+  const GltfExtras& extras_;
+  ImportOptions options_;
+  std::map<std::string, TexturePtr> textures_;
+  std::vector<Material> materials_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace lpv::cli

@@ -1,0 +1,56 @@
+#include "interrupt.h"
+
+#include <pthread.h>
+#include <signal.h>
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace lpv::cli {
+namespace {
+
+std::atomic<bool> wasInterrupted{false};
+std::mutex clientsMutex;
+std::vector<client::Client> clients;
+
+sigset_t interruptSignals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
+
+/// Runs on a thread of its own, where everything is allowed that a signal handler may not do.
+void waitForInterrupt() {
+  const sigset_t set = interruptSignals();
+  int number = 0;
+  if (sigwait(&set, &number) != 0) return;
+  wasInterrupted = true;
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // this thread takes the second one, which ends the process
+  const std::lock_guard lock(clientsMutex);
+  for (client::Client& c : clients) c.cancel();
+}
+
+}  // namespace
+
+void watchInterrupts() {
+  const sigset_t set = interruptSignals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  std::thread([] {
+    waitForInterrupt();
+    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+  }).detach();
+}
+
+void cancelOnInterrupt(const client::Client& client) {
+  const std::lock_guard lock(clientsMutex);
+  clients.push_back(client);
+  if (wasInterrupted) clients.back().cancel();
+}
+
+bool interrupted() { return wasInterrupted; }
+
+}  // namespace lpv::cli

@@ -1,0 +1,141 @@
+#include "object_commands.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "import/image.h"
+#include "lpv/blobs.h"
+#include "output.h"
+#include "progress.h"
+
+namespace lpv::cli {
+namespace {
+
+/// Attempts at a change relative to a state that others may be changing.
+constexpr int kRelativeAttempts = 20;
+
+Expected<std::vector<glm::vec3>> readDirections(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return invalid("directions", path + ": cannot be opened");
+  std::vector<glm::vec3> out;
+  std::size_t number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    std::istringstream words(line);
+    glm::vec3 d(0.0F);
+    std::string rest;
+    if (!(words >> d.x >> d.y >> d.z) || words >> rest) {
+      return invalid("directions", path + ": line " + std::to_string(number) + " is not x,y,z");
+    }
+    out.push_back(d);
+  }
+  return out;
+}
+
+Status moveRelative(Context& context, client::Client& client, const ObjectKind& kind, const std::string& session,
+                    const std::string& name, const TransformFlags& flags) {
+  Status status;
+  for (int attempt = 0; attempt < kRelativeAttempts; ++attempt) {
+    const auto listing = kind.list(client, session);
+    if (!listing) return listing.status();
+    const auto object = std::find_if(listing->items.begin(), listing->items.end(),
+                                     [&](const ObjectKind::Placed& placed) { return placed.name == name; });
+    if (object == listing->items.end()) {
+      return Status(Code::kNotFound, "there is no " + kind.word + " '" + name + "'", "name");
+    }
+    v1::Edit edit = client::editOf({kind.move(name, flags.relativeTo(object->transform))});
+    edit.set_expected_revision(listing->revision);
+    status = applyAndPrint(context, client, session, edit, false);
+    if (status.code() != Code::kAborted) return status;
+  }
+  return status;
+}
+
+}  // namespace
+
+Status applyAndPrint(Context& context, client::Client& client, const std::string& session, const v1::Edit& edit,
+                     bool printName) {
+  const Expected<v1::EditAck> ack = client.applyEdit(session, edit);
+  if (!ack) return ack.status();
+  if (context.json()) {
+    print(toJson(*ack));
+  } else if (printName && ack->names_size() > 0) {
+    print(ack->names(0));
+  }
+  return {};
+}
+
+void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
+  struct Options {
+    std::string id;
+    std::string name;
+    TransformFlags transform;
+    bool relative = false;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(
+      group, "move", "Places a " + kind.word + "; what is not given stays", [given, kind](Context& context) -> Status {
+        Expected<client::Client> client = context.connect();
+        if (!client) return client.status();
+        if (given->relative) return moveRelative(context, *client, kind, given->id, given->name, given->transform);
+        const v1::Edit edit = client::editOf({kind.move(given->name, given->transform.move())});
+        return applyAndPrint(context, *client, given->id, edit, false);
+      });
+  addSession(app, given->id);
+  app.add_option("name", given->name, "Name of the " + kind.word)->required()->type_name("NAME");
+  given->transform.addTo(app);
+  app.add_flag("--relative", given->relative, "Add to what is: sum, turn about the world's axes, multiply");
+  app.parse_complete_callback([given] {
+    if (!given->transform.any()) throw CLI::ValidationError("move", "needs --translate, --rotate or --scale");
+  });
+}
+
+void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
+  struct Options {
+    std::string id;
+    std::vector<std::string> names;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "remove", "Takes a " + kind.word + " out", [given, kind](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    std::vector<v1::Operation> operations;
+    for (const std::string& name : given->names) operations.push_back(kind.remove(name));
+    return applyAndPrint(context, *client, given->id, client::editOf(std::move(operations)), false);
+  });
+  addSession(app, given->id);
+  app.add_option("names", given->names, "Names; all or none are removed")->required()->type_name("NAME");
+}
+
+Expected<std::string> uploadMeshFile(client::Client& client, const std::string& session, const std::string& path,
+                                     const ImportOptions& options, const std::string& directionsPath) {
+  ImportOptions as = options;
+  as.keepVertices = !directionsPath.empty();
+  Expected<Mesh> mesh = importMesh(path, as);
+  if (!mesh) return mesh.status();
+  if (!directionsPath.empty()) {
+    Expected<std::vector<glm::vec3>> directions = readDirections(directionsPath);
+    if (!directions) return directions.status();
+    if (directions->size() != mesh->positions.size()) {
+      return invalid("directions", directionsPath + " has " + std::to_string(directions->size()) + " directions, " +
+                                       path + " has " + std::to_string(mesh->positions.size()) + " vertices");
+    }
+    mesh->directions = std::move(*directions);
+  }
+  ProgressBar bar("uploading");
+  return client::upload(client, session, *mesh, [&](auto done, auto total) { bar.show(done, total); });
+}
+
+Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path) {
+  if (path == "none") return std::string();
+  const Expected<Texture> texture = readImage(path);
+  if (!texture) return texture.status();
+  ProgressBar bar("uploading");
+  return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
+}
+
+}  // namespace lpv::cli

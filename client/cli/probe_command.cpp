@@ -1,0 +1,120 @@
+// probe
+
+#include <array>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "command.h"
+#include "lpv/convert.h"
+#include "output.h"
+#include "values.h"
+
+namespace lpv::cli {
+namespace {
+
+struct Options {
+  std::string id;
+  std::optional<glm::dvec3> at;
+  std::optional<glm::dvec3> normal;
+  std::string points;
+  bool volumeOnly = false;
+};
+
+/// Lines x,y,z,nx,ny,nz; a first line of words is a heading, empty lines and lines with # are skipped.
+Expected<std::vector<client::SurfacePoint>> readPoints(const std::string& path) {
+  std::ifstream opened;
+  if (path != "-") opened.open(path);
+  std::istream& file = path == "-" ? std::cin : opened;
+  if (!file) return invalid("points", path + ": cannot be opened");
+  std::vector<client::SurfacePoint> points;
+  std::size_t number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    std::erase_if(line, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
+    if (line.empty() || line[0] == '#') continue;
+    const auto n = parseNumbers(line, {6});
+    if (!n && number == 1) continue;
+    if (!n) return invalid("points", path + ": line " + std::to_string(number) + " is not x,y,z,nx,ny,nz");
+    points.push_back({{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}});
+  }
+  if (points.empty()) return invalid("points", path + ": holds no point");
+  return points;
+}
+
+std::string joined(const std::vector<double>& numbers, char separator) {
+  std::string out;
+  for (const double number : numbers) out += (out.empty() ? "" : std::string(1, separator)) + numberText(number);
+  return out;
+}
+
+/// Points where the volume cannot tell read nan.
+std::string csvLine(const client::SurfacePoint& p, const Irradiance& answer) {
+  std::string line = joined({p.position.x, p.position.y, p.position.z, p.normal.x, p.normal.y, p.normal.z}, ',') + ",";
+  return line + (answer.valid ? joined({answer.rgb.x, answer.rgb.y, answer.rgb.z}, ',') : "nan,nan,nan");
+}
+
+std::string jsonPoint(const client::SurfacePoint& p, const Irradiance& answer) {
+  return JsonObject()
+      .vec3("position", p.position)
+      .vec3("normal", p.normal)
+      .vec3("irradiance", answer.rgb)
+      .flag("valid", answer.valid)
+      .str();
+}
+
+void printJson(const std::vector<client::SurfacePoint>& points, const client::ProbeResult& result) {
+  std::vector<std::string> items;
+  for (std::size_t i = 0; i < points.size(); ++i) items.push_back(jsonPoint(points[i], result.irradiance[i]));
+  print(JsonObject().raw("result", toJson(result.info)).raw("points", jsonArray(items)).str());
+}
+
+Status probe(Context& context, const Options& options) {
+  std::vector<client::SurfacePoint> points;
+  if (options.points.empty()) {
+    points.push_back({*options.at, *options.normal});
+  } else {
+    auto read = readPoints(options.points);
+    if (!read) return read.status();
+    points = std::move(*read);
+  }
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const auto result = client->probe(options.id, points, options.volumeOnly);
+  if (!result) return result.status();
+  if (context.json()) {
+    printJson(points, *result);
+    return {};
+  }
+  if (!options.points.empty()) {
+    for (std::size_t i = 0; i < points.size(); ++i) std::cout << csvLine(points[i], result->irradiance[i]) << "\n";
+    std::cout.flush();
+    return {};
+  }
+  const Irradiance& answer = result->irradiance[0];
+  if (!answer.valid) return Status(Code::kOutOfRange, "the point is outside the session's grid", "at");
+  print(joined({answer.rgb.x, answer.rgb.y, answer.rgb.z}, ' '));
+  return {};
+}
+
+}  // namespace
+
+void addProbeCommand(CLI::App& app, Commands& commands) {
+  auto given = std::make_shared<Options>();
+  CLI::App& command = commands.add(app, "probe", "Irradiance r g b at points, W/m^2",
+                                   [given](Context& context) { return probe(context, *given); });
+  addSession(command, given->id);
+  auto* at = addVec3(command, "--at", given->at, "Position, metres");
+  auto* normal = addVec3(command, "--normal", given->normal, "The surface's normal there")->needs(at);
+  at->needs(normal);
+  command.add_option("--points", given->points, "Lines x,y,z,nx,ny,nz; - reads stdin")
+      ->type_name("FILE.csv")
+      ->excludes(at);
+  command.add_flag("--volume-only", given->volumeOnly, "The plain lookup without near field");
+  command.parse_complete_callback([given] {
+    if (!given->at && given->points.empty())
+      throw CLI::ValidationError("probe", "needs --at and --normal, or --points");
+  });
+}
+
+}  // namespace lpv::cli

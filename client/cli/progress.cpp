@@ -1,0 +1,38 @@
+#include "progress.h"
+
+#include <unistd.h>
+
+#include <iostream>
+#include <utility>
+
+namespace lpv::cli {
+namespace {
+
+constexpr int kWidth = 30;
+constexpr auto kInterval = std::chrono::milliseconds(100);
+
+}  // namespace
+
+bool onTerminal() { return isatty(STDERR_FILENO) != 0; }
+
+void statusLine(const std::string& text) { std::cerr << "\r" << text << "\033[K" << std::flush; }
+
+ProgressBar::ProgressBar(std::string title) : title_(std::move(title)), terminal_(onTerminal()) {}
+
+ProgressBar::~ProgressBar() {
+  if (drawn_) statusLine("");
+}
+
+void ProgressBar::show(std::uint64_t done, std::uint64_t total) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!terminal_ || (drawn_ && now - last_ < kInterval && done != total)) return;
+  last_ = now;
+  drawn_ = true;
+  if (total == 0) return statusLine(title_);
+  const double share = double(done) / double(total);
+  const int filled = int(share * kWidth);
+  statusLine(title_ + " [" + std::string(std::size_t(filled), '#') + std::string(std::size_t(kWidth - filled), ' ') +
+             "] " + std::to_string(int(share * 100.0)) + " %");
+}
+
+}  // namespace lpv::cli

@@ -1,0 +1,105 @@
+// render: a temporary session, one picture, nothing left behind.
+
+#include <memory>
+#include <utility>
+
+#include "command.h"
+#include "default_view.h"
+#include "frame_get.h"
+#include "import/scene_file.h"
+#include "lpv/convert.h"
+#include "output.h"
+#include "progress.h"
+#include "scene_flags.h"
+#include "scene_upload.h"
+#include "session_settings.h"
+
+namespace lpv::cli {
+namespace {
+
+/// Propagation steps of a still. Light spreads slowly from cell to cell; a live session takes as many as it can afford.
+constexpr int kIterations = 512;
+/// Should this process be killed, the server forgets the session by itself.
+constexpr std::int64_t kLifeSeconds = 600;
+
+struct Options {
+  std::string file;
+  std::string out;
+  ImportOptions import;
+  SessionFlags session;
+  FrameFlags frame;
+};
+
+/// Deletes the session when it goes, also after an error or Ctrl-C.
+class TemporarySession {
+ public:
+  TemporarySession(const Context& context, std::string name) : context_(context), name_(std::move(name)) {}
+  ~TemporarySession() {
+    Expected<client::Client> client = context_.connectForCleanup();
+    if (client) (void)client->deleteSession(name_);
+  }
+  TemporarySession(const TemporarySession&) = delete;
+  TemporarySession& operator=(const TemporarySession&) = delete;
+  const std::string& name() const { return name_; }
+
+ private:
+  const Context& context_;
+  std::string name_;
+};
+
+std::optional<v1::Camera> cameraFor(const Options& options, const ImportedScene& scene) {
+  if (options.frame.hasCamera()) return options.frame.camera();
+  if (!options.frame.cameraName.empty()) return {};
+  if (!scene.cameras.empty()) return client::toProto(scene.cameras.front().second);
+  const glm::ivec2 size = glm::max(options.frame.pixels(), glm::ivec2(1));
+  return client::toProto(defaultView(scene, double(size.x) / size.y));
+}
+
+Status render(Context& context, const Options& options) {
+  if (const auto format = frameFormatOf(options.out); !format) return format.status();
+  const Expected<ImportedScene> scene = importScene(options.file, options.import);
+  if (!scene) return scene.status();
+  for (const std::string& warning : scene->warnings) warn(warning);
+  if (scene->lights.empty()) warn("the file has no emissive material: the picture will be black");
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+
+  v1::CreateSessionRequest request;
+  request.mutable_settings()->mutable_ttl()->set_seconds(kLifeSeconds);
+  request.mutable_settings()->set_iterations(kIterations);
+  options.session.apply(*request.mutable_settings());
+  const auto created = client->createSession(request);
+  if (!created) return created.status();
+  const TemporarySession session(context, created->session().name());
+  const auto uploaded = uploadScene(*client, session.name(), *scene);
+  if (!uploaded) return uploaded.status();
+
+  Expected<client::FrameResult> frame = Status(Code::kInternal, "no frame");
+  {
+    ProgressBar bar("rendering");
+    bar.show(0, 0);
+    frame = getFrame(*client, session.name(), options.frame, cameraFor(options, *scene), options.out);
+  }
+  if (frame && context.json()) {
+    print(JsonObject().text("file", options.out).raw("header", toJson(frame->header)).str());
+  }
+  return frame.status();
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& app, Commands& commands) {
+  auto given = std::make_shared<Options>();
+  CLI::App& command = commands.add(
+      app, "render", "One picture of a file, in a session of its own (512 iterations unless said otherwise)",
+      [given](Context& context) { return render(context, *given); });
+  command.add_option("file", given->file, "glb, gltf, obj, ply or stl")->required()->type_name("FILE");
+  command.add_option("-o,--output", given->out, "png, jpg, or exr: linear radiance, no tone curve")
+      ->required()
+      ->type_name("OUT");
+  addImportFlags(command, given->import);
+  given->frame.addTo(command);
+  given->session.addTo(command);
+}
+
+}  // namespace lpv::cli

@@ -1,0 +1,119 @@
+// scene load | list
+
+#include <memory>
+
+#include "command.h"
+#include "import/scene_file.h"
+#include "lpv/convert.h"
+#include "output.h"
+#include "progress.h"
+#include "scene_flags.h"
+#include "scene_upload.h"
+
+namespace lpv::cli {
+namespace {
+
+std::string jsonNames(const std::vector<std::string>& names, const char* kind) {
+  std::vector<std::string> items;
+  for (const std::string& name : names) items.push_back(JsonObject().text("name", name).text("kind", kind).str());
+  return jsonArray(items);
+}
+
+void printMade(const Context& context, const ImportedScene& scene, const UploadedScene& made) {
+  if (context.json()) {
+    print(JsonObject()
+              .number("revision", double(made.revision))
+              .raw("lights", jsonNames(made.lights, "light"))
+              .raw("surfaces", jsonNames(made.surfaces, "surface"))
+              .raw("cameras", jsonNames(made.cameras, "camera"))
+              .str());
+    return;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < made.lights.size() && i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
+    rows.push_back({"light", made.lights[i], std::to_string(light.mesh->triangles.size()) + " triangles",
+                    "radiance " + shortText(light.radiance.x) + "," + shortText(light.radiance.y) + "," +
+                        shortText(light.radiance.z) + (light.twoSided ? " two-sided" : "") +
+                        (light.texture ? " textured" : "")});
+  }
+  for (std::size_t i = 0; i < made.surfaces.size() && i < scene.surfaces.size(); ++i) {
+    const Surface& surface = scene.surfaces[i];
+    rows.push_back({"surface", made.surfaces[i], std::to_string(surface.mesh->triangles.size()) + " triangles",
+                    surface.albedoTexture ? "textured" : ""});
+  }
+  for (const std::string& name : made.cameras) rows.push_back({"camera", name, "", ""});
+  printTable(rows);
+}
+
+void addLoad(CLI::App& group, Commands& commands) {
+  struct Options {
+    std::string id;
+    std::string file;
+    ImportOptions import;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "load", "Adds a file's lights, surfaces and cameras", [given](Context& context) {
+    Expected<ImportedScene> scene = importScene(given->file, given->import);
+    if (!scene) return scene.status();
+    for (const std::string& warning : scene->warnings) warn(warning);
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const Expected<UploadedScene> made = uploadScene(*client, given->id, *scene);
+    if (!made) return made.status();
+    if (made->lights.empty()) warn("the file has no emissive material, so nothing lights it yet: see lpvctl light add");
+    printMade(context, *scene, *made);
+    return Status();
+  });
+  addSession(app, given->id);
+  app.add_option("file", given->file, "glb, gltf, obj, ply or stl")->required()->type_name("FILE");
+  addImportFlags(app, given->import);
+}
+
+std::string objectJson(const char* kind, const google::protobuf::Message& object) {
+  return JsonObject().raw(kind, toJson(object)).str();
+}
+
+Status listScene(Context& context, const std::string& id) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const auto lights = client->lights(id);
+  if (!lights) return lights.status();
+  const auto surfaces = client->surfaces(id);
+  if (!surfaces) return surfaces.status();
+  const auto cameras = client->cameras(id);
+  if (!cameras) return cameras.status();
+  if (context.json()) {
+    for (const v1::Light& light : lights->items) print(objectJson("light", light));
+    for (const v1::Surface& surface : surfaces->items) print(objectJson("surface", surface));
+    for (const v1::Camera& camera : cameras->items) print(objectJson("camera", camera));
+    return {};
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Light& light : lights->items) {
+    rows.push_back({"light", light.name(), std::to_string(light.status().triangle_count()) + " triangles"});
+  }
+  for (const v1::Surface& surface : surfaces->items) {
+    rows.push_back({"surface", surface.name(), std::to_string(surface.triangle_count()) + " triangles"});
+  }
+  for (const v1::Camera& camera : cameras->items) rows.push_back({"camera", camera.name()});
+  printTable(rows);
+  return {};
+}
+
+void addList(CLI::App& group, Commands& commands) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app = commands.add(group, "list", "Lists lights, surfaces and cameras",
+                               [id](Context& context) { return listScene(context, *id); });
+  addSession(app, *id);
+}
+
+}  // namespace
+
+void addSceneCommands(CLI::App& app, Commands& commands) {
+  CLI::App& group = Commands::group(app, "scene", "Scene files: load, list");
+  addLoad(group, commands);
+  addList(group, commands);
+}
+
+}  // namespace lpv::cli

@@ -1,0 +1,160 @@
+#include "scene_upload.h"
+
+#include <map>
+#include <utility>
+
+#include "lpv/blobs.h"
+#include "lpv/convert.h"
+#include "lpv/editor.h"
+#include "lpv/edits.h"
+#include "progress.h"
+
+namespace lpv::cli {
+namespace {
+
+constexpr int kMaxOperations = 1000;
+constexpr std::size_t kMaxEditBytes = 900000;  // of the 1 MiB a message may have
+
+/// Blobs of all meshes and textures, each made once.
+class SceneBlobs {
+ public:
+  explicit SceneBlobs(const ImportedScene& scene) {
+    for (const Light& light : scene.lights) {
+      add(light.mesh);
+      add(light.texture);
+    }
+    for (const Surface& surface : scene.surfaces) {
+      add(surface.mesh);
+      add(surface.albedoTexture);
+    }
+  }
+
+  std::string hashOf(const void* content) const {
+    const auto found = blobs_.find(content);
+    return found == blobs_.end() ? std::string() : found->second.hash;
+  }
+
+  std::vector<const client::Blob*> all() const {
+    std::vector<const client::Blob*> out;
+    for (const auto& entry : blobs_) out.push_back(&entry.second);
+    return out;
+  }
+
+ private:
+  template <typename Pointer>
+  void add(const Pointer& content) {
+    if (content && !blobs_.contains(content.get())) blobs_.emplace(content.get(), client::blobOf(*content));
+  }
+
+  std::map<const void*, client::Blob> blobs_;
+};
+
+v1::Operation operationFor(const Light& light, const SceneBlobs& blobs) {
+  v1::Light out;
+  out.set_name(light.name);
+  out.set_mesh(blobs.hashOf(light.mesh.get()));
+  *out.mutable_transform() = client::toProto(light.transform);
+  *out.mutable_radiance() = client::toProto(light.radiance);
+  out.set_texture(blobs.hashOf(light.texture.get()));
+  out.set_two_sided(light.twoSided);
+  return client::createLight(std::move(out));
+}
+
+v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
+  v1::Surface out;
+  out.set_name(surface.name);
+  out.set_mesh(blobs.hashOf(surface.mesh.get()));
+  *out.mutable_transform() = client::toProto(surface.transform);
+  *out.mutable_albedo() = client::toProto(surface.albedo);
+  out.set_albedo_texture(blobs.hashOf(surface.albedoTexture.get()));
+  out.set_roughness(surface.roughness);
+  out.set_metalness(surface.metalness);
+  out.set_one_sided(!surface.twoSided);
+  return client::createSurface(std::move(out));
+}
+
+std::vector<v1::Edit> editsFor(const ImportedScene& scene, const SceneBlobs& blobs) {
+  std::vector<v1::Operation> operations;
+  for (const Light& light : scene.lights) operations.push_back(operationFor(light, blobs));
+  for (const Surface& surface : scene.surfaces) operations.push_back(operationFor(surface, blobs));
+  for (const auto& [name, camera] : scene.cameras) operations.push_back(client::putCamera(name, camera));
+  operations.push_back(client::fitGrid());
+
+  std::vector<v1::Edit> edits(1);
+  std::size_t bytes = 0;
+  for (v1::Operation& operation : operations) {
+    const std::size_t size = operation.ByteSizeLong() + 8;
+    if (edits.back().operations_size() == kMaxOperations || bytes + size > kMaxEditBytes) {
+      edits.emplace_back();
+      bytes = 0;
+    }
+    bytes += size;
+    *edits.back().add_operations() = std::move(operation);
+  }
+  return edits;
+}
+
+/// Notes the names that an accepted edit gave its objects.
+void collect(const v1::Edit& edit, const v1::EditAck& ack, UploadedScene& made) {
+  made.revision = ack.revision();
+  for (int i = 0; i < edit.operations_size() && i < ack.names_size(); ++i) {
+    const v1::Operation& operation = edit.operations(i);
+    if (operation.has_create_light()) made.lights.push_back(ack.names(i));
+    if (operation.has_create_surface()) made.surfaces.push_back(ack.names(i));
+    if (operation.has_put_camera()) made.cameras.push_back(ack.names(i));
+  }
+}
+
+void takeBack(client::Editor& editor, const UploadedScene& made) {
+  std::vector<v1::Operation> operations;
+  for (const std::string& name : made.lights) operations.push_back(client::deleteLight(name));
+  for (const std::string& name : made.surfaces) operations.push_back(client::deleteSurface(name));
+  for (const std::string& name : made.cameras) operations.push_back(client::deleteCamera(name));
+  for (std::size_t at = 0; at < operations.size(); at += kMaxOperations) {
+    const std::size_t end = std::min(operations.size(), at + kMaxOperations);
+    const auto first = operations.begin() + std::ptrdiff_t(at);
+    (void)editor.apply(client::editOf({first, operations.begin() + std::ptrdiff_t(end)}));
+  }
+}
+
+Status explained(const Status& refused, const ImportedScene& scene) {
+  bool textured = false;
+  for (const Light& light : scene.lights) textured = textured || light.texture != nullptr;
+  if (refused.code() != Code::kUnimplemented || !textured) return refused;
+  return Status(refused.code(),
+                refused.message() + "; --ignore-emissive-textures loads the file with the textures' mean colours",
+                refused.field());
+}
+
+Expected<UploadedScene> applyAll(client::Editor& editor, const std::vector<v1::Edit>& edits,
+                                 const ImportedScene& scene) {
+  UploadedScene made;
+  for (const v1::Edit& edit : edits) {
+    const Expected<v1::EditAck> ack = editor.apply(edit);
+    if (!ack) {
+      takeBack(editor, made);
+      return explained(ack.status(), scene);
+    }
+    collect(edit, *ack, made);
+  }
+  return made;
+}
+
+}  // namespace
+
+Expected<UploadedScene> uploadScene(client::Client& client, const std::string& session, const ImportedScene& scene) {
+  Expected<client::Editor> editor = client::Editor::join(client, session, "lpvctl");
+  if (!editor) return editor.status();
+  const SceneBlobs blobs(scene);
+  Status sent;
+  {
+    ProgressBar bar("uploading");
+    sent = client::uploadMissing(client, session, blobs.all(), [&](auto done, auto total) { bar.show(done, total); });
+  }
+  Expected<UploadedScene> made(sent);
+  if (sent.ok()) made = applyAll(*editor, editsFor(scene, blobs), scene);
+  (void)editor->leave();
+  return made;
+}
+
+}  // namespace lpv::cli

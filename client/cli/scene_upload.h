@@ -1,0 +1,23 @@
+#pragma once
+// An imported scene to a session: blobs first, then edits, the last of which fits the grid.
+
+#include <string>
+#include <vector>
+
+#include "import/scene_file.h"
+#include "lpv/client.h"
+
+namespace lpv::cli {
+
+/// What was made, by the names the session gave.
+struct UploadedScene {
+  std::vector<std::string> lights;
+  std::vector<std::string> surfaces;
+  std::vector<std::string> cameras;
+  std::uint64_t revision = 0;
+};
+
+/// All or nothing: where an edit is refused, what earlier ones made is removed again.
+Expected<UploadedScene> uploadScene(client::Client& client, const std::string& session, const ImportedScene& scene);
+
+}  // namespace lpv::cli

@@ -1,0 +1,69 @@
+// stats | health | version
+
+#include "command.h"
+#include "output.h"
+
+namespace lpv::cli {
+namespace {
+
+Status showStats(Context& context) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const auto stats = client->stats();
+  if (!stats) return stats.status();
+  if (context.json()) {
+    print(toJson(*stats));
+    return {};
+  }
+  printTable({{"sessions", std::to_string(stats->sessions())},
+              {"subscribers", std::to_string(stats->subscribers())},
+              {"ticks", std::to_string(stats->ticks())},
+              {"results sent", std::to_string(stats->results_sent())},
+              {"result bytes", std::to_string(stats->result_bytes_sent())},
+              {"edits accepted", std::to_string(stats->edits_accepted())},
+              {"edits rejected", std::to_string(stats->edits_rejected())},
+              {"blobs", std::to_string(stats->blobs())},
+              {"blob bytes", std::to_string(stats->blob_bytes())},
+              {"resident bytes", std::to_string(stats->resident_bytes())},
+              {"uptime", std::to_string(stats->uptime().seconds()) + " s"}});
+  return {};
+}
+
+Status showHealth(Context& context) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const auto healthy = client->healthy();
+  if (!healthy) return healthy.status();
+  const std::string word = *healthy ? "SERVING" : "NOT_SERVING";
+  print(context.json() ? JsonObject().text("status", word).str() : word);
+  return *healthy ? Status() : Status(Code::kFailedPrecondition, "the server is up and takes no work");
+}
+
+/// The client's version always; the server's where one answers.
+Status showVersion(Context& context) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const auto info = client->serverInfo();
+  if (context.json()) {
+    JsonObject json;
+    json.text("client", client::version());
+    if (info) json.raw("server", toJson(*info));
+    print(json.str());
+    return {};
+  }
+  print(std::string("lpvctl ") + client::version());
+  if (info)
+    print("lpvd " + info->version() + " on " + info->device().name() +
+          (info->device().software() ? " (software)" : ""));
+  return {};
+}
+
+}  // namespace
+
+void addServerCommands(CLI::App& app, Commands& commands) {
+  commands.add(app, "stats", "Numbers of the server", showStats);
+  commands.add(app, "health", "Whether the server serves; exit code 0 when it does", showHealth);
+  commands.add(app, "version", "Versions of this program and of the server, where one answers", showVersion);
+}
+
+}  // namespace lpv::cli

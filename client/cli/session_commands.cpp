@@ -1,0 +1,247 @@
+// session create | list | show | set | delete | fit | share | save | load
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "command.h"
+#include "output.h"
+#include "progress.h"
+#include "session_settings.h"
+#include "values.h"
+
+namespace lpv::cli {
+namespace {
+
+std::string gridText(const v1::Session& session) {
+  const v1::Dims& d = session.grid().dims();
+  return std::to_string(d.x()) + "x" + std::to_string(d.y()) + "x" + std::to_string(d.z());
+}
+
+void printSession(const Context& context, const v1::Session& session) {
+  if (context.json()) return print(toJson(session));
+  printTable({{"id", client::sessionId(session.name())},
+              {"name", session.settings().display_name()},
+              {"revision", std::to_string(session.revision())},
+              {"grid", gridText(session) + " cells of " + shortText(session.grid().cell_size()) + " m"},
+              {"lights", std::to_string(session.light_count())},
+              {"surfaces", std::to_string(session.surface_count())},
+              {"triangles", std::to_string(session.triangle_count())},
+              {"clients", std::to_string(session.client_count())},
+              {"subscribers", std::to_string(session.subscriber_count())},
+              {"settings", toJson(session.settings())}});
+}
+
+/// Written for its owner's eyes only.
+Status saveToken(const std::string& path, const std::string& token) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const std::string line = token + "\n";
+  const bool written = file >= 0 && ::write(file, line.data(), line.size()) == ssize_t(line.size());
+  if (file >= 0) ::close(file);
+  return written ? Status() : invalid("save-token", "cannot write " + path);
+}
+
+void addCreate(CLI::App& group, Commands& commands) {
+  struct Options {
+    SessionFlags flags;
+    std::string id;
+    std::string tokenFile;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "create", "Makes a session and prints its id", [given](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    v1::CreateSessionRequest request;
+    request.set_session_id(given->id);
+    given->flags.apply(*request.mutable_settings());
+    const auto made = client->createSession(request);
+    if (!made) return made.status();
+    if (!given->tokenFile.empty()) {
+      if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
+    }
+    print(context.json() ? toJson(*made) : client::sessionId(made->session().name()));
+    return Status();
+  });
+  app.add_option("--id", given->id, "Wanted id (the server chooses)")->type_name("ID");
+  app.add_option("--save-token", given->tokenFile, "Where to write the owner's access token")->type_name("FILE");
+  given->flags.addTo(app);
+}
+
+void addList(CLI::App& group, Commands& commands) {
+  commands.add(group, "list", "Lists the sessions", [](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const auto sessions = client->sessions();
+    if (!sessions) return sessions.status();
+    std::vector<std::vector<std::string>> rows;
+    for (const v1::Session& session : *sessions) {
+      if (context.json()) print(toJson(session));
+      rows.push_back({client::sessionId(session.name()), gridText(session),
+                      std::to_string(session.light_count()) + " lights",
+                      std::to_string(session.surface_count()) + " surfaces",
+                      "revision " + std::to_string(session.revision()), session.settings().display_name()});
+    }
+    if (!context.json()) printTable(rows);
+    return Status();
+  });
+}
+
+void addShow(CLI::App& group, Commands& commands) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app = commands.add(group, "show", "Shows a session", [id](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const auto session = client->session(*id);
+    if (session) printSession(context, *session);
+    return session.status();
+  });
+  addSession(app, *id);
+}
+
+void addSet(CLI::App& group, Commands& commands) {
+  struct Options {
+    std::string id;
+    SessionFlags flags;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "set", "Changes what is given, nothing else", [given](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const auto now = client->session(given->id);  // the grid is one field: its other parts stay
+    if (!now) return now.status();
+    v1::Session wanted;
+    wanted.set_name(now->name());
+    *wanted.mutable_settings()->mutable_grid() = now->settings().grid();
+    const std::vector<std::string> paths = given->flags.apply(*wanted.mutable_settings());
+    const auto session = client->updateSession(wanted, paths);
+    if (session && context.json()) print(toJson(*session));
+    return session.status();
+  });
+  addSession(app, given->id);
+  given->flags.addTo(app);
+  requireSomeFlag(app);
+}
+
+void addDelete(CLI::App& group, Commands& commands) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app = commands.add(group, "delete", "Ends a session for everybody", [id](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    Status status = client->deleteSession(*id);
+    if (status.ok() && context.json()) print("{}");
+    return status;
+  });
+  addSession(app, *id);
+}
+
+void addFit(CLI::App& group, Commands& commands) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app = commands.add(group, "fit", "Fits the grid to the content", [id](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const auto session = client->fitSession(*id);
+    if (session) print(context.json() ? toJson(*session) : gridText(*session));
+    return session.status();
+  });
+  addSession(app, *id);
+}
+
+void addShare(CLI::App& group, Commands& commands) {
+  struct Options {
+    std::string id;
+    std::optional<v1::Role> role;
+    std::optional<double> ttl;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "share", "Makes an access token and prints it", [given](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    v1::CreateTokenRequest request;
+    request.set_session(client::sessionName(given->id));
+    request.set_role(*given->role);
+    if (given->ttl) request.mutable_ttl()->set_seconds(std::int64_t(*given->ttl));
+    const auto token = client->createToken(request);
+    if (token) print(context.json() ? toJson(*token) : token->token());
+    return token.status();
+  });
+  addSession(app, given->id);
+  addChoice<v1::Role>(app, "--role", given->role,
+                      {{"viewer", v1::ROLE_VIEWER}, {"editor", v1::ROLE_EDITOR}, {"owner", v1::ROLE_OWNER}},
+                      "What the token allows")
+      ->required();
+  addParsed<double>(app, "--ttl", given->ttl, "T", parseDuration, "Life of the token: 90s, 10m, 1h, 2d");
+}
+
+void addSave(CLI::App& group, Commands& commands) {
+  struct Options {
+    std::string id;
+    std::string file;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "save", "Writes a session's content to a file", [given](Context& context) {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const std::string partial = given->file + ".part";
+    std::ofstream file(partial, std::ios::binary);
+    if (!file) return invalid("file", "cannot write " + given->file);
+    std::uint64_t bytes = 0;
+    Status status = client->exportSession(given->id, [&](const std::string& part) {
+      bytes += part.size();
+      return bool(file.write(part.data(), std::streamsize(part.size())));
+    });
+    file.close();
+    if (!file) status = invalid("file", "cannot write " + given->file);
+    if (status.ok() && std::rename(partial.c_str(), given->file.c_str()) != 0) {
+      status = invalid("file", "cannot write " + given->file);
+    }
+    if (!status.ok()) std::remove(partial.c_str());
+    if (status.ok() && context.json())
+      print(JsonObject().text("file", given->file).number("bytes", double(bytes)).str());
+    return status;
+  });
+  addSession(app, given->id);
+  app.add_option("file", given->file, "File to write")->required()->type_name("FILE");
+}
+
+void addLoad(CLI::App& group, Commands& commands) {
+  struct Options {
+    std::string file;
+    std::string id;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app = commands.add(group, "load", "Makes a session from a saved file, prints its id", [given](Context& c) {
+    std::ifstream file(given->file, std::ios::binary);
+    if (!file) return invalid("file", given->file + ": cannot be opened");
+    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    Expected<client::Client> client = c.connect();
+    if (!client) return client.status();
+    ProgressBar bar("uploading");
+    const auto session = client->importSession(given->id, bytes, [&](auto done, auto total) { bar.show(done, total); });
+    if (session) print(c.json() ? toJson(*session) : client::sessionId(session->name()));
+    return session.status();
+  });
+  app.add_option("file", given->file, "File to read")->required()->type_name("FILE");
+  app.add_option("--id", given->id, "Wanted id (the server chooses)")->type_name("ID");
+}
+
+}  // namespace
+
+void addSessionCommands(CLI::App& app, Commands& commands) {
+  CLI::App& group =
+      Commands::group(app, "session", "Sessions: create, list, show, set, delete, fit, share, save, load");
+  addCreate(group, commands);
+  addList(group, commands);
+  addShow(group, commands);
+  addSet(group, commands);
+  addDelete(group, commands);
+  addFit(group, commands);
+  addShare(group, commands);
+  addSave(group, commands);
+  addLoad(group, commands);
+}
+
+}  // namespace lpv::cli

@@ -1,0 +1,182 @@
+#include "session_settings.h"
+
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "lpv/convert.h"
+#include "values.h"
+
+namespace lpv::cli {
+namespace {
+
+struct GridSize {
+  bool automatic = false;
+  int longest = 0;
+};
+
+struct Method {
+  v1::InjectionMethod method = v1::INJECTION_METHOD_UNSPECIFIED;
+  int samples = 0;
+};
+
+std::optional<int> parseCount(const std::string& text) {
+  const auto n = parseNumbers(text, {1});
+  if (!n || (*n)[0] != std::floor((*n)[0]) || std::abs((*n)[0]) > 1e6) return {};
+  return int((*n)[0]);
+}
+
+std::optional<GridSize> parseGrid(const std::string& text) {
+  if (text == "auto") return GridSize{true, 0};
+  const std::optional<int> longest = parseCount(text);
+  if (!longest) return {};
+  return GridSize{false, *longest};
+}
+
+std::optional<glm::ivec3> parseDims(const std::string& text) {
+  const auto n = parseNumbers(text, {3});
+  if (!n) return {};
+  for (const double value : *n) {
+    if (value != std::floor(value) || std::abs(value) > 1e6) return {};
+  }
+  return glm::ivec3((*n)[0], (*n)[1], (*n)[2]);
+}
+
+std::optional<Method> parseMethod(const std::string& text) {
+  if (text == "compute") return Method{v1::INJECTION_METHOD_COMPUTE, 0};
+  if (text == "raster") return Method{v1::INJECTION_METHOD_RASTER, 0};
+  if (text.rfind("dense:", 0) != 0) return {};
+  const std::optional<int> samples = parseCount(text.substr(6));
+  if (!samples) return {};
+  return Method{v1::INJECTION_METHOD_DENSE, *samples};
+}
+
+std::optional<std::vector<double>> parseBox(const std::string& text) { return parseNumbers(text, {6}); }
+
+}  // namespace
+
+struct SessionFlags::Given {
+  std::optional<GridSize> grid;
+  std::optional<glm::ivec3> dims;
+  std::optional<std::vector<double>> bounds;
+  std::optional<v1::Injection> injection;
+  std::optional<Method> method;
+  std::optional<v1::Transport> transport;
+  std::optional<v1::Quality> quality;
+  std::optional<int> iterations;
+  std::optional<bool> clampFaces;
+  std::optional<double> k;
+  std::optional<v1::Lookup> lookup;
+  std::optional<double> maxError;
+  std::optional<v1::Visibility> visibility;
+  std::optional<int> bounces;
+  std::optional<double> haze;
+  std::optional<double> ttl;
+  std::optional<std::string> displayName;
+
+  void addGridTo(CLI::App& app) {
+    auto* size = addParsed<GridSize>(app, "--grid", grid, "N|auto", parseGrid, "Cells along the longest edge (32)");
+    addParsed<glm::ivec3>(app, "--dims", dims, "X,Y,Z", parseDims, "Cells along each axis")->excludes(size);
+    addParsed<std::vector<double>>(app, "--bounds", bounds, "x0,y0,z0,x1,y1,z1", parseBox,
+                                   "World box of the grid, metres (fitted to the content)");
+  }
+
+  void addTransportTo(CLI::App& app) {
+    addChoice<v1::Injection>(app, "--injection", injection,
+                             {{"count", v1::INJECTION_COUNT}, {"flux", v1::INJECTION_FLUX}}, "How light enters cells");
+    addParsed<Method>(app, "--method", method, "compute|raster|dense:N", parseMethod, "How triangles find their cells");
+    addChoice<v1::Transport>(
+        app, "--transport", transport,
+        {{"propagate", v1::TRANSPORT_PROPAGATE}, {"gather", v1::TRANSPORT_GATHER}, {"direct", v1::TRANSPORT_DIRECT}},
+        "How light travels");
+    addChoice<v1::Quality>(app, "--quality", quality, {{"fast", v1::QUALITY_FAST}, {"accurate", v1::QUALITY_ACCURATE}},
+                           "Of gathering");
+    app.add_option("--iterations", iterations, "Propagation steps (the grid's longest edge)")->type_name("N");
+    addSwitch(app, "--clamp-faces", clampFaces, "Propagation: clamp face intensities at 0");
+    app.add_option("--k", k, "Distance rule of gathering")->type_name("K");
+    addChoice<v1::Lookup>(app, "--lookup", lookup,
+                          {{"cap", v1::LOOKUP_CAP}, {"sh2", v1::LOOKUP_SH2}, {"nearest", v1::LOOKUP_NEAREST}},
+                          "How irradiance is read from the volume");
+    app.add_option("--max-error", maxError, "Wanted relative error of irradiance")->type_name("E");
+  }
+
+  void addSceneTo(CLI::App& app) {
+    addChoice<v1::Visibility>(app, "--visibility", visibility,
+                              {{"auto", v1::VISIBILITY_AUTO}, {"on", v1::VISIBILITY_ON}, {"off", v1::VISIBILITY_OFF}},
+                              "Whether surfaces cast shadows");
+    app.add_option("--bounces", bounces, "Indirect bounces (0)")->type_name("N");
+    app.add_option("--haze", haze, "Extinction per metre (0)")->type_name("D");
+    addParsed<double>(app, "--ttl", ttl, "T", parseDuration, "Life without calls: 90s, 10m, 1h, 2d; 0 = for ever (1h)");
+    app.add_option("--display-name", displayName, "A name for people")->type_name("TEXT");
+  }
+};
+
+SessionFlags::SessionFlags() : given_(std::make_unique<Given>()) {}
+SessionFlags::~SessionFlags() = default;
+
+void SessionFlags::addTo(CLI::App& app) {
+  given_->addGridTo(app);
+  given_->addTransportTo(app);
+  given_->addSceneTo(app);
+}
+
+namespace {
+
+void applyGrid(const std::optional<GridSize>& size, const std::optional<glm::ivec3>& dims,
+               const std::optional<std::vector<double>>& bounds, v1::GridSettings& grid) {
+  if (size && size->automatic) grid.set_automatic(true);
+  if (size && !size->automatic) grid.set_longest(size->longest);
+  if (dims) {
+    grid.mutable_dims()->set_x(dims->x);
+    grid.mutable_dims()->set_y(dims->y);
+    grid.mutable_dims()->set_z(dims->z);
+  }
+  if (bounds) {
+    const std::vector<double>& b = *bounds;
+    *grid.mutable_bounds()->mutable_min() = client::toProto(glm::dvec3(b[0], b[1], b[2]));
+    *grid.mutable_bounds()->mutable_max() = client::toProto(glm::dvec3(b[3], b[4], b[5]));
+  }
+}
+
+google::protobuf::Duration durationOf(double seconds) {
+  google::protobuf::Duration out;
+  out.set_seconds(std::int64_t(seconds));
+  out.set_nanos(std::int32_t((seconds - std::floor(seconds)) * 1e9));
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> SessionFlags::apply(v1::SessionSettings& settings) const {
+  std::vector<std::string> paths;
+  const auto set = [&paths](const auto& value, const char* name, const auto& write) {
+    if (!value) return;
+    write(*value);
+    paths.push_back(std::string("settings.") + name);
+  };
+  const Given& g = *given_;
+  if (g.grid || g.dims || g.bounds) {
+    applyGrid(g.grid, g.dims, g.bounds, *settings.mutable_grid());
+    paths.emplace_back("settings.grid");
+  }
+  set(g.injection, "injection", [&](auto v) { settings.set_injection(v); });
+  set(g.method, "method", [&](const Method& m) { settings.set_method(m.method); });
+  if (g.method && g.method->samples != 0) {
+    settings.set_dense_samples(g.method->samples);
+    paths.emplace_back("settings.dense_samples");
+  }
+  set(g.transport, "transport", [&](auto v) { settings.set_transport(v); });
+  set(g.quality, "quality", [&](auto v) { settings.set_quality(v); });
+  set(g.iterations, "iterations", [&](int v) { settings.set_iterations(v); });
+  set(g.clampFaces, "clamp_faces", [&](bool v) { settings.set_clamp_faces(v); });
+  set(g.k, "k", [&](double v) { settings.set_k(v); });
+  set(g.lookup, "lookup", [&](auto v) { settings.set_lookup(v); });
+  set(g.maxError, "max_error", [&](double v) { settings.set_max_error(v); });
+  set(g.visibility, "visibility", [&](auto v) { settings.set_visibility(v); });
+  set(g.bounces, "bounces", [&](int v) { settings.set_bounces(v); });
+  set(g.haze, "haze", [&](double v) { settings.set_haze(v); });
+  set(g.ttl, "ttl", [&](double v) { *settings.mutable_ttl() = durationOf(v); });
+  set(g.displayName, "display_name", [&](const std::string& v) { settings.set_display_name(v); });
+  return paths;
+}
+
+}  // namespace lpv::cli

@@ -1,0 +1,101 @@
+// volume get
+
+#include <memory>
+
+#include "command.h"
+#include "npy.h"
+#include "output.h"
+#include "progress.h"
+#include "scene_flags.h"
+#include "values.h"
+
+namespace lpv::cli {
+namespace {
+
+struct Options {
+  std::string id;
+  std::string out;
+  std::optional<v1::VolumeStage> stage;
+  std::optional<int> layer;
+  bool layers = false;
+};
+
+/// (nz, ny, nx, 3, 4) of one layer or of the sum, (g, nz, ny, nx, 3, 4) of all.
+struct Array {
+  std::vector<std::size_t> shape;
+  std::vector<float> values;
+};
+
+std::vector<float> sumOf(const Volume& volume) {
+  std::vector<double> sum(volume.grid.cells() * 12, 0.0);
+  for (const VolumeLayer& layer : volume.layers) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += layer.coefficients[i];
+  }
+  return {sum.begin(), sum.end()};
+}
+
+Expected<Array> arrayOf(const Volume& volume, const Options& options) {
+  const glm::ivec3 d = volume.grid.dims;
+  Array out{{std::size_t(d.z), std::size_t(d.y), std::size_t(d.x), 3, 4}, {}};
+  if (options.layers) {
+    out.shape.insert(out.shape.begin(), volume.layers.size());
+    for (const VolumeLayer& layer : volume.layers) {
+      out.values.insert(out.values.end(), layer.coefficients.begin(), layer.coefficients.end());
+    }
+    return out;
+  }
+  if (!options.layer) {
+    out.values = sumOf(volume);
+    return out;
+  }
+  if (*options.layer < 0 || std::size_t(*options.layer) >= volume.layers.size()) {
+    return invalid("layer", "there is no layer " + std::to_string(*options.layer) + "; the volume has " +
+                                std::to_string(volume.layers.size()));
+  }
+  out.values = volume.layers[std::size_t(*options.layer)].coefficients;
+  return out;
+}
+
+std::string metadata(const Options& options, const Array& array, const client::VolumeResult& result) {
+  std::vector<double> shape(array.shape.begin(), array.shape.end());
+  return JsonObject()
+      .text("file", options.out)
+      .numbers("shape", shape)
+      .raw("header", toJson(result.header))
+      .number("bytes", double(result.bytes))
+      .str();
+}
+
+Status getVolume(Context& context, const Options& options) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  v1::GetVolumeRequest request;
+  request.set_session(options.id);
+  request.set_stage(options.stage.value_or(v1::VOLUME_STAGE_TRANSPORTED));
+  request.set_format(v1::VOLUME_FORMAT_FLOAT);
+  const auto result = client->volume(request);
+  if (!result) return result.status();
+  const Expected<Array> array = arrayOf(result->volume, options);
+  if (!array) return array.status();
+  if (Status status = writeFile(options.out, npyFile(array->shape, array->values)); !status.ok()) return status;
+  if (context.json()) print(metadata(options, *array, *result));
+  return {};
+}
+
+}  // namespace
+
+void addVolumeCommands(CLI::App& app, Commands& commands) {
+  CLI::App& group = Commands::group(app, "volume", "The light field: get");
+  auto given = std::make_shared<Options>();
+  CLI::App& get = commands.add(group, "get", "Saves the volume as NumPy float32 (nz,ny,nx,3,4)",
+                               [given](Context& context) { return getVolume(context, *given); });
+  addSession(get, given->id);
+  get.add_option("-o,--output", given->out, "File to write")->required()->type_name("OUT.npy");
+  addChoice<v1::VolumeStage>(get, "--stage", given->stage,
+                             {{"injected", v1::VOLUME_STAGE_INJECTED}, {"transported", v1::VOLUME_STAGE_TRANSPORTED}},
+                             "Before or after transport (transported)");
+  auto* one = get.add_option("--layer", given->layer, "One layer instead of the sum")->type_name("K");
+  get.add_flag("--layers", given->layers, "All layers: (g,nz,ny,nx,3,4)")->excludes(one);
+}
+
+}  // namespace lpv::cli

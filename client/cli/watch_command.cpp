@@ -1,0 +1,205 @@
+// watch: results as they come, with their rate, age, size and stage times.
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <mutex>
+
+#include "command.h"
+#include "interrupt.h"
+#include "lpv/watch.h"
+#include "output.h"
+#include "scene_flags.h"
+#include "values.h"
+
+namespace lpv::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string id;
+  bool frames = false;
+  bool volume = false;
+  double seconds = 0.0;
+  double rate = 0.0;
+  FrameFlags frame;
+};
+
+/// Time since the server finished the result, by the two machines' clocks.
+double ageOf(const v1::ResultInfo& info) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return double(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - info.server_time_ns()) * 1e-9;
+}
+
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", digits, value);
+  return text;
+}
+
+/// Counts results and prints them: each with --json, once a second otherwise.
+class Report {
+ public:
+  explicit Report(bool json) : json_(json), terminal_(isatty(STDOUT_FILENO) != 0), began_(Clock::now()) {}
+
+  void add(const v1::ResultInfo& info, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    ages_.push_back(ageOf(info));
+    bytes_ += bytes;
+    ++results_;
+    last_ = info;
+    if (json_) print(jsonLine(info, bytes, ages_.back()));
+  }
+
+  void end(const Status& status) {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    status_ = status;
+    changed_.notify_all();
+  }
+
+  /// True when the stream has ended.
+  bool wait(std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, time, [this] { return ended_; });
+  }
+
+  /// One line about the last interval.
+  void second() {
+    const std::lock_guard lock(mutex_);
+    const double seconds = std::chrono::duration<double>(Clock::now() - lineBegan_).count();
+    const std::string line = summaryLine(seconds);
+    results_ = 0;
+    bytes_ = 0;
+    ages_.clear();
+    lineBegan_ = Clock::now();
+    if (json_) return;
+    if (terminal_) {
+      std::cout << "\r" << line << "\033[K" << std::flush;
+    } else {
+      print(line);
+    }
+  }
+
+  Status finish(const client::WatchStats& stats) {
+    const std::lock_guard lock(mutex_);
+    const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    if (!json_) {
+      if (terminal_) print("");
+      print(std::to_string(stats.results) + " results in " + fixed(seconds, 1) + " s, " +
+            fixed(double(stats.results) / seconds, 1) + " /s, " + fixed(double(stats.bytes) / 1e6, 2) + " MB, " +
+            std::to_string(stats.discarded) + " discarded, " + std::to_string(stats.faults) + " faulty, " +
+            std::to_string(stats.reopened) + " times reopened");
+    }
+    if (ended_ && !interrupted()) return status_;
+    if (stats.results == 0 && !interrupted()) {
+      return Status(Code::kDeadlineExceeded, "no result came in " + fixed(seconds, 1) + " s");
+    }
+    return {};
+  }
+
+ private:
+  static std::string jsonLine(const v1::ResultInfo& info, std::size_t bytes, double age) {
+    return JsonObject().raw("result", toJson(info)).number("bytes", double(bytes)).number("ageSeconds", age).str();
+  }
+
+  std::string summaryLine(double seconds) {
+    std::sort(ages_.begin(), ages_.end());
+    std::string line = fixed(double(results_) / seconds, 1) + " /s  " + fixed(double(bytes_) / seconds / 1e6, 2) +
+                       " MB/s  revision " + std::to_string(last_.revision());
+    if (!ages_.empty()) line += "  age " + fixed(ages_[ages_.size() / 2] * 1e3, 1) + " ms ";
+    for (const v1::StageTime& stage : last_.stage_times()) {
+      line += " " + stage.stage() + " " + fixed(stage.seconds() * 1e3, 1);
+    }
+    return line;
+  }
+
+  const bool json_;
+  const bool terminal_;
+  const Clock::time_point began_;
+  Clock::time_point lineBegan_ = Clock::now();
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<double> ages_;
+  std::uint64_t bytes_ = 0;
+  std::uint64_t results_ = 0;
+  v1::ResultInfo last_;
+  bool ended_ = false;
+  Status status_;
+};
+
+/// Runs until the time is over, the stream has ended, or the user has had enough.
+template <typename Watcher>
+Status follow(const Options& options, Report& report, Watcher& watcher) {
+  const Clock::time_point end = options.seconds > 0.0
+                                    ? Clock::now() + std::chrono::milliseconds(std::int64_t(options.seconds * 1e3))
+                                    : Clock::time_point::max();
+  Clock::time_point line = Clock::now() + std::chrono::seconds(1);
+  while (Clock::now() < end && !interrupted()) {
+    if (report.wait(std::chrono::milliseconds(50))) break;
+    if (Clock::now() < line) continue;
+    line += std::chrono::seconds(1);
+    report.second();
+  }
+  watcher.stop();
+  return report.finish(watcher.stats());
+}
+
+client::WatchHooks hooksFor(Report& report) {
+  client::WatchHooks hooks;
+  hooks.ended = [&report](const Status& status) { report.end(status); };
+  hooks.reopening = [](const Status& status) { warn("opening the stream again: " + describe(status)); };
+  hooks.notice = [](const v1::Notice& notice) {
+    warn("notice " + v1::Notice::Kind_Name(notice.kind()) + ": " + notice.message());
+  };
+  return hooks;
+}
+
+Status watch(Context& context, const Options& options) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  if (const auto session = client->session(options.id); !session) return session.status();
+  Report report(context.json());
+  if (options.volume) {
+    v1::VolumeSubscription wanted;
+    wanted.set_session(options.id);
+    wanted.set_max_rate(options.rate);
+    client::VolumeWatcher watcher(
+        *client, wanted, [&](const client::VolumeResult& r) { report.add(r.header.result(), r.bytes); },
+        hooksFor(report));
+    return follow(options, report, watcher);
+  }
+  v1::FrameSubscription wanted;
+  wanted.set_session(options.id);
+  wanted.set_max_rate(options.rate);
+  wanted.set_camera_name(options.frame.cameraName);
+  if (options.frame.hasCamera()) *wanted.mutable_camera()->mutable_camera() = options.frame.camera();
+  wanted.set_width(options.frame.pixels().x);
+  wanted.set_height(options.frame.pixels().y);
+  if (options.frame.exposure) *wanted.mutable_exposure() = *options.frame.exposure;
+  client::FrameWatcher watcher(
+      *client, wanted, [&](const client::FrameResult& r) { report.add(r.header.result(), r.file.size()); },
+      hooksFor(report));
+  return follow(options, report, watcher);
+}
+
+}  // namespace
+
+void addWatchCommand(CLI::App& app, Commands& commands) {
+  auto given = std::make_shared<Options>();
+  CLI::App& command = commands.add(app, "watch", "Follows a session: rate, age, bytes, stage times",
+                                   [given](Context& context) { return watch(context, *given); });
+  addSession(command, given->id);
+  auto* frames = command.add_flag("--frames", given->frames, "Pictures (what is watched without a flag)");
+  command.add_flag("--volume", given->volume, "The volume")->excludes(frames);
+  command.add_option("--seconds", given->seconds, "Ends after as long (never)")->type_name("S");
+  command.add_option("--rate", given->rate, "Results per second at most (the server's)")->type_name("HZ");
+  given->frame.addTo(command);
+}
+
+}  // namespace lpv::cli

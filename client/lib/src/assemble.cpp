@@ -1,0 +1,123 @@
+#include "assemble.h"
+
+#include <utility>
+
+#include "lpv/convert.h"
+
+namespace lpv::client {
+namespace {
+
+/// No picture of 4096 x 4096 float pixels, however encoded, is larger.
+constexpr std::int64_t kMaxFrameBytes = std::int64_t(512) << 20;
+
+Status broken(const std::string& what) { return Status(Code::kInternal, "the server sent " + what); }
+
+Expected<wire::Element> elementOf(const v1::VolumeHeader& header) {
+  if (header.sh_bands() != 2) return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands, not 2");
+  if (header.base_result_id() != 0) return broken("a volume relative to another, which this client did not ask for");
+  if (header.brick_edge() != wire::kBrickEdge) return broken("bricks of another size than 8");
+  const v1::PayloadCompression compression = header.compression();
+  if (compression != v1::PAYLOAD_COMPRESSION_NONE && compression != v1::PAYLOAD_COMPRESSION_UNSPECIFIED) {
+    return broken("a compression this client does not know");
+  }
+  switch (header.format()) {
+    case v1::VOLUME_FORMAT_UNSPECIFIED:
+    case v1::VOLUME_FORMAT_HALF_FLOAT:
+      return wire::Element::kHalf;
+    case v1::VOLUME_FORMAT_FLOAT:
+      return wire::Element::kFloat;
+    default:
+      return broken("a volume format this client does not know");
+  }
+}
+
+/// The rule of parts: 0, 1, 2 ... of one result.
+Status checkPart(int index, int next, std::uint64_t id, std::uint64_t wanted, int count) {
+  if (index != next || index >= count)
+    return broken("part " + std::to_string(index) + ", expected " + std::to_string(next));
+  if (id != wanted) return broken("a part of result " + std::to_string(id) + " within " + std::to_string(wanted));
+  return {};
+}
+
+}  // namespace
+
+Status VolumeAssembler::begin(const v1::VolumePart& part) {
+  const v1::VolumeHeader& header = part.header();
+  const Expected<wire::Element> element = elementOf(header);
+  if (!element) return element.status();
+  std::vector<std::string> groups;
+  std::vector<double> scales;
+  for (const v1::VolumeLayer& layer : header.layers()) {
+    groups.push_back(layer.group());
+    scales.push_back(*element == wire::Element::kFloat ? 1.0 : layer.scale());
+  }
+  const VolumeStage stage =
+      header.stage() == v1::VOLUME_STAGE_INJECTED ? VolumeStage::kInjected : VolumeStage::kTransported;
+  decoder_ = std::make_unique<wire::VolumeDecoder>(fromProto(header.grid()), stage, *element, groups, scales);
+  result_ = {};
+  result_.header = header;
+  next_ = 0;
+  began_ = std::chrono::steady_clock::now();
+  return {};
+}
+
+Expected<std::optional<VolumeResult>> VolumeAssembler::add(const v1::VolumePart& part) {
+  if (part.has_header()) {
+    if (Status status = begin(part); !status.ok()) {
+      decoder_.reset();
+      return status;
+    }
+  }
+  if (!decoder_) return std::optional<VolumeResult>();  // the rest of a result that was given up
+  Status status = checkPart(part.index(), next_, part.result_id(), result_.header.result().result_id(),
+                            result_.header.part_count());
+  std::vector<wire::BrickRun> bricks;
+  for (const v1::BrickRun& run : part.bricks()) bricks.push_back({run.first(), run.count()});
+  if (status.ok()) status = decoder_->add(bricks, part.payload());
+  if (!status.ok()) {
+    decoder_.reset();
+    return status;
+  }
+  result_.bytes += part.payload().size();
+  if (++next_ < result_.header.part_count()) return std::optional<VolumeResult>();
+  Expected<Volume> volume = decoder_->finish(result_.header.result().checksum());
+  decoder_.reset();
+  if (!volume) return volume.status();
+  result_.volume = std::move(*volume);
+  result_.decodeSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  return std::optional<VolumeResult>(std::move(result_));
+}
+
+Status FrameAssembler::begin(const v1::FramePart& part) {
+  result_ = {};
+  result_.header = part.header();
+  next_ = 0;
+  active_ = part.header().size() >= 0 && part.header().size() <= kMaxFrameBytes;
+  return active_ ? Status() : broken("a frame of " + std::to_string(part.header().size()) + " bytes");
+}
+
+Expected<std::optional<FrameResult>> FrameAssembler::add(const v1::FramePart& part) {
+  if (part.has_header()) {
+    if (Status status = begin(part); !status.ok()) return status;
+  }
+  if (!active_) return std::optional<FrameResult>();
+  const v1::FrameHeader& header = result_.header;
+  Status status = checkPart(part.index(), next_, part.result_id(), header.result().result_id(), header.part_count());
+  if (status.ok() && std::int64_t(result_.file.size() + part.payload().size()) > header.size()) {
+    status = broken("more bytes of a frame than announced");
+  }
+  if (!status.ok()) {
+    active_ = false;
+    return status;
+  }
+  result_.file += part.payload();
+  if (++next_ < header.part_count()) return std::optional<FrameResult>();
+  active_ = false;
+  if (std::int64_t(result_.file.size()) != header.size()) return broken("fewer bytes of a frame than announced");
+  if (wire::checksumBytes(result_.file.data(), result_.file.size()) != header.result().checksum()) {
+    return broken("a frame whose bytes do not give its checksum");
+  }
+  return std::optional<FrameResult>(std::move(result_));
+}
+
+}  // namespace lpv::client

@@ -1,0 +1,89 @@
+#pragma once
+// One channel, its stubs, and the calls in flight on it. The only header that shows gRPC.
+
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "lpv/client.h"
+#include "lpv/v1/blob.grpc.pb.h"
+#include "lpv/v1/result.grpc.pb.h"
+#include "lpv/v1/scene.grpc.pb.h"
+#include "lpv/v1/server.grpc.pb.h"
+#include "lpv/v1/session.grpc.pb.h"
+
+namespace lpv::client {
+
+/// Largest message in either direction, and what a part carries so that it stays below with its other fields.
+inline constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20U;
+inline constexpr std::size_t kPartBytes = kMaxMessageBytes - 4096;
+
+class Connection {
+ public:
+  Connection(ConnectOptions options, std::shared_ptr<grpc::Channel> channel);
+
+  /// Cancels every Call in flight and to come.
+  void cancel();
+  bool cancelled() const;
+
+  const ConnectOptions options;
+  const std::shared_ptr<grpc::Channel> channel;
+  const std::unique_ptr<v1::ServerService::Stub> server;
+  const std::unique_ptr<v1::SessionService::Stub> sessions;
+  const std::unique_ptr<v1::BlobService::Stub> blobs;
+  const std::unique_ptr<v1::SceneService::Stub> scene;
+  const std::unique_ptr<v1::ResultService::Stub> results;
+
+ private:
+  friend class Call;
+  mutable std::mutex mutex_;
+  std::set<grpc::ClientContext*> calls_;
+  bool cancelled_ = false;
+};
+
+/// One call's context: authorization and deadline set, reachable by Connection::cancel while it lives.
+class Call {
+ public:
+  /// With the connection's timeout plus `extra`.
+  explicit Call(Connection& connection, std::chrono::milliseconds extra = std::chrono::milliseconds(0));
+  /// Without a deadline: a stream.
+  struct Stream {};
+  Call(Connection& connection, Stream);
+  ~Call();
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  grpc::ClientContext context;
+
+ private:
+  void enter();
+  Connection& connection_;
+};
+
+/// More time for a transfer of this size: 1 s per 256 KiB.
+std::chrono::milliseconds timeFor(std::uint64_t bytes);
+
+/// The domain's status of a call, with the field of a FieldViolation where the server named one.
+Status statusFrom(const grpc::Status& status, const std::string& address);
+
+/// True where opening a stream again can help.
+bool worthReopening(const grpc::Status& status);
+
+/// One unary call: `method` is a stub's member.
+template <typename Response, typename Stub, typename Request>
+Expected<Response> unary(Connection& connection, Stub& stub,
+                         grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                         const Request& request) {
+  Call call(connection);
+  Response response;
+  const grpc::Status status = (stub.*method)(&call.context, request, &response);
+  if (!status.ok()) return statusFrom(status, connection.options.address);
+  return response;
+}
+
+}  // namespace lpv::client

@@ -1,0 +1,191 @@
+#include "lpv/editor.h"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "connection.h"
+#include "reopening.h"
+
+namespace lpv::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// The server stops reading at as many queued edits.
+constexpr std::size_t kMaxUnanswered = 256;
+constexpr int kAttempts = 4;
+
+}  // namespace
+
+Editor::Editor(Client client, std::string session, v1::ClientIdentity identity)
+    : client_(std::move(client)),
+      session_(std::move(session)),
+      identity_(std::move(identity)),
+      sequence_(std::make_shared<std::uint64_t>(0)) {}
+
+Expected<Editor> Editor::join(Client client, const std::string& session, const std::string& displayName) {
+  v1::JoinSessionRequest request;
+  request.set_session(sessionName(session));
+  request.set_display_name(displayName);
+  Connection& connection = *client.connection();
+  auto response = unary(connection, *connection.sessions, &v1::SessionService::Stub::JoinSession, request);
+  if (!response) return response.status();
+  return Editor(std::move(client), request.session(), response->client());
+}
+
+Expected<v1::EditAck> Editor::apply(v1::Edit edit) {
+  edit.set_sequence(++*sequence_);
+  v1::ApplyEditRequest request;
+  request.set_session(session_);
+  *request.mutable_client() = identity_;
+  *request.mutable_edit() = std::move(edit);
+  Connection& connection = *client_.connection();
+  for (int attempt = 1;; ++attempt) {
+    auto response = unary(connection, *connection.scene, &v1::SceneService::Stub::ApplyEdit, request);
+    if (response) return response->ack();
+    if (response.status().code() != Code::kUnavailable || attempt == kAttempts) return response.status();
+    std::this_thread::sleep_for(100ms * attempt);
+  }
+}
+
+Status Editor::leave() {
+  v1::LeaveSessionRequest request;
+  request.set_session(session_);
+  *request.mutable_client() = identity_;
+  Connection& connection = *client_.connection();
+  return unary(connection, *connection.sessions, &v1::SessionService::Stub::LeaveSession, request).status();
+}
+
+struct EditStream::State {
+  using Stream = grpc::ClientReaderWriter<v1::StreamEditsRequest, v1::StreamEditsResponse>;
+
+  State(const Editor& editor, OnAck ack, OnEnd end, std::shared_ptr<LatencyLog> log)
+      : connection(editor.client().connection()),
+        session(editor.session()),
+        identity(editor.identity()),
+        sequence(editor.sequence_),
+        onAck(std::move(ack)),
+        onEnd(std::move(end)),
+        latency(std::move(log)),
+        loop(connection, {[this](grpc::ClientContext& context) { return attempt(context); },
+                          {},
+                          [this](const Status& status) { finish(status); }}) {
+    loop.start();
+  }
+
+  grpc::Status attempt(grpc::ClientContext& context) {
+    const std::unique_ptr<Stream> open = connection->scene->StreamEdits(&context);
+    sendPending(*open);
+    v1::StreamEditsResponse response;
+    while (loop.read(*open, response)) {
+      if (response.has_ack()) acknowledge(response.ack());
+    }
+    {
+      const std::lock_guard lock(writing);
+      stream = nullptr;
+    }
+    return open->Finish();
+  }
+
+  /// First the greeting, then everything unanswered, in order; new edits wait behind.
+  void sendPending(Stream& open) {
+    const std::lock_guard lock(writing);
+    v1::StreamEditsRequest first;
+    first.set_session(session);
+    *first.mutable_client() = identity;
+    bool writable = open.Write(first);
+    std::deque<v1::Edit> edits;
+    {
+      const std::lock_guard stateLock(mutex);
+      edits = unanswered;
+    }
+    for (const v1::Edit& edit : edits) writable = writable && write(open, edit);
+    stream = &open;
+  }
+
+  static bool write(Stream& open, const v1::Edit& edit) {
+    v1::StreamEditsRequest request;
+    *request.mutable_edit() = edit;
+    return open.Write(request);
+  }
+
+  void acknowledge(const v1::EditAck& ack) {
+    {
+      const std::lock_guard lock(mutex);
+      if (unanswered.empty() || ack.sequence() < unanswered.front().sequence()) return;  // answered before
+      while (!unanswered.empty() && unanswered.front().sequence() <= ack.sequence()) unanswered.pop_front();
+    }
+    changed.notify_all();
+    if (onAck) onAck(ack);
+  }
+
+  void finish(const Status& status) {
+    {
+      const std::lock_guard lock(mutex);
+      ended = status.ok() ? Status(Code::kUnavailable, "the edit stream has ended") : status;
+    }
+    changed.notify_all();
+    if (onEnd) onEnd(status);
+  }
+
+  std::shared_ptr<Connection> connection;
+  std::string session;
+  v1::ClientIdentity identity;
+  std::shared_ptr<std::uint64_t> sequence;
+  OnAck onAck;
+  OnEnd onEnd;
+  std::shared_ptr<LatencyLog> latency;
+
+  std::mutex writing;         ///< the order of edits and the stream they go to; taken before mutex
+  Stream* stream = nullptr;
+  std::mutex mutex;           ///< unanswered, ended
+  std::condition_variable changed;
+  std::deque<v1::Edit> unanswered;
+  Status ended;
+  Reopening loop;             ///< last: its thread uses all of the above
+};
+
+EditStream::EditStream(const Editor& editor, OnAck onAck, OnEnd onEnd, std::shared_ptr<LatencyLog> latency)
+    : state_(std::make_unique<State>(editor, std::move(onAck), std::move(onEnd), std::move(latency))) {}
+
+EditStream::~EditStream() = default;
+
+Expected<std::uint64_t> EditStream::send(v1::Edit edit) {
+  {
+    std::unique_lock lock(state_->mutex);
+    state_->changed.wait(lock, [&] { return state_->unanswered.size() < kMaxUnanswered || !state_->ended.ok(); });
+  }
+  const std::lock_guard order(state_->writing);
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (!state_->ended.ok()) return state_->ended;
+    edit.set_sequence(++*state_->sequence);
+    state_->unanswered.push_back(edit);
+  }
+  if (state_->latency) state_->latency->sent(edit.sequence());
+  if (state_->stream != nullptr) State::write(*state_->stream, edit);  // a failure shows in the next Read: sent again
+  return edit.sequence();
+}
+
+Status EditStream::drain(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(state_->mutex);
+  const auto over = [&] { return state_->unanswered.empty() || !state_->ended.ok(); };
+  if (!state_->changed.wait_for(lock, timeout, over)) {
+    return Status(Code::kDeadlineExceeded, std::to_string(state_->unanswered.size()) + " edits are unanswered");
+  }
+  return state_->unanswered.empty() ? Status() : state_->ended;
+}
+
+void EditStream::stop() {
+  state_->loop.stop();
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (state_->ended.ok()) state_->ended = Status(Code::kCancelled, "the edit stream was stopped");
+  }
+  state_->changed.notify_all();
+}
+
+}  // namespace lpv::client
