@@ -1,0 +1,30 @@
+#pragma once
+// Scenes for the benches, and a blocking way to run a tick.
+
+#include <string>
+
+#include "lpv/engine.h"
+#include "scene/scene.h"
+
+namespace lpv::bench {
+
+/// The engine on the first device; exits with a message when there is none.
+Engine& engine();
+
+/// One tick, start to end; exits with a message when it fails.
+TickResult tick(TickRequest request);
+
+/// The mesh of 33,446 triangles: Stanford's Lucy where LPV_BENCH_LUCY names the PLY file, else a bumpy sphere with as
+/// many triangles. About 1 m high.
+MeshPtr statue();
+
+/// A closed box of 4 x 3 x 4 m as the room, and one light of `mesh` at `position`.
+Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells);
+
+/// `scene` with its light moved.
+ScenePtr movedTo(const Scene& scene, const glm::dvec3& position);
+
+/// Seconds of one stage of a report, 0 when it did not run.
+double secondsOf(const TickReport& report, const std::string& stage);
+
+}  // namespace lpv::bench

@@ -1,0 +1,114 @@
+// What a user feels, measured over real sockets on one machine: a session whose light moves (or whose light's mesh
+// deforms) while one client watches frames and, if asked, another the volume. Prints rates, stage times and the time
+// from sending an edit to holding the first frame that shows it. Numbers, not verdicts: nothing fails for being slow.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "bench/service_load.h"
+
+namespace {
+
+using lpv::bench::Load;
+using lpv::bench::Measured;
+
+nlohmann::json asJson(const Load& load, const Measured& m) {
+  nlohmann::json stages;
+  for (const auto& [stage, seconds] : m.stageSeconds) stages[stage] = seconds * 1e3;
+  return {{"mode", load.deform ? "deform" : "move"},
+          {"device", m.device},
+          {"version", m.version},
+          {"seconds", m.seconds},
+          {"grid", load.grid},
+          {"iterations", load.iterations},
+          {"frame", {load.width, load.height}},
+          {"surface_triangles", m.surfaceTriangles},
+          {"light_triangles", m.lightTriangles},
+          {"edits_per_s", m.edits / m.seconds},
+          {"ticks_per_s", m.ticks / m.seconds},
+          {"frames_per_s", m.frames / m.seconds},
+          {"volumes_per_s", m.volumes / m.seconds},
+          {"frame_kb", m.frames > 0 ? m.frameBytes / m.frames / 1e3 : 0.0},
+          {"latency_ms", {{"p50", m.latency.p50 * 1e3}, {"p95", m.latency.p95 * 1e3}, {"p99", m.latency.p99 * 1e3}}},
+          {"revisions_behind_p50", m.revisionsBehind},
+          {"stage_ms_median", stages}};
+}
+
+void print(const nlohmann::json& j) {
+  std::printf("%s, %s light of %lld triangles in a scene of %lld, grid %d, %d iterations, %dx%d, %s\n",
+              j["version"].get<std::string>().c_str(), j["mode"] == "deform" ? "deforming" : "moving",
+              j["light_triangles"].get<long long>(), j["surface_triangles"].get<long long>(), j["grid"].get<int>(),
+              j["iterations"].get<int>(), j["frame"][0].get<int>(), j["frame"][1].get<int>(),
+              j["device"].get<std::string>().c_str());
+  std::printf("  edits/s %.1f  ticks/s %.1f  frames/s %.1f (%.0f kB each)  volumes/s %.1f\n",
+              j["edits_per_s"].get<double>(), j["ticks_per_s"].get<double>(), j["frames_per_s"].get<double>(),
+              j["frame_kb"].get<double>(), j["volumes_per_s"].get<double>());
+  std::printf("  edit to frame, ms: p50 %.0f  p95 %.0f  p99 %.0f;  revisions behind when a frame arrives: %.0f\n",
+              j["latency_ms"]["p50"].get<double>(), j["latency_ms"]["p95"].get<double>(),
+              j["latency_ms"]["p99"].get<double>(), j["revisions_behind_p50"].get<double>());
+  std::printf("  stages, ms (median):");
+  for (const auto& [stage, ms] : j["stage_ms_median"].items()) std::printf(" %s %.1f", stage.c_str(), ms.get<double>());
+  std::printf("\n");
+}
+
+/// A row of tests/bench/MEASURED.md.
+std::string tableRow(const std::string& name, const nlohmann::json& j) {
+  char row[512];
+  std::snprintf(row, sizeof row, "| %s | %lld | %lld | %.0f | %.1f | %.1f | %.1f | %.0f | %.0f | %.0f |", name.c_str(),
+                j["surface_triangles"].get<long long>(), j["light_triangles"].get<long long>(),
+                j["edits_per_s"].get<double>(), j["ticks_per_s"].get<double>(), j["frames_per_s"].get<double>(),
+                j["volumes_per_s"].get<double>(), j["latency_ms"]["p50"].get<double>(),
+                j["latency_ms"]["p95"].get<double>(), j["latency_ms"]["p99"].get<double>());
+  std::string out(row);
+  for (const char* stage : {"voxelize", "propagate", "emitters", "shade"}) {
+    const auto& stages = j["stage_ms_median"];
+    std::snprintf(row, sizeof row, " %.1f |", stages.contains(stage) ? stages[stage].get<double>() : 0.0);
+    out += row;
+  }
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Load load;
+  std::string jsonFile;
+  std::string rowName;
+  CLI::App app("Measures a running session over the loopback; starts an lpvd of its own unless --server names one");
+  app.add_option("--server", load.server, "HOST:PORT of a running lpvd");
+  app.add_option("--scene", load.sceneFile, "scene to load (default: a small procedural room)");
+  app.add_option("--light", load.lightFile, "mesh of the light (default: a procedural sphere)");
+  app.add_option("--light-scale", load.lightScale, "factor from the mesh file's unit to metres")->capture_default_str();
+  app.add_option("--light-triangles", load.lightTriangles, "of the procedural light")->capture_default_str();
+  app.add_option("--place", load.place, "x y z: where the light's base stands")->expected(3);
+  app.add_option("--radiance", load.radiance, "of the light, each colour")->capture_default_str();
+  app.add_option("--camera", load.camera, "eye x y z target x y z")->expected(6);
+  app.add_option("--grid", load.grid, "cells along the longest edge")->capture_default_str();
+  app.add_option("--iterations", load.iterations, "propagation steps")->capture_default_str();
+  app.add_option("--width", load.width)->capture_default_str();
+  app.add_option("--height", load.height)->capture_default_str();
+  app.add_option("--rate", load.rate, "edits per second")->capture_default_str();
+  app.add_option("--seconds", load.seconds)->capture_default_str();
+  app.add_flag("--deform", load.deform, "new vertices each time instead of a new place");
+  app.add_flag("--volume", load.watchVolume, "a second client watches the volume");
+  app.add_option("--json", jsonFile, "also write the numbers here");
+  app.add_option("--row", rowName, "print one row of a Markdown table with this name instead");
+  CLI11_PARSE(app, argc, argv);
+
+  const lpv::Expected<Measured> measured = lpv::bench::run(load);
+  if (!measured) {
+    std::cerr << "service_bench: " << measured.status().message() << "\n";
+    return 1;
+  }
+  const nlohmann::json j = asJson(load, *measured);
+  if (rowName.empty()) {
+    print(j);
+  } else {
+    std::printf("%s\n", tableRow(rowName, j).c_str());
+  }
+  if (!jsonFile.empty()) std::ofstream(jsonFile) << j.dump(2) << "\n";
+  return 0;
+}

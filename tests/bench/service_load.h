@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lpv/latency.h"
+#include "scene/status.h"
+
+namespace lpv::bench {
+
+/// What to run.
+struct Load {
+  std::string server;                          ///< empty: an lpvd of its own
+  std::string sceneFile;                       ///< empty: a procedural room
+  std::string lightFile;                       ///< empty: a procedural sphere
+  double lightScale = 1.0;
+  int lightTriangles = 720;
+  std::vector<double> place{0.0, 0.8, 0.0};    ///< metres
+  double radiance = 8.0;
+  std::vector<double> camera;                  ///< eye, target; empty: the server's view of everything
+  int grid = 32;
+  int iterations = 32;
+  int width = 640;
+  int height = 360;
+  double rate = 30.0;                          ///< edits per second
+  double seconds = 20.0;
+  bool deform = false;
+  bool watchVolume = false;
+};
+
+/// What was seen.
+struct Measured {
+  std::string device;
+  std::string version;
+  double seconds = 0.0;
+  std::int64_t surfaceTriangles = 0;
+  std::int64_t lightTriangles = 0;
+  double edits = 0.0;
+  double ticks = 0.0;
+  double frames = 0.0;
+  double frameBytes = 0.0;
+  double volumes = 0.0;
+  double revisionsBehind = 0.0;                ///< median of (last revision acknowledged - revision shown)
+  client::LatencySummary latency;              ///< seconds, edit sent to first frame that contains it
+  std::map<std::string, double> stageSeconds;  ///< medians
+};
+
+/// Sets the session up, runs the load, takes everything down again.
+Expected<Measured> run(const Load& load);
+
+}  // namespace lpv::bench

@@ -1,0 +1,113 @@
+#include "gpu/stage_rig.h"
+
+#include <random>
+#include <stdexcept>
+
+#include "lpv/clock.h"
+#include "lpv/inject.h"
+#include "lpv/voxelize.h"
+
+namespace lpv::test {
+
+namespace {
+
+int haloIndex(const glm::ivec3& cell, const glm::ivec3& dims, int channel) {
+  const glm::ivec3 h = dims + 2;
+  return ((channel * h.z + cell.z + 1) * h.y + cell.y + 1) * h.x + cell.x + 1;
+}
+
+}  // namespace
+
+void finish(Pieces pieces) {
+  while (!pieces.done()) pieces.resume();
+}
+
+MeshPtr meshOf(const std::vector<std::array<glm::vec3, 3>>& triangles) {
+  Mesh mesh;
+  for (const auto& triangle : triangles) {
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (const glm::vec3& p : triangle) mesh.positions.push_back(p);
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  const Status status = finishMesh(mesh);
+  if (!status.ok()) throw std::invalid_argument(status.message());
+  return std::make_shared<Mesh>(std::move(mesh));
+}
+
+EmittingLight lightOf(const MeshPtr& mesh, const glm::dvec3& radiance, bool twoSided) {
+  EmittingLight light;
+  light.mesh = mesh;
+  light.radiance = radiance;
+  light.twoSided = twoSided;
+  return light;
+}
+
+Grid unitGrid(const glm::ivec3& dims) { return {glm::dvec3(0.0), 1.0, dims}; }
+
+reference::Field fieldOf(const FieldBuffer& buffer, const LightField& field, const Palette& palette) {
+  const std::vector<glm::vec4> values = read<glm::vec4>(buffer.buffer);
+  const glm::ivec3 dims = field.grid.dims;
+  reference::Field out(dims);
+  reference::forEachCell(dims, [&](const glm::ivec3& cell) {
+    for (int k = 0; k < field.channels; ++k) {
+      const glm::dvec4 value(values[std::size_t(haloIndex(cell, dims, k))]);
+      for (int c = 0; c < 3; ++c) out.at(cell)[std::size_t(c)] += value * palette.radiance[std::size_t(k)][c];
+    }
+  });
+  return out;
+}
+
+std::vector<glm::vec4> haloOf(const reference::Field& field) {
+  const glm::ivec3 h = field.dims + 2;
+  std::vector<glm::vec4> out(std::size_t(3 * h.x * h.y * h.z), glm::vec4(0.0F));
+  reference::forEachCell(field.dims, [&](const glm::ivec3& cell) {
+    for (int k = 0; k < 3; ++k)
+      out[std::size_t(haloIndex(cell, field.dims, k))] = glm::vec4(field.at(cell)[std::size_t(k)]);
+  });
+  return out;
+}
+
+reference::Field randomField(const glm::ivec3& dims, std::uint32_t seed, int margin) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
+  reference::Field field(dims);
+  reference::forEachCell(dims, [&](const glm::ivec3& cell) {
+    const bool inside =
+        glm::all(glm::greaterThanEqual(cell, glm::ivec3(margin))) && glm::all(glm::lessThan(cell, dims - margin));
+    for (auto& c : field.at(cell)) {
+      if (inside)
+        c = {double(2.0F + uniform(random)), double(uniform(random)), double(uniform(random)), double(uniform(random))};
+    }
+  });
+  return field;
+}
+
+InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l)
+    : lights(std::move(l)),
+      palette(choosePalette(lights)),
+      fixedPoint(*fixedPointFor(std::max<std::uint64_t>(mostLobes(lights), 1))),
+      field(grid, palette.channels) {
+  run();
+}
+
+void InjectRig::run() {
+  Voxelizer voxelizer;
+  Injector injector;
+  SceneCache cache;
+  SceneResources resources;
+  Scene scene;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    auto light = std::make_shared<Light>();
+    light->mesh = lights[i].mesh;
+    scene.lights["light " + std::to_string(i)] = light;
+  }
+  finish(cache.upload(scene, resources));
+  StageClock clock;
+  voxelizer.begin(field);
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    finish(voxelizer.add(field, lights[i], *resources.meshes.at(lights[i].mesh), palette.weights[i], fixedPoint,
+                         {&clock}));
+  finish(injector.run(field, fixedPoint.shift));
+}
+
+}  // namespace lpv::test

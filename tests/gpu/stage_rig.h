@@ -1,0 +1,48 @@
+#pragma once
+// Stages run one by one on the test's own context.
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "gpu/gl_test.h"
+#include "lpv/field.h"
+#include "lpv/lights.h"
+#include "lpv/pieces.h"
+#include "lpv/scene_cache.h"
+#include "reference/field.h"
+#include "scene/scene.h"
+
+namespace lpv::test {
+
+/// Runs a coroutine to its end.
+void finish(Pieces pieces);
+
+/// A mesh of separate triangles; throws when it is not one.
+MeshPtr meshOf(const std::vector<std::array<glm::vec3, 3>>& triangles);
+
+/// `mesh` as a light of constant radiance, grid cells 1 m at the origin.
+EmittingLight lightOf(const MeshPtr& mesh, const glm::dvec3& radiance, bool twoSided = false);
+
+/// One cube of 1 m cells at the origin.
+Grid unitGrid(const glm::ivec3& dims);
+
+/// A field as doubles, its channels times the palette's colours.
+reference::Field fieldOf(const FieldBuffer& buffer, const LightField& field, const Palette& palette);
+/// The other way: channel k of the halo layout is colour k. `channels` 3.
+std::vector<glm::vec4> haloOf(const reference::Field& field);
+
+/// A field of random coefficients within `margin` cells of the border zero.
+reference::Field randomField(const glm::ivec3& dims, std::uint32_t seed, int margin = 0);
+
+/// Voxelizes and injects; the result is in `field.injected`.
+struct InjectRig {
+  InjectRig(const Grid& grid, std::vector<EmittingLight> lights);
+  /// Runs both stages once more, for instance after `lights` were changed.
+  void run();
+  std::vector<EmittingLight> lights;
+  Palette palette;
+  FixedPoint fixedPoint;
+  LightField field;
+};
+
+}  // namespace lpv::test

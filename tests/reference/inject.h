@@ -1,0 +1,41 @@
+#pragma once
+// Injection in double: what every cell emits, as SH of intensity (W/sr, direction of emission); MATHS.md 2.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "reference/emitter.h"
+#include "reference/field.h"
+#include "scene/grid.h"
+
+namespace lpv::reference {
+
+/// COUNT: the mean of radiance x lobe over a cell's VPLs (paper eq. 1, i = 1..N), times one cell face s^2.
+struct Counted {
+  Field intensity;
+  std::vector<std::uint32_t> lobes;  ///< N of each cell; a two-sided triangle counts twice
+};
+Counted injectCount(const Grid& grid, const std::vector<Emitter>& emitters);
+
+/// A triangle clipped to one cell: what it carries into it.
+struct FluxPair {
+  std::size_t emitter = 0;         ///< index into the list given
+  glm::ivec3 cell{0};
+  double fraction = 0.0;           ///< share of the triangle's area, from the snapped triangle
+  double area = 0.0;               ///< m^2: fraction of the unsnapped area
+  glm::dvec3 areaNormal{0.0};      ///< area x unit normal
+  glm::dvec3 areaCentroid{0.0};    ///< area x centroid, world metres, on the unsnapped triangle
+  glm::dvec3 areaRadiance{0.0};    ///< radiance integrated over the part, W/sr
+};
+
+/// FLUX: every pair with its clipped part, by emitter, then by cell in memory order.
+std::vector<FluxPair> fluxPairs(const Grid& grid, const std::vector<Emitter>& emitters);
+
+/// Sum of areaRadiance x lobe(normal) per cell; a two-sided triangle adds the opposite lobe too.
+Field injectFlux(const Grid& grid, const std::vector<Emitter>& emitters);
+
+/// Emitted power of a field of intensity, W per colour: pi (sum of L00) / c0, for lobes of any mix.
+glm::dvec3 injectedPower(const Field& intensity);
+
+}  // namespace lpv::reference
