@@ -10,6 +10,7 @@
 namespace lpv::layout {
 using uint = std::uint32_t;
 using glm::dmat4;
+using glm::dvec4;
 using glm::ivec4;
 using glm::mat4;
 using glm::uvec4;
@@ -21,9 +22,9 @@ using glm::vec4;
 // --- storage buffers
 LPV_CONST int kPositions = 0;      // float, 3 per vertex, object space
 LPV_CONST int kTriangles = 1;      // uint, 3 per triangle
-LPV_CONST int kAccumulators = 2;   // int, kAccumulatorWords per cell
-LPV_CONST int kTouchedCells = 3;   // CellList
-LPV_CONST int kLargeTriangles = 4; // CellList of work items
+LPV_CONST int kAccumulators = 2;   // uint, words per cell as shaders/deposit.glsl has them
+LPV_CONST int kVoxelCells = 3;     // one light's cells: kVoxelHeaderWords, then uvec2 (cell, lobes or pairs) each
+LPV_CONST int kLargeTriangles = 4; // kListHeaderWords, then work items
 LPV_CONST int kCounters = 5;       // Counters
 LPV_CONST int kFieldOut = 6;       // vec4 per halo cell and channel
 LPV_CONST int kFieldSum = 7;       // vec4 per halo cell and channel (clamped form only)
@@ -32,6 +33,11 @@ LPV_CONST int kExposure = 9;       // vec4: the exposure; then one per group of 
 LPV_CONST int kRecordedPairs = 10; // tests only: uvec2 (triangle, cell)
 LPV_CONST int kTestIn = 11;        // tests only
 LPV_CONST int kTestOut = 12;       // tests only
+LPV_CONST int kVoxelMoments = 13;  // vec4, one per set of the light's cells (shaders/deposit.glsl)
+LPV_CONST int kLobeCounts = 14;    // float per cell: N of eq. 1, all lights together; negative once divided by
+LPV_CONST int kUvs = 15;           // float, 2 per vertex
+LPV_CONST int kDirections = 16;    // float, 3 per vertex, object space
+LPV_CONST int kRowIntegrals = 17;  // double, 3 per texel and one more texel per row (shaders/texture_integral.glsl)
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;     // one struct below per stage
@@ -47,6 +53,7 @@ LPV_CONST int kSurfaceDepth = 7;
 LPV_CONST int kEmission = 8;
 LPV_CONST int kEmitterDepth = 9;
 LPV_CONST int kRadiance = 10;
+LPV_CONST int kLightTexture = 11;  // radiance factor of the light that is voxelized
 // --- image units
 LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
 
@@ -67,32 +74,38 @@ LPV_CONST int kUvAttribute = 2;         // vec2
 
 // --- voxelization
 LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
-LPV_CONST int kAccumulatorWords = 16;   // per cell: 4 coefficients of up to 3 channels, kCountWord, padding
-LPV_CONST int kCountWord = 12;          // N of eq. 1
 LPV_CONST int kSmallColumns = 24;       // triangles with more columns are split
 LPV_CONST int kMaxSlices = 8;           // work items of one split triangle
 LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
+LPV_CONST int kFluxBits = 50;           // FLUX: the light's whole area is 2^50 in fixed point, its sums 64 bits wide
+LPV_CONST int kSamplesPerThread = 32;   // dense sampling
 
-// A list whose length also is an indirect dispatch: groups of kCellGroup cells, or one group per work item.
+// A list whose length also is an indirect dispatch: one group per work item.
 LPV_CONST int kListHeaderWords = 4;     // groups x, y, z, count; the entries follow
+// The same for one light's cells, kCellGroup of them a group.
+LPV_CONST int kVoxelHeaderWords = 8;    // groups x, y, z, count, triangles of zero area, 3 unused; the entries follow
 
 struct Counters {
   uint degenerate;  // light triangles of zero area
   uint clamped;     // output cells cut back to phi >= 0, |D| <= phi
-  uint pad0, pad1;
+  uint touched;     // cells that hold light
+  uint pad0;
 };
 
 struct VoxelizeParams {
   dmat4 gridFromObject;    // grid space: cell units from the grid's minimum corner
-  dmat4 outwardFromObject; // times the object-space cross product of two edges: outer side in grid space
+  dmat4 areaFromObject;    // times the object-space cross product of two edges: area x outward normal, cell^2
+  dvec4 scale;             // x: fixed-point units of a moment of 1; y: 1 / the brightest texel
   ivec4 dims;              // cells x, y, z
-  uvec4 triangles;         // x first, y how many
-  vec4 weight;             // per channel: share of the channel's palette radiance, times 2^shift
+  uvec4 triangles;         // x first, y how many; z: samples of each, w: threads of each (dense sampling)
+  ivec4 texture;           // width, height, mip levels
+  vec4 textureMean;        // rgb mean of all texels
 };
 
 struct InjectParams {
   ivec4 dims;
-  vec4 scale;              // x: s^2 / 2^shift, m^2
+  vec4 weight;             // per channel: intensity of a moment of 1, W/sr per unit of the channel's palette radiance
+  vec4 lobe;               // x: sides that emit (band 0), y: 1 for one side, 0 for two (band 1 cancels)
 };
 
 struct PropagateParams {
@@ -128,8 +141,8 @@ struct DrawParams {
 
 #ifdef __cplusplus
 static_assert(sizeof(Counters) == 16);
-static_assert(sizeof(VoxelizeParams) == 304 && offsetof(VoxelizeParams, dims) == 256);
-static_assert(sizeof(InjectParams) == 32);
+static_assert(sizeof(VoxelizeParams) == 352 && offsetof(VoxelizeParams, dims) == 288);
+static_assert(sizeof(InjectParams) == 48);
 static_assert(sizeof(PropagateParams) == 48);
 static_assert(sizeof(VolumeParams) == 80 && offsetof(VolumeParams, factors) == 64);
 static_assert(sizeof(FrameParams) == 192 && offsetof(FrameParams, dims) == 176);

@@ -9,6 +9,7 @@ struct LatticeTriangle {
   ivec3 dims;         // of the grid, turned the same way
   int axis;           // which axis is dominant: 0 x, 1 y, 2 z
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
+  bool oneLayer;      // all candidate cells have one depth
   bool oneCell;       // wholly inside one cell, whether that is in the grid or not
   bool facePlane;     // lies in a plane between two layers of cells
 };
@@ -50,6 +51,7 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
     t.lower[k] = range.x;
     t.upper[k] = range.y;
   }
+  t.oneLayer = t.lower.z == t.upper.z;
   t.oneCell = t.lower == t.upper;
   t.lower = max(t.lower, ivec3(0));
   t.upper = min(t.upper, t.dims - 1);

@@ -29,6 +29,16 @@ Framebuffer::Framebuffer(const std::string& label, std::initializer_list<const T
   glObjectLabel(GL_FRAMEBUFFER, id_, GLsizei(label.size()), label.c_str());
 }
 
+Framebuffer Framebuffer::withoutAttachments(const std::string& label, const glm::ivec2& size) {
+  Framebuffer out;
+  glCreateFramebuffers(1, &out.id_);
+  glNamedFramebufferParameteri(out.id_, GL_FRAMEBUFFER_DEFAULT_WIDTH, size.x);
+  glNamedFramebufferParameteri(out.id_, GL_FRAMEBUFFER_DEFAULT_HEIGHT, size.y);
+  glObjectLabel(GL_FRAMEBUFFER, out.id_, GLsizei(label.size()), label.c_str());
+  out.size_ = size;
+  return out;
+}
+
 Framebuffer::Framebuffer(Framebuffer&& other) noexcept
     : id_(std::exchange(other.id_, 0)), size_(other.size_), colours_(other.colours_) {}
 

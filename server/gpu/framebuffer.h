@@ -15,6 +15,8 @@ class Framebuffer {
   Framebuffer() = default;
   /// Colour attachments in order, and a depth texture or null. Throws Failure (INTERNAL) when incomplete.
   Framebuffer(const std::string& label, std::initializer_list<const Texture*> colours, const Texture* depth);
+  /// Of this size and without any attachment: fragment shaders run for their side effects.
+  static Framebuffer withoutAttachments(const std::string& label, const glm::ivec2& size);
   Framebuffer(Framebuffer&& other) noexcept;
   Framebuffer& operator=(Framebuffer&& other) noexcept;
   ~Framebuffer();

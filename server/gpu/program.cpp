@@ -24,6 +24,7 @@ struct Shader {
 GLenum stageOf(const std::string& file) {
   if (file.ends_with(".comp")) return GL_COMPUTE_SHADER;
   if (file.ends_with(".vert")) return GL_VERTEX_SHADER;
+  if (file.ends_with(".geom")) return GL_GEOMETRY_SHADER;
   if (file.ends_with(".frag")) return GL_FRAGMENT_SHADER;
   throw Failure(Code::kInternal, "no shader stage is named by " + file);
 }

@@ -26,9 +26,8 @@ struct LightField {
 
   Grid grid;
   int channels;                            ///< 1..3 (lights.h, Palette)
-  gpu::Buffer accumulators;                ///< int32 words per cell; all zero between ticks
-  std::array<gpu::Buffer, 2> touched;      ///< lists of cells that emit: this tick's and the one before
-  int current = 0;                         ///< which of `touched` describes `injected`
+  gpu::Buffer accumulators;                ///< words per cell (shaders/deposit.glsl); all zero between lights
+  gpu::Buffer lobeCounts;                  ///< float per cell: N of eq. 1, negative once divided by
   gpu::Buffer counters;                    ///< layout::Counters
   FieldBuffer injected;                    ///< emitted intensity of unit palette radiance, W/sr per W/(sr m^2)
   std::array<FieldBuffer, 2> steps;        ///< propagation goes back and forth between them

@@ -1,31 +1,65 @@
 #include "lpv/inject.h"
 
-#include <cmath>
-
 #include "shaders/layout.h"
 
 namespace lpv {
 
+namespace {
+
+constexpr int kLightsAtOnce = 64;  // small dispatches, queued together
+
+layout::InjectParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
+                              const glm::dvec3& weight) {
+  layout::InjectParams params{};
+  params.dims = glm::ivec4(field.grid.dims, 0);
+  const double face = field.grid.cell * field.grid.cell;  // m^2
+  params.weight = glm::vec4(weight * (face * voxels.unit * voxels.brightest), 0.0);
+  params.lobe = light.twoSided ? glm::vec4(2.0F, 0.0F, 0.0F, 0.0F) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
+  return params;
+}
+
+}  // namespace
+
 Injector::Injector() : params_("inject params", sizeof(layout::InjectParams), gpu::BufferUse::kDynamic) {}
 
-void Injector::dispatch(LightField& field, const gpu::Buffer& cells, bool retire) {
-  cells.bindStorage(layout::kTouchedCells);
-  cells.bindAsDispatchArguments();
-  programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_RETIRE", retire ? "1" : "0"}})
+void Injector::dispatch(LightField& field, const LightVoxels& voxels, const char* pass) {
+  params_.bindUniform(layout::kParams);
+  field.injected.buffer.bindStorage(layout::kFieldOut);
+  field.lobeCounts.bindStorage(layout::kLobeCounts);
+  field.counters.bindStorage(layout::kCounters);
+  voxels.cells.bindStorage(layout::kVoxelCells);
+  voxels.moments.bindStorage(layout::kVoxelMoments);
+  voxels.cells.bindAsDispatchArguments();
+  programs_
+      .get({{"LPV_CHANNELS", std::to_string(field.channels)},
+            {"LPV_TEXTURED", voxels.sets > 1 ? "1" : "0"},
+            {pass, "1"}})
       .dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
-Pieces Injector::run(LightField& field, int shift) {
+Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels) {
   layout::InjectParams params{};
   params.dims = glm::ivec4(field.grid.dims, 0);
-  params.scale.x = float(std::ldexp(field.grid.cell * field.grid.cell, -shift));
   params_.update(0, gpu::bytesOfValue(params));
-  params_.bindUniform(layout::kParams);
-  field.accumulators.bindStorage(layout::kAccumulators);
-  field.injected.buffer.bindStorage(layout::kFieldOut);
-  dispatch(field, field.touched[std::size_t(1 - field.current)], true);
-  dispatch(field, field.touched[std::size_t(field.current)], false);
+  for (const LightVoxelsPtr& light : voxels) dispatch(field, *light, "LPV_RETIRE");
+  co_yield piece(Stage::kInject);
+}
+
+Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
+                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette) {
+  field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
+  int queued = 0;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
+    dispatch(field, *voxels[i], "LPV_ADD");
+    if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
+  }
+  for (const LightVoxelsPtr& light : voxels) {
+    if (light->source.method.injection != Injection::kCount) continue;
+    dispatch(field, *light, "LPV_DIVIDE");
+    if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
+  }
   co_yield piece(Stage::kInject);
 }
 

@@ -1,9 +1,12 @@
 #pragma once
-// Stage: accumulators into the field of emitted intensity (paper eq. 1; MATHS.md 2, COUNT).
+// Stage: voxelized lights into the field of emitted intensity (paper eq. 1; MATHS.md 2).
+
+#include <vector>
 
 #include "gpu/program.h"
 #include "lpv/field.h"
 #include "lpv/pieces.h"
+#include "lpv/voxels.h"
 
 namespace lpv {
 
@@ -11,11 +14,14 @@ class Injector {
  public:
   Injector();
 
-  /// Over the touched cells of this tick and the last only; leaves the accumulators at zero.
-  Pieces run(LightField& field, int shift);
+  /// Takes everything that `voxels` put into the field out of it: before any of them is made anew.
+  Pieces retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels);
+  /// Puts the lights in, in order. `voxels` and `palette.weights` are per light.
+  Pieces add(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+             const Palette& palette);
 
  private:
-  void dispatch(LightField& field, const gpu::Buffer& cells, bool retire);
+  void dispatch(LightField& field, const LightVoxels& voxels, const char* pass);
 
   gpu::ProgramVariants programs_{{"inject.comp"}};
   gpu::Buffer params_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/sh.h"
 
 namespace lpv {
 
@@ -13,7 +12,7 @@ double brightest(const glm::dvec3& c) { return std::max({c.r, c.g, c.b}); }
 
 EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, const glm::dvec3& radiance) {
   return {light,    light->mesh,     gridFromWorld * light->transform.worldFromObject(),
-          radiance, light->twoSided, light->transform.mirrors()};
+          radiance, light->twoSided, light->transform.mirrors(), light->texture};
 }
 
 /// Index of the channel whose colour is that of `c` up to a factor, or -1.
@@ -44,7 +43,7 @@ Palette redGreenBlue(const std::vector<EmittingLight>& lights) {
 
 bool EmittingLight::emitsLike(const EmittingLight& other) const {
   return mesh == other.mesh && gridFromObject == other.gridFromObject && radiance == other.radiance &&
-         twoSided == other.twoSided && mirrored == other.mirrored;
+         twoSided == other.twoSided && mirrored == other.mirrored && texture == other.texture;
 }
 
 std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<EmittingLight>& previous) {
@@ -60,6 +59,8 @@ std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<
 }
 
 Palette choosePalette(const std::vector<EmittingLight>& lights) {
+  if (std::any_of(lights.begin(), lights.end(), [](const EmittingLight& l) { return l.texture != nullptr; }))
+    return redGreenBlue(lights);
   Palette palette;
   std::vector<int> channels;
   int used = 0;
@@ -81,21 +82,16 @@ Palette choosePalette(const std::vector<EmittingLight>& lights) {
 }
 
 Expected<FixedPoint> fixedPointFor(std::uint64_t lobes) {
-  constexpr double kLimit = 2147483647.0;
-  constexpr int kFinest = 24;  // as fine as float: more would only hold noise
-  for (int shift = kFinest; shift >= 8; --shift) {
-    const double largestWord = std::ceil(sh::kLobe1 * std::ldexp(1.0, shift) + 0.5);
-    if (largestWord * double(lobes) <= kLimit) return FixedPoint{shift, 0.5 / (sh::kLobe1 * std::ldexp(1.0, shift))};
+  constexpr std::uint64_t kLimit = 2147483647;
+  constexpr int kFinest = 24;   // as fine as float: more would only hold noise
+  constexpr int kCoarsest = 4;  // a cell's mean over so many lobes still has the digits that are missing here
+  for (int shift = kFinest; shift >= kCoarsest; --shift) {
+    const std::uint64_t largestWord = (std::uint64_t(1) << shift) + 1;  // a unit vector may be rounded up
+    if (lobes <= kLimit / largestWord) return FixedPoint{shift, std::ldexp(0.5, -shift)};
   }
-  return exhausted("lights",
-                   "the lights have " + std::to_string(lobes) +
-                       " emitting triangle sides, more than one grid's accumulators hold; use coarser meshes");
-}
-
-std::uint64_t mostLobes(const std::vector<EmittingLight>& lights) {
-  std::uint64_t lobes = 0;
-  for (const EmittingLight& light : lights) lobes += light.mesh->triangles.size() * (light.twoSided ? 2u : 1u);
-  return lobes;
+  return exhausted("lights", "a light puts up to " + std::to_string(lobes) +
+                                 " lobes into one cell, more than its accumulators hold; use a coarser mesh, fewer "
+                                 "dense samples, or injection FLUX");
 }
 
 CellBox CellBox::grown(const glm::ivec3& dims, int by) const {

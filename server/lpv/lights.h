@@ -19,6 +19,7 @@ struct EmittingLight {
   glm::dvec3 radiance{0.0};         ///< W/(sr m^2)
   bool twoSided = false;
   bool mirrored = false;  ///< the transform turns the mesh inside out; it emits from the object-space front
+  TexturePtr texture;     ///< radiance factor, or null
 
   /// Whether both put the same VPLs into the grid.
   bool emitsLike(const EmittingLight& other) const;
@@ -28,7 +29,8 @@ struct EmittingLight {
 std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<EmittingLight>& previous);
 
 /// The field is kept per channel of colour, not per colour: lights of one chromaticity share a channel, whose colour is
-/// applied at the end. Transport is linear, so this is exact, and one white light costs a third.
+/// applied at the end. Transport is linear, so this is exact, and one white light costs a third. A textured light has
+/// every colour.
 struct Palette {
   int channels = 1;  ///< 1..3; 3 is always red, green, blue
   std::array<glm::dvec3, 3> radiance{};  ///< rgb of each channel's unit, that of its brightest light
@@ -36,16 +38,14 @@ struct Palette {
 };
 Palette choosePalette(const std::vector<EmittingLight>& lights);
 
-/// Fixed point of the accumulators (MATHS.md 2): value = word / 2^shift.
+/// Fixed point of COUNT's accumulators (MATHS.md 2): value = word / 2^shift, values up to 1 per lobe.
 struct FixedPoint {
   int shift = 0;
   double error = 0.0;  ///< bound of the rounding of one injected coefficient, relative to the largest possible
 };
-/// The finest for which `lobes` aligned lobes of weight 1 in one cell cannot overflow int32. RESOURCE_EXHAUSTED when
+/// The finest for which `lobes` aligned lobes of one light in one cell cannot overflow int32. RESOURCE_EXHAUSTED when
 /// there are too many for any.
 Expected<FixedPoint> fixedPointFor(std::uint64_t lobes);
-/// Most lobes that one cell can get: every triangle once, those of two-sided lights twice.
-std::uint64_t mostLobes(const std::vector<EmittingLight>& lights);
 
 /// Cells [lower, upper), empty where any axis is.
 struct CellBox {

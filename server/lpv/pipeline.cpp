@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "gpu/failure.h"
 #include "scene/tonemap.h"
@@ -14,18 +15,39 @@ namespace {
 /// A piece is aimed at this share of what it may take: predictions are not exact.
 constexpr double kAim = 0.6;
 
-void fillReport(const SessionState& session, TickReport& report) {
-  report.features = {"count", "compute", "propagate", session.palette.channels == 1 ? "monochrome" : "colour"};
-  if (session.clampFaces) report.features.emplace_back("clamp-faces");
-  for (const EmittingLight& light : session.lights) {
-    if (!light.twoSided) continue;
-    report.features.emplace_back("two-sided");
-    break;
+const char* nameOf(InjectionMethod method) {
+  switch (method) {
+    case InjectionMethod::kRaster:
+      return "raster";
+    case InjectionMethod::kDense:
+      return "dense";
+    case InjectionMethod::kCompute:
+      break;
   }
+  return "compute";
+}
+
+/// Compiled variants that the lights needed.
+std::set<std::string> lightFeatures(const SessionState& session) {
+  std::set<std::string> features;
+  for (std::size_t i = 0; i < session.lights.size(); ++i) {
+    if (session.lights[i].twoSided) features.insert("two-sided");
+    if (session.voxels[i]->source.textured()) features.insert("textures");
+    if (session.voxels[i]->source.directed()) features.insert("directions");
+  }
+  return features;
+}
+
+void fillReport(const SessionState& session, TickReport& report) {
+  report.features = {session.method.injection == Injection::kFlux ? "flux" : "count", nameOf(session.method.method),
+                     "propagate", session.palette.channels == 1 ? "monochrome" : "colour"};
+  if (session.clampFaces) report.features.emplace_back("clamp-faces");
+  for (const std::string& feature : lightFeatures(session)) report.features.push_back(feature);
   report.trianglesSkipped = session.trianglesSkipped;
   report.touchedCells = session.touchedCells;
   report.clampedCells = session.clampedCells;
-  report.fixedPointError = session.fixedPoint.error;
+  for (const LightVoxelsPtr& voxels : session.voxels)
+    report.fixedPointError = std::max(report.fixedPointError, voxels->roundingError);
 }
 
 /// Where each frame of a tick is made: kept views in the session, others here for the tick.
@@ -57,8 +79,7 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 
   VolumeCopies copies;
   if (!s.injected) {
-    co_await voxelize(s);
-    co_await injector_.run(*s.field, s.fixedPoint.shift);
+    co_await inject(s);
     s.injected = copies.counters = true;
   }
   if (!s.transported) {
@@ -92,13 +113,20 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
   fillReport(s, result.report);
 }
 
-Pieces Pipeline::voxelize(SessionState& s) {
-  voxelizer_.begin(*s.field);
+/// Lights that did not change are added again, not voxelized again.
+Pieces Pipeline::inject(SessionState& s) {
+  co_await injector_.retire(*s.field, s.injectedVoxels);
+  s.injectedVoxels.clear();
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
+    LightVoxels& voxels = *s.voxels[i];
+    if (voxels.made) continue;
     const EmittingLight& light = s.lights[i];
-    const GpuMesh& mesh = *s.resources.meshes.at(light.mesh);
-    co_await voxelizer_.add(*s.field, light, mesh, s.palette.weights[i], s.fixedPoint, pacing(s));
+    const GpuLightTexture* texture = light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
+    co_await voxelizer_.run(*s.field, *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
+    voxels.made = true;
   }
+  co_await injector_.add(*s.field, s.lights, s.voxels, s.palette);
+  s.injectedVoxels = s.voxels;
 }
 
 /// Only what somebody asked for and nothing has since made out of date.

@@ -9,13 +9,6 @@ namespace lpv {
 
 namespace {
 
-constexpr std::size_t kListHeaderBytes = std::size_t(layout::kListHeaderWords) * sizeof(std::uint32_t);
-
-struct CounterCopy {
-  layout::Counters counters;
-  layout::uvec4 touched;  ///< header of the list of touched cells
-};
-
 /// Where the exposure follows a frame's pixels.
 std::size_t exposureOffset(std::size_t pixelBytes) { return (pixelBytes + 15) / 16 * 16; }
 
@@ -45,10 +38,8 @@ void queueVolumeCopy(SessionState& session, VolumeStage stage) {
 }
 
 void queueCounterCopy(SessionState& session) {
-  gpu::Readback& target = withRoom(session.countersReadback, "counters", sizeof(CounterCopy));
-  const gpu::Buffer& touched = session.field->touched[std::size_t(session.field->current)];
-  target.copyFrom(session.field->counters, 0, offsetof(CounterCopy, counters), sizeof(layout::Counters));
-  target.copyFrom(touched, 0, offsetof(CounterCopy, touched), kListHeaderBytes);
+  constexpr std::size_t kBytes = sizeof(layout::Counters);
+  withRoom(session.countersReadback, "counters", kBytes).copyFrom(session.field->counters, 0, 0, kBytes);
 }
 
 void takeCopies(SessionState& session, const VolumeCopies& copies) {
@@ -57,11 +48,11 @@ void takeCopies(SessionState& session, const VolumeCopies& copies) {
     session.transportedVolume = volumeFrom(session.volumeReadback, grid, VolumeStage::kTransported);
   if (copies.injected) session.injectedVolume = volumeFrom(session.injectedReadback, grid, VolumeStage::kInjected);
   if (!copies.counters) return;
-  CounterCopy counts;
+  layout::Counters counts;
   std::memcpy(&counts, session.countersReadback.bytes().data(), sizeof counts);
-  session.trianglesSkipped = counts.counters.degenerate;
-  session.clampedCells = counts.counters.clamped;
-  session.touchedCells = counts.touched.w;
+  session.trianglesSkipped = counts.degenerate;
+  session.clampedCells = counts.clamped;
+  session.touchedCells = counts.touched;
 }
 
 void queueFrameCopy(View& view) {

@@ -85,10 +85,13 @@ GpuMeshPtr SceneCache::meshFor(const MeshPtr& mesh, GpuMeshPtr previous) {
     made->positions = rewritten("positions", std::move(old.positions), mesh->positions);
     made->normals = rewritten("normals", std::move(old.normals), mesh->normals);
     made->uvs = old.source->uvs == mesh->uvs ? old.uvs : newArray("uvs", mesh->uvs);
+    made->directions = old.source->directions == mesh->directions ? old.directions
+                                                                  : newArray("directions", mesh->directions);
   } else {
     made->positions = newArray("positions", mesh->positions);
     made->normals = newArray("normals", mesh->normals);
     made->uvs = newArray("uvs", mesh->uvs);
+    made->directions = newArray("directions", mesh->directions);
     made->triangles = newArray("triangles", mesh->triangles);
   }
   meshes_[mesh.get()] = made;
@@ -119,7 +122,25 @@ Pieces SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& reso
   resources.textures[texture] = made;
 }
 
-Pieces SceneCache::upload(const Scene& scene, SceneResources& resources) {
+Pieces SceneCache::uploadLightTextures(const Scene& scene, SceneResources& resources) {
+  std::map<TexturePtr, GpuLightTexturePtr> used;
+  for (const auto& [name, light] : scene.lights) {
+    const TexturePtr& texture = light->texture;
+    if (!light->enabled || texture == nullptr || used.contains(texture)) continue;
+    GpuLightTexturePtr known = lightTextures_[texture.get()].lock();
+    if (known == nullptr) {
+      auto made = std::make_shared<GpuLightTexture>();
+      co_await uploadLightTexture(texture, *made);
+      known = made;
+      lightTextures_[texture.get()] = known;
+    }
+    used[texture] = known;
+  }
+  resources.lightTextures = std::move(used);
+  dropExpired(lightTextures_);
+}
+
+Pieces SceneCache::uploadMeshes(const Scene& scene, SceneResources& resources) {
   const std::vector<MeshUse> uses = meshUses(scene);
   std::map<MeshPtr, GpuMeshPtr> used;
   std::map<std::string, MeshPtr> meshOf;
@@ -139,6 +160,12 @@ Pieces SceneCache::upload(const Scene& scene, SceneResources& resources) {
   }
   resources.meshes = std::move(used);
   resources.meshOf = std::move(meshOf);
+  dropExpired(meshes_);
+}
+
+Pieces SceneCache::upload(const Scene& scene, SceneResources& resources) {
+  co_await uploadMeshes(scene, resources);
+  co_await uploadLightTextures(scene, resources);
   std::map<TexturePtr, GpuTexturePtr> textures;
   for (const auto& [name, surface] : scene.surfaces) {
     const TexturePtr& texture = surface->albedoTexture;
@@ -147,7 +174,6 @@ Pieces SceneCache::upload(const Scene& scene, SceneResources& resources) {
     textures[texture] = resources.textures[texture];
   }
   resources.textures = std::move(textures);
-  dropExpired(meshes_);
   dropExpired(textures_);
 }
 

@@ -7,6 +7,7 @@
 
 #include "gpu/buffer.h"
 #include "gpu/texture.h"
+#include "lpv/light_texture.h"
 #include "lpv/pieces.h"
 #include "scene/scene.h"
 
@@ -19,16 +20,19 @@ struct GpuMesh {
   std::shared_ptr<gpu::Buffer> positions;  ///< float x 3 per vertex, object space
   std::shared_ptr<gpu::Buffer> normals;    ///< float x 3 per vertex, or null
   std::shared_ptr<gpu::Buffer> uvs;        ///< float x 2 per vertex, or null
+  std::shared_ptr<gpu::Buffer> directions; ///< float x 3 per vertex, object space, or null
   std::shared_ptr<gpu::Buffer> triangles;  ///< uint x 3 per triangle
   std::uint32_t triangleCount = 0;
 };
 using GpuMeshPtr = std::shared_ptr<const GpuMesh>;
 using GpuTexturePtr = std::shared_ptr<const gpu::Texture>;
+using GpuLightTexturePtr = std::shared_ptr<const GpuLightTexture>;
 
 /// What one session's scene uses, by the objects' identity; keeps them on the GPU.
 struct SceneResources {
   std::map<MeshPtr, GpuMeshPtr> meshes;
   std::map<TexturePtr, GpuTexturePtr> textures;
+  std::map<TexturePtr, GpuLightTexturePtr> lightTextures;
   std::map<std::string, MeshPtr> meshOf;  ///< "light/NAME" or "surface/NAME": the mesh it had in the last tick
 };
 
@@ -41,10 +45,13 @@ class SceneCache {
 
  private:
   GpuMeshPtr meshFor(const MeshPtr& mesh, GpuMeshPtr previous);
+  Pieces uploadMeshes(const Scene& scene, SceneResources& resources);
   Pieces uploadTexture(const TexturePtr& texture, SceneResources& resources);
+  Pieces uploadLightTextures(const Scene& scene, SceneResources& resources);
 
   std::map<const Mesh*, std::weak_ptr<const GpuMesh>> meshes_;
   std::map<const Texture*, std::weak_ptr<const gpu::Texture>> textures_;
+  std::map<const Texture*, std::weak_ptr<const GpuLightTexture>> lightTextures_;
 };
 
 }  // namespace lpv

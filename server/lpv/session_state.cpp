@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "gpu/failure.h"
 
 namespace lpv {
 
@@ -18,7 +17,10 @@ bool emitAlike(const std::vector<EmittingLight>& a, const std::vector<EmittingLi
 void SessionState::adopt(const Scene& scene) {
   std::vector<EmittingLight> now = emittingLights(scene, lights);
   const bool sameGrid = field != nullptr && field->grid == scene.grid;
-  if (!sameGrid || !injected || !emitAlike(now, lights)) {
+  const VoxelMethod wantedMethod = {scene.options.injection, scene.options.method, scene.options.denseSamples};
+  const bool sameMethod = method == wantedMethod;
+  method = wantedMethod;
+  if (!sameGrid || !sameMethod || !injected || !emitAlike(now, lights)) {
     adoptLights(scene, std::move(now));
   } else {
     lights = std::move(now);
@@ -33,11 +35,9 @@ void SessionState::adopt(const Scene& scene) {
 }
 
 void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> now) {
-  const Expected<FixedPoint> precision = fixedPointFor(std::max<std::uint64_t>(mostLobes(now), 1));
-  if (!precision.ok()) throw gpu::Failure(precision.status());
   lights = std::move(now);
   palette = choosePalette(lights);
-  fixedPoint = *precision;
+  keepVoxels(scene.grid.dims);
   box = cellsAround(lights, scene.grid.dims);
   injected = transported = textured = false;
   transportedVolume.reset();
@@ -46,13 +46,44 @@ void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> no
     field->grid = scene.grid;
     return;
   }
+  injectedVoxels.clear();
   field.reset();  // first the old memory, then the new
   textures.reset();
   product = {};
   field = std::make_unique<LightField>(scene.grid, palette.channels);
 }
 
+/// A light whose geometry stayed keeps its voxels; one that changed makes them anew in the memory of one that is gone.
+void SessionState::keepVoxels(const glm::ivec3& dims) {
+  std::vector<LightVoxelsPtr> old = std::move(voxels);
+  std::erase(old, nullptr);
+  voxels.assign(lights.size(), nullptr);
+  const auto take = [&old](const auto& wanted) {
+    const auto found = std::find_if(old.begin(), old.end(), wanted);
+    if (found == old.end()) return LightVoxelsPtr();
+    LightVoxelsPtr taken = std::move(*found);
+    old.erase(found);
+    return taken;
+  };
+  std::vector<VoxelSource> sources;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    sources.push_back({lights[i].mesh, lights[i].texture, lights[i].gridFromObject, dims, method});
+    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->made && v->source == sources[i]; });
+  }
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (voxels[i] != nullptr) continue;
+    const CellBox cells = cellsAround({lights[i]}, dims);
+    const int sets = sources[i].textured() ? 3 : 1;
+    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->fits(cells, sets); });
+    if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, sets);
+    voxels[i]->made = false;
+    voxels[i]->source = sources[i];
+  }
+}
+
 void SessionState::invalidate() {
+  voxels.clear();
+  injectedVoxels.clear();
   field.reset();
   textures.reset();
   resources = {};

@@ -14,6 +14,7 @@
 #include "lpv/scene_cache.h"
 #include "lpv/shade.h"
 #include "lpv/volume.h"
+#include "lpv/voxels.h"
 
 namespace lpv {
 
@@ -30,8 +31,10 @@ struct SessionState {
 
   // What the field on the GPU was made from.
   std::vector<EmittingLight> lights;
+  VoxelMethod method;
+  std::vector<LightVoxelsPtr> voxels;        ///< per light
+  std::vector<LightVoxelsPtr> injectedVoxels;///< what the injected field holds
   Palette palette;
-  FixedPoint fixedPoint;
   CellBox box;                      ///< holds every cell that emits
   int iterations = 0;
   bool clampFaces = false;
@@ -62,6 +65,7 @@ struct SessionState {
 
  private:
   void adoptLights(const Scene& scene, std::vector<EmittingLight> now);
+  void keepVoxels(const glm::ivec3& dims);
 };
 
 }  // namespace lpv

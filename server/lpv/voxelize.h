@@ -1,30 +1,98 @@
 #pragma once
-// Stage: light triangles into the grid (paper 3.1; MATHS.md 2, COUNT).
+// Stage: one light's triangles into its voxels (paper 3; MATHS.md 2). Three injectors make the same accumulator words
+// out of the same pairs, or, the third, out of samples.
 
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "gpu/framebuffer.h"
 #include "gpu/program.h"
 #include "lpv/clock.h"
 #include "lpv/field.h"
+#include "lpv/light_texture.h"
 #include "lpv/lights.h"
 #include "lpv/scene_cache.h"
+#include "lpv/voxels.h"
+#include "shaders/layout.h"
 
 namespace lpv {
+
+/// What an injector is given: everything is bound but its own parameters.
+struct VoxelizeJob {
+  gpu::Defines variant;
+  layout::VoxelizeParams params{};
+  const gpu::Buffer* paramsBuffer = nullptr;
+  std::uint32_t triangles = 0;
+};
+
+/// Adds triangles to the accumulators.
+class TriangleInjector {
+ public:
+  virtual ~TriangleInjector() = default;
+  /// The most triangles one call can take.
+  virtual std::uint32_t limit(const VoxelizeJob& job) const = 0;
+  /// Triangles params.triangles.x .. + params.triangles.y.
+  virtual void dispatch(const VoxelizeJob& job) = 0;
+};
+
+/// A thread per small triangle, work items of columns for large ones.
+class ComputeInjector final : public TriangleInjector {
+ public:
+  ComputeInjector();
+  std::uint32_t limit(const VoxelizeJob& job) const override;
+  void dispatch(const VoxelizeJob& job) override;
+
+ private:
+  gpu::ProgramVariants programs_{{"voxelize.comp"}};
+  gpu::Buffer large_;  ///< work items of the piece under way
+};
+
+/// The paper's pipeline: the rasterizer walks the columns of every triangle along its dominant axis.
+class RasterInjector final : public TriangleInjector {
+ public:
+  RasterInjector();
+  RasterInjector(const RasterInjector&) = delete;
+  RasterInjector& operator=(const RasterInjector&) = delete;
+  ~RasterInjector() override;
+  std::uint32_t limit(const VoxelizeJob& job) const override;
+  void dispatch(const VoxelizeJob& job) override;
+
+ private:
+  gpu::ProgramVariants programs_{{"voxelize.vert", "voxelize.geom", "voxelize.frag"}};
+  gpu::Framebuffer target_;        ///< no attachments; as large as the grid
+  std::uint32_t noVertices_ = 0;   ///< a vertex array without attributes
+};
+
+/// Random points on every triangle (paper 4.1), for comparison.
+class DenseInjector final : public TriangleInjector {
+ public:
+  std::uint32_t limit(const VoxelizeJob& job) const override;
+  void dispatch(const VoxelizeJob& job) override;
+
+ private:
+  gpu::ProgramVariants programs_{{"dense.comp"}};
+};
 
 class Voxelizer {
  public:
   Voxelizer();
 
-  /// A fresh list of touched cells and zeroed counters; the last tick's list becomes the other one.
-  void begin(LightField& field);
-  /// Adds the VPLs of one light to the accumulators, a bounded number of triangles at a time.
-  Pieces add(LightField& field, const EmittingLight& light, const GpuMesh& mesh, const glm::dvec3& weight,
-             const FixedPoint& fixedPoint, Pacing pacing);
+  /// Fills `voxels`, whose source says from what, a bounded number of triangles at a time. `texture` is null for a light
+  /// without. Throws gpu::Failure (RESOURCE_EXHAUSTED) for a mesh that the accumulators cannot hold.
+  Pieces run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+             Pacing pacing);
 
  private:
-  void dispatch(LightField& field, const GpuMesh& mesh, std::uint32_t triangles, bool twoSided);
+  TriangleInjector& injectorFor(InjectionMethod method);
+  void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
+  void collect(const VoxelizeJob& job, const LightVoxels& voxels);
 
-  gpu::ProgramVariants programs_{{"voxelize.comp"}};
   gpu::Buffer params_;
-  gpu::Buffer large_;  ///< work items of the piece under way
+  ComputeInjector compute_;
+  RasterInjector raster_;
+  DenseInjector dense_;
+  gpu::ProgramVariants collect_{{"collect.comp"}};
 };
 
 }  // namespace lpv

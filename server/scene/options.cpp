@@ -46,9 +46,6 @@ int SessionOptions::iterationsFor(const Grid& g) const {
 Status checkOptions(const SessionOptions& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (o.grid.automatic) return later("grid.automatic", "on", "grid.longest or grid.dims");
-  if (o.injection == Injection::kFlux) return later("injection", "FLUX", "COUNT");
-  if (o.method == InjectionMethod::kRaster) return later("method", "RASTER", "COMPUTE");
-  if (o.method == InjectionMethod::kDense) return later("method", "DENSE", "COMPUTE");
   if (o.transport == Transport::kGather) return later("transport", "GATHER", "PROPAGATE");
   if (o.transport == Transport::kDirect) return later("transport", "DIRECT", "PROPAGATE");
   if (o.quality == Quality::kAccurate) return later("quality", "ACCURATE", "FAST");

@@ -1,5 +1,6 @@
 #include "scene/texture.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
@@ -9,6 +10,37 @@ namespace lpv {
 namespace {
 
 constexpr int kMaxEdge = 16384;
+
+/// sRGB to linear (IEC 61966-2-1).
+const std::array<float, 256>& linearOfSrgb() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double c = double(i) / 255.0;
+      values[i] = float(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  return table;
+}
+
+/// Component `i` of all texels, linear.
+float linearComponent(const Texture& texture, std::size_t i) {
+  switch (texture.format) {
+    case TexelFormat::kRgb8Srgb:
+      return linearOfSrgb()[texture.texels[i]];
+    case TexelFormat::kRgb16F: {
+      std::uint16_t bits = 0;
+      std::memcpy(&bits, &texture.texels[2 * i], sizeof bits);
+      return glm::unpackHalf1x16(bits);
+    }
+    case TexelFormat::kRgb32F:
+      break;
+  }
+  float value = 0.0F;
+  std::memcpy(&value, &texture.texels[4 * i], sizeof value);
+  return value;
+}
 
 bool radianceTexel(float value) { return std::isfinite(value) && value >= 0.0F; }
 
@@ -56,6 +88,14 @@ Status checkTexture(const Texture& texture) {
                                  "; allowed are finite values >= 0");
   }
   return {};
+}
+
+void appendLinearRow(const Texture& texture, int row, std::vector<glm::vec3>& out) {
+  const auto width = std::size_t(texture.width);
+  for (std::size_t x = 0; x < width; ++x) {
+    const std::size_t i = 3 * (std::size_t(row) * width + x);
+    out.emplace_back(linearComponent(texture, i), linearComponent(texture, i + 1), linearComponent(texture, i + 2));
+  }
 }
 
 }  // namespace lpv

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
 #include <vector>
 
@@ -33,5 +34,8 @@ using TexturePtr = std::shared_ptr<const Texture>;
 /// INVALID_ARGUMENT when a size is out of range, the bytes are not width x height x texelBytes, or a float texel is
 /// negative or not finite.
 Status checkTexture(const Texture& texture);
+
+/// Appends row `row` (0 is the first) as linear RGB. The texture passed checkTexture.
+void appendLinearRow(const Texture& texture, int row, std::vector<glm::vec3>& out);
 
 }  // namespace lpv

@@ -50,10 +50,10 @@ TEST(FixedPointTest, TheLargestSumFitsAndOneBitMoreDoesNot) {
   for (const std::uint64_t lobes : {1ULL, 1000ULL, 33446ULL, 1000000ULL, 4000000ULL}) {
     const Expected<FixedPoint> fixed = fixedPointFor(lobes);
     ASSERT_TRUE(fixed.ok()) << lobes;
-    const double word = std::nearbyint(sh::kLobe1 * std::ldexp(1.0, fixed->shift));
+    const double word = std::ldexp(1.0, fixed->shift) + 1.0;
     EXPECT_LE(word * double(lobes), 2147483647.0);
     if (fixed->shift < 24) {
-      EXPECT_GT(2.0 * (word + 1.5) * double(lobes), 2147483647.0);
+      EXPECT_GT((2.0 * word - 1.0) * double(lobes), 2147483647.0);
     }
   }
   EXPECT_EQ(fixedPointFor(33446)->shift, 15);  // MATHS.md 2

@@ -26,7 +26,7 @@ constexpr std::size_t kMostPairs = std::size_t(1) << 22;
 gpu::Buffer paramsOf(const glm::ivec3& dims, std::uint32_t count, const glm::dmat4& gridFromObject) {
   layout::VoxelizeParams params{};
   params.gridFromObject = gridFromObject;
-  params.outwardFromObject = glm::dmat4(1.0);
+  params.areaFromObject = glm::dmat4(1.0);
   params.dims = glm::ivec4(dims, 0);
   params.triangles = glm::uvec4(0, count, 0, 0);
   return {"params", gpu::bytesOfValue(params)};
@@ -35,14 +35,15 @@ gpu::Buffer paramsOf(const glm::ivec3& dims, std::uint32_t count, const glm::dma
 /// Both passes of voxelize.comp with pairs recorded instead of injected; triangles in batches of at most one piece.
 PairSet gpuPairs(const std::vector<Triangle>& triangles, const glm::ivec3& dims, const glm::dmat4& gridFromObject,
                  bool& twice) {
-  const gpu::Defines common = {{"LPV_CHANNELS", "1"}, {"LPV_TWO_SIDED", "0"}, {"LPV_RECORD_PAIRS", "1"}};
+  const gpu::Defines common = {
+      {"LPV_FLUX", "0"}, {"LPV_TEXTURED", "0"}, {"LPV_DIRECTIONS", "0"}, {"LPV_RECORD_PAIRS", "1"}};
   gpu::Defines small = common, large = common;
   small.emplace_back("LPV_SMALL", "1");
   large.emplace_back("LPV_LARGE", "1");
   gpu::Program smallPass({"voxelize.comp"}, small), largePass({"voxelize.comp"}, large);
-  const gpu::Buffer recorded("pairs", 8 + 8 * kMostPairs), counters("counters", sizeof(layout::Counters));
+  const gpu::Buffer recorded("pairs", 8 + 8 * kMostPairs), cells("cells", 64);
   recorded.bindStorage(layout::kRecordedPairs);
-  counters.bindStorage(layout::kCounters);
+  cells.bindStorage(layout::kVoxelCells);
   PairSet pairs;
   twice = false;
   for (std::size_t first = 0; first < triangles.size(); first += std::size_t(layout::kMaxPieceTriangles)) {

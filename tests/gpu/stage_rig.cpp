@@ -4,8 +4,6 @@
 #include <stdexcept>
 
 #include "lpv/clock.h"
-#include "lpv/inject.h"
-#include "lpv/voxelize.h"
 
 namespace lpv::test {
 
@@ -82,32 +80,40 @@ reference::Field randomField(const glm::ivec3& dims, std::uint32_t seed, int mar
   return field;
 }
 
-InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l)
-    : lights(std::move(l)),
-      palette(choosePalette(lights)),
-      fixedPoint(*fixedPointFor(std::max<std::uint64_t>(mostLobes(lights), 1))),
-      field(grid, palette.channels) {
+InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l, const VoxelMethod& m)
+    : lights(std::move(l)), method(m), palette(choosePalette(lights)), field(grid, palette.channels) {
   run();
 }
 
 void InjectRig::run() {
-  Voxelizer voxelizer;
-  Injector injector;
-  SceneCache cache;
   SceneResources resources;
   Scene scene;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     auto light = std::make_shared<Light>();
     light->mesh = lights[i].mesh;
+    light->texture = lights[i].texture;
     scene.lights["light " + std::to_string(i)] = light;
   }
-  finish(cache.upload(scene, resources));
+  finish(cache_.upload(scene, resources));
+  finish(injector_.retire(field, voxels));
+  voxels.clear();
   StageClock clock;
-  voxelizer.begin(field);
-  for (std::size_t i = 0; i < lights.size(); ++i)
-    finish(voxelizer.add(field, lights[i], *resources.meshes.at(lights[i].mesh), palette.weights[i], fixedPoint,
-                         {&clock}));
-  finish(injector.run(field, fixedPoint.shift));
+  for (const EmittingLight& light : lights) {
+    const GpuLightTexture* texture = light.texture ? resources.lightTextures.at(light.texture).get() : nullptr;
+    voxels.push_back(
+        std::make_shared<LightVoxels>(cellsAround({light}, field.grid.dims), light.texture == nullptr ? 1 : 3));
+    voxels.back()->source = {light.mesh, light.texture, light.gridFromObject, field.grid.dims, method};
+    finish(voxelizer_.run(field, *resources.meshes.at(light.mesh), texture, *voxels.back(), {&clock}));
+  }
+  finish(injector_.add(field, lights, voxels, palette));
 }
+
+double InjectRig::roundingError() const {
+  double error = 0.0;
+  for (const LightVoxelsPtr& light : voxels) error = std::max(error, light->roundingError);
+  return error;
+}
+
+std::uint32_t InjectRig::touched() const { return read<layout::Counters>(field.counters)[0].touched; }
 
 }  // namespace lpv::test

@@ -6,9 +6,11 @@
 
 #include "gpu/gl_test.h"
 #include "lpv/field.h"
+#include "lpv/inject.h"
 #include "lpv/lights.h"
 #include "lpv/pieces.h"
 #include "lpv/scene_cache.h"
+#include "lpv/voxelize.h"
 #include "reference/field.h"
 #include "scene/scene.h"
 
@@ -36,13 +38,24 @@ reference::Field randomField(const glm::ivec3& dims, std::uint32_t seed, int mar
 
 /// Voxelizes and injects; the result is in `field.injected`.
 struct InjectRig {
-  InjectRig(const Grid& grid, std::vector<EmittingLight> lights);
+  InjectRig(const Grid& grid, std::vector<EmittingLight> lights, const VoxelMethod& method = {});
   /// Runs both stages once more, for instance after `lights` were changed.
   void run();
+  /// The largest rounding error that a light's voxels promise.
+  double roundingError() const;
+  /// Cells that hold light.
+  std::uint32_t touched() const;
+
   std::vector<EmittingLight> lights;
+  VoxelMethod method;
   Palette palette;
-  FixedPoint fixedPoint;
+  std::vector<LightVoxelsPtr> voxels;
   LightField field;
+
+ private:
+  Voxelizer voxelizer_;
+  Injector injector_;
+  SceneCache cache_;
 };
 
 }  // namespace lpv::test

@@ -1,0 +1,56 @@
+#pragma once
+// One light in the grid, apart from the others: made from its geometry and texture only, so that a change of colour, of
+// brightness or of another light leaves it as it is.
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "lpv/lights.h"
+#include "scene/options.h"
+
+namespace lpv {
+
+/// How triangles become voxels. Part of what voxels are made from.
+struct VoxelMethod {
+  Injection injection = Injection::kCount;
+  InjectionMethod method = InjectionMethod::kCompute;
+  int denseSamples = 0;  ///< per triangle, kDense only
+
+  bool operator==(const VoxelMethod&) const = default;
+};
+
+/// What a light's voxels follow from.
+struct VoxelSource {
+  MeshPtr mesh;
+  TexturePtr texture;
+  glm::dmat4 gridFromObject{1.0};
+  glm::ivec3 dims{0};
+  VoxelMethod method;
+
+  bool operator==(const VoxelSource&) const = default;
+  bool textured() const { return texture != nullptr; }
+  bool directed() const { return !mesh->directions.empty(); }
+};
+
+struct LightVoxels {
+  /// Room for every cell of `box`.
+  LightVoxels(const CellBox& box, int sets);
+
+  VoxelSource source;
+  bool made = false;          ///< `cells` and `moments` are what follows from `source`
+  int sets = 1;               ///< moments per cell: 1, or 3 with a texture (shaders/deposit.glsl)
+  std::size_t capacity = 0;   ///< cells
+  gpu::Buffer cells;          ///< header and (cell, lobes) entries (layout::kVoxelCells)
+  gpu::Buffer moments;        ///< vec4 per cell and set
+  double unit = 1.0;          ///< FLUX: area that a moment of 1 stands for, cell^2; COUNT: 1
+  double brightest = 1.0;     ///< radiance factor that a colour of 1 stands for
+  double roundingError = 0.0; ///< bound for one coefficient, relative to the largest possible
+
+  /// Whether the voxels of a light in this box fit.
+  bool fits(const CellBox& box, int wantedSets) const;
+};
+using LightVoxelsPtr = std::shared_ptr<LightVoxels>;
+
+}  // namespace lpv

@@ -1,0 +1,85 @@
+// Where a light's voxels are summed: integers only, so that the sums do not depend on the order of the additions and are
+// the same bits on every run and from every injector.
+//
+// Words of a cell: how many VPLs came (COUNT: lobes, N of eq. 1; FLUX: pairs), then moments in fixed point.
+//   plain COUNT     sum of lobe directions (x, y, z); the zeroth moment is N itself         1 + 3 words
+//   plain FLUX      area, area x direction (x, y, z), 64 bits each: low word, high word     1 + 8
+//   textured        (C, C x direction) per colour: 4 moments for each of red, green, blue  1 + 12, 1 + 24
+#ifndef LPV_FLUX
+#error "LPV_FLUX: 0 (COUNT) or 1"
+#endif
+#ifndef LPV_TEXTURED
+#error "LPV_TEXTURED: 0 or 1"
+#endif
+
+#if LPV_TEXTURED
+const int kSets = 3;
+#else
+const int kSets = 1;
+#endif
+#if LPV_FLUX
+const int kAccumulatorWords = 1 + 8 * kSets;
+#elif LPV_TEXTURED
+const int kAccumulatorWords = 13;
+#else
+const int kAccumulatorWords = 4;
+#endif
+
+#ifdef LPV_RECORD_PAIRS
+layout(std430, binding = kRecordedPairs) buffer Recorded { uint recordedCount; uint recordedPad; uvec2 recorded[]; };
+#else
+layout(std430, binding = kAccumulators) buffer Accumulators { uint words[]; };
+#endif
+layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHeaderWords]; uvec2 voxels[]; };
+
+#ifndef LPV_RECORD_PAIRS
+
+/// The first VPL of a cell appends it to the list, and every kCellGroup-th one adds a group to later dispatches.
+int touchedCell(ivec3 position, uint lobes) {
+  const int cell = (position.z * params.dims.y + position.y) * params.dims.x + position.x;
+  if (atomicAdd(words[cell * kAccumulatorWords], lobes) == 0u) {
+    const uint slot = atomicAdd(voxelHeader[3], 1u);
+    voxels[slot].x = uint(cell);
+    if (slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
+  }
+  return cell * kAccumulatorWords + 1;
+}
+
+void addWord(int at, float value) { atomicAdd(words[at], uint(int(roundEven(value)))); }
+
+/// 64 bits in two words. 1.5 x 2^52 + v has v rounded to an integer in its low mantissa bits (|v| < 2^51).
+void addWide(int at, double value) {
+  const uvec2 bits = unpackDouble2x32(value + 6755399441055744.0lf);
+  const uint high = bits.y - 0x43380000u;
+  const uint before = atomicAdd(words[at], bits.x);
+  const uint carried = high + (before + bits.x < before ? 1u : 0u);
+  if (carried != 0u) atomicAdd(words[at + 1], carried);
+}
+
+#if LPV_FLUX
+/// `area` x (colour, colour x direction), area as a share of what the light's scale was made for.
+void addMoments(ivec3 cell, double area, dvec3 direction, dvec3 colour) {
+  const int base = touchedCell(cell, 1u);
+  for (int k = 0; k < kSets; ++k) {
+    const double zeroth = params.scale.x * area * colour[k];
+    addWide(base + 8 * k, zeroth);
+    for (int i = 0; i < 3; ++i) addWide(base + 8 * k + 2 + 2 * i, zeroth * direction[i]);
+  }
+}
+#else
+/// `lobes` of one colour, the sum of their directions given.
+void addLobes(ivec3 cell, uint lobes, vec3 directions, vec3 colour) {
+  const int base = touchedCell(cell, lobes);
+  const float scale = float(params.scale.x);
+#if LPV_TEXTURED
+  for (int k = 0; k < 3; ++k) {
+    addWord(base + 4 * k, scale * colour[k] * float(lobes));
+    for (int i = 0; i < 3; ++i) addWord(base + 4 * k + 1 + i, scale * colour[k] * directions[i]);
+  }
+#else
+  for (int i = 0; i < 3; ++i) addWord(base + i, scale * directions[i]);
+#endif
+}
+#endif
+
+#endif

@@ -1,0 +1,97 @@
+// COUNT: the clamped cosine lobes of what lies in one column of cells (paper 3.2, 3.3). Emission varies over the box
+// around the triangle's part in the column, seen along the dominant axis: directions at its four corners with lobes
+// spread between them, the radiance factor one mip-mapped sample at its centre.
+
+struct Lobes {
+  uint count;
+  vec3 directions;   // sum of unit vectors
+  vec3 colour;
+};
+
+/// Lobes between two directions are this far apart: as wide as a clamped cosine lobe is.
+const float kLobeAngle = 1.57079632679489661923;
+
+#if LPV_DIRECTIONS || LPV_TEXTURED
+
+/// Box around a boundary, the same coordinates: (lower, upper).
+dvec4 boxAround(Boundary b) {
+  dvec4 box = dvec4(kNoLimit, kNoLimit, -kNoLimit, -kNoLimit);
+  for (int i = 0; i < 9; ++i) {
+    if (b.pieces[i].xy == b.pieces[i].zw) continue;
+    box.xy = min(box.xy, min(b.pieces[i].xy, b.pieces[i].zw));
+    box.zw = max(box.zw, max(b.pieces[i].xy, b.pieces[i].zw));
+  }
+  return box;
+}
+
+float angleBetween(vec3 a, vec3 b) { return atan(length(cross(a, b)), dot(a, b)); }
+
+int lobesAcross(float angle) { return angle > 0.0 ? 1 + int(ceil(angle / kLobeAngle)) : 1; }
+
+#endif
+
+#if LPV_DIRECTIONS
+/// `corners`: barycentric, at (0,0), (1,0), (0,1), (1,1) of the box.
+void spreadLobes(Varying v, dvec2 corners[4], inout Lobes lobes) {
+  vec3 d[4];
+  for (int i = 0; i < 4; ++i) d[i] = directionAt(v, corners[i]);
+  const int across = lobesAcross(max(angleBetween(d[0], d[1]), angleBetween(d[2], d[3])));
+  const int along = lobesAcross(max(angleBetween(d[0], d[2]), angleBetween(d[1], d[3])));
+  for (int j = 0; j < along; ++j) {
+    for (int i = 0; i < across; ++i) {
+      const float x = across > 1 ? float(i) / float(across - 1) : 0.5;
+      const float y = along > 1 ? float(j) / float(along - 1) : 0.5;
+      lobes.directions += unitOr(mix(mix(d[0], d[1], x), mix(d[2], d[3], x), y), v.normal);
+    }
+  }
+  lobes.count = uint(across * along);
+}
+#endif
+
+#if LPV_TEXTURED
+/// One sample at `centre`, of the mip level whose texels are as large as the box.
+vec3 boxColour(Varying v, dvec2 centre, dvec2 corners[4]) {
+  dvec2 least = uvAt(v, corners[0]), most = least;
+  for (int i = 1; i < 4; ++i) {
+    const dvec2 at = uvAt(v, corners[i]);
+    least = min(least, at);
+    most = max(most, at);
+  }
+  const vec2 texels = vec2(most - least);
+  const float level = log2(max(max(texels.x, texels.y), 1.0));
+  const dvec2 uv = (uvAt(v, centre) + 0.5lf) / dvec2(params.texture.xy);
+  const float finest = float(params.texture.z - 1);
+  return textureLod(lightTexture, vec2(uv - floor(uv)), min(level, finest)).rgb * float(params.scale.y);
+}
+#endif
+
+/// The lobes of a triangle that is one point to the grid.
+Lobes lobesAtPoint(Varying v, dvec2 lambda) {
+  Lobes lobes = Lobes(1u, directionAt(v, lambda), vec3(1.0));
+#if LPV_TEXTURED
+  lobes.colour = boxColour(v, lambda, dvec2[4](dvec2(0.0lf), dvec2(1.0lf, 0.0lf), dvec2(0.0lf, 1.0lf), dvec2(0.0lf)));
+#endif
+  return lobes;
+}
+
+/// The lobes of the triangle's part in one (turned) column.
+Lobes lobesOfColumn(Varying v, LatticeTriangle t, ivec2 column) {
+  Lobes lobes = Lobes(1u, v.normal, vec3(1.0));
+#if LPV_DIRECTIONS || LPV_TEXTURED
+  const ivec3 cell = ivec3(column, 0);
+  const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
+  const dvec4 box = boxAround(boundaryWithin(t, cell, true));
+  if (box.x > box.z || box.y > box.w) return lobes;  // nothing in this column: no pair either
+  dvec2 corners[4];
+  for (int i = 0; i < 4; ++i) {
+    corners[i] = barycentric(t, centre, dvec2((i & 1) == 0 ? box.x : box.z, (i & 2) == 0 ? box.y : box.w));
+  }
+#if LPV_DIRECTIONS
+  spreadLobes(v, corners, lobes);
+#endif
+#if LPV_TEXTURED
+  lobes.colour = boxColour(v, barycentric(t, centre, 0.5lf * (box.xy + box.zw)), corners);
+#endif
+#endif
+  return lobes;
+}

@@ -1,0 +1,90 @@
+// What varies over a triangle: emission direction per vertex (paper 3.2) and radiance factor by texture (3.3). Both are
+// looked up by two barycentric coordinates, lambda = (weight of corner b, weight of corner c).
+#ifndef LPV_DIRECTIONS
+#error "LPV_DIRECTIONS: 0 or 1"
+#endif
+
+struct Varying {
+  vec3 normal;              // geometric, unit, outward, grid space
+  vec3 direction[3];        // unit, or zero
+  dvec2 uv[3];              // of texels: x = u width - .5
+};
+
+#if LPV_DIRECTIONS
+layout(std430, binding = kDirections) readonly buffer Directions { float directions[]; };
+
+/// Unit vector, grid space; zero for a vertex without one.
+vec3 vertexDirection(uint vertex) {
+  const vec3 d = vec3(directions[3u * vertex], directions[3u * vertex + 1u], directions[3u * vertex + 2u]);
+  const float size = max(abs(d.x), max(abs(d.y), abs(d.z)));
+  if (size == 0.0) return vec3(0.0);
+  const dvec3 turned_ = (params.gridFromObject * dvec4(dvec3(d / size), 0.0lf)).xyz;
+  return vec3(turned_ / sqrt(dot(turned_, turned_)));
+}
+#endif
+
+#if LPV_TEXTURED
+layout(std430, binding = kUvs) readonly buffer Uvs { float uvs[]; };
+
+dvec2 vertexUv(uint vertex) {
+  return dvec2(uvs[2u * vertex], uvs[2u * vertex + 1u]) * dvec2(params.texture.xy) - 0.5lf;
+}
+#endif
+
+Varying varyingOf(uint triangle, vec3 normal) {
+  Varying v;
+  v.normal = normal;
+  for (uint i = 0u; i < 3u; ++i) {
+#if LPV_DIRECTIONS
+    v.direction[i] = vertexDirection(indices[3u * triangle + i]);
+#endif
+#if LPV_TEXTURED
+    v.uv[i] = vertexUv(indices[3u * triangle + i]);
+#endif
+  }
+  return v;
+}
+
+vec3 unitOr(vec3 d, vec3 otherwise) {
+  const float size = dot(d, d);
+  return size > 1e-12 ? d * inversesqrt(size) : otherwise;
+}
+
+vec3 directionAt(Varying v, dvec2 lambda) {
+#if LPV_DIRECTIONS
+  const vec2 l = vec2(lambda);
+  return unitOr(v.direction[0] * (1.0 - l.x - l.y) + v.direction[1] * l.x + v.direction[2] * l.y, v.normal);
+#else
+  return v.normal;
+#endif
+}
+
+dvec2 uvAt(Varying v, dvec2 lambda) {
+  return v.uv[0] + lambda.x * (v.uv[1] - v.uv[0]) + lambda.y * (v.uv[2] - v.uv[0]);
+}
+
+/// Barycentric coordinates of a point of the plane of projection, given from the centre of a cell.
+dvec2 barycentric(LatticeTriangle t, dvec2 centre, dvec2 p) {
+  const dvec2 from = p + centre - t.v0.xy;
+  return dvec2(cross2(from, t.v2.xy - t.v0.xy), cross2(t.v1.xy - t.v0.xy, from)) / t.normal.z;
+}
+
+/// A boundary in barycentric coordinates, counter-clockwise there; the whole triangle has three pieces.
+Boundary barycentricBoundary(LatticeTriangle t, ivec3 cell, Boundary b) {
+  const dvec2 centre = (dvec2(cell.xy) + 0.5lf) * double(kLatticeUnits);
+  for (int i = 0; i < 9; ++i) {
+    if (b.pieces[i].xy == b.pieces[i].zw) continue;  // none there: stays zeros
+    const dvec4 piece = dvec4(barycentric(t, centre, b.pieces[i].xy), barycentric(t, centre, b.pieces[i].zw));
+    b.pieces[i] = t.normal.z < 0.0lf ? turnedRound(piece) : piece;
+  }
+  return b;
+}
+
+Boundary wholeTriangle() {
+  Boundary b;
+  b.pieces[0] = dvec4(0.0lf, 0.0lf, 1.0lf, 0.0lf);
+  b.pieces[1] = dvec4(1.0lf, 0.0lf, 0.0lf, 1.0lf);
+  b.pieces[2] = dvec4(0.0lf, 1.0lf, 0.0lf, 0.0lf);
+  for (int i = 3; i < 9; ++i) b.pieces[i] = dvec4(0.0lf);
+  return b;
+}

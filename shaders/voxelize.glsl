@@ -1,0 +1,124 @@
+// Voxelization of a light's triangles (paper 3.1; MATHS.md 2), whichever way its columns are walked: what one triangle
+// adds to every cell it meets.
+#include "layout.h"
+
+layout(std140, binding = kParams) uniform Block { VoxelizeParams params; };
+layout(std430, binding = kPositions) readonly buffer Positions { float positions[]; };
+layout(std430, binding = kTriangles) readonly buffer Triangles { uint indices[]; };
+
+#include "deposit.glsl"
+#include "pairs.glsl"
+#include "clip.glsl"
+#if LPV_TEXTURED
+#include "texture_integral.glsl"
+#endif
+#include "varying.glsl"
+#if LPV_FLUX
+#include "flux.glsl"
+#else
+#include "lobes.glsl"
+#endif
+
+/// A triangle of the light, in grid space.
+struct EmittingTriangle {
+  uint index;
+  LatticeTriangle lattice;
+  dvec3 a, b, c;       // corners on the lattice
+  double area;         // as a share of what the light's scale was made for
+  Varying varying_;
+};
+
+dvec3 objectVertex(uint triangle, uint corner) {
+  const uint v = indices[3u * triangle + corner] * 3u;
+  return dvec3(positions[v], positions[v + 1u], positions[v + 2u]);
+}
+
+dvec3 gridPoint(dvec3 p) {
+  precise dvec3 g = params.gridFromObject[0].xyz * p.x + params.gridFromObject[1].xyz * p.y +
+                    params.gridFromObject[2].xyz * p.z + params.gridFromObject[3].xyz;
+  return g;
+}
+
+double longest(dvec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
+
+/// False when the triangle emits nothing anywhere. Area and normal are the unsnapped triangle's: snapping decides pairs
+/// and shares only.
+bool loadTriangle(uint index, out EmittingTriangle e) {
+  const dvec3 p = objectVertex(index, 0u), q = objectVertex(index, 1u), r = objectVertex(index, 2u);
+  precise dvec3 twiceArea = cross(q - p, r - p);
+  if (twiceArea == dvec3(0.0lf)) return false;
+  const dvec3 areaNormal = (params.areaFromObject * dvec4(twiceArea, 0.0lf)).xyz;
+  // Scaled first: the squares of a tiny triangle's normal would not fit.
+  const double size = longest(areaNormal);
+  if (!(size > 0.0lf)) return false;
+  const dvec3 direction = areaNormal / size;
+  const double length_ = sqrt(dot(direction, direction));
+  e.index = index;
+  e.area = length_ * size;
+  e.varying_ = varyingOf(index, vec3(direction / length_));
+  e.a = snapToLattice(gridPoint(p));
+  e.b = snapToLattice(gridPoint(q));
+  e.c = snapToLattice(gridPoint(r));
+  e.lattice = latticeTriangle(e.a, e.b, e.c, params.dims.xyz);
+  return true;
+}
+
+#ifdef LPV_RECORD_PAIRS
+void record(EmittingTriangle e, ivec3 cell) {
+  recorded[atomicAdd(recordedCount, 1u)] =
+      uvec2(e.index, (cell.z * params.dims.y + cell.y) * params.dims.x + cell.x);
+}
+#endif
+
+/// Whether a triangle inside one cell can be taken as a whole. Only COUNT looks at where in its column a part lies.
+const bool kWholeTriangles = LPV_FLUX == 1 || (LPV_DIRECTIONS == 0 && LPV_TEXTURED == 0);
+
+/// The whole triangle into one cell.
+void depositWhole(EmittingTriangle e, ivec3 cell) {
+#ifdef LPV_RECORD_PAIRS
+  record(e, cell);
+#elif LPV_FLUX
+  const Flux flux = fluxOf(e.varying_, wholeTriangle(), 1.0lf);
+  addMoments(cell, e.area, flux.direction, flux.colour);
+#else
+  const Lobes lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
+  addLobes(cell, lobes.count, lobes.directions, lobes.colour);
+#endif
+}
+
+#if !defined(LPV_RECORD_PAIRS) && LPV_FLUX
+void depositPart(EmittingTriangle e, ivec3 cell) {
+  const Boundary part = boundaryWithin(e.lattice, cell, false);
+  const double share = enclosedShare(part, e.lattice);
+#if LPV_DIRECTIONS || LPV_TEXTURED
+  const Flux flux = fluxOf(e.varying_, barycentricBoundary(e.lattice, cell, part), share);
+#else
+  const Flux flux = Flux(share, dvec3(e.varying_.normal), dvec3(1.0lf));
+#endif
+  addMoments(turnedBack(cell, e.lattice.axis), e.area * flux.share, flux.direction, flux.colour);
+}
+#endif
+
+/// The pairs of one column.
+void voxelizeColumn(EmittingTriangle e, ivec2 column) {
+  const ivec2 depth = depthRange(e.lattice, column);
+#if !defined(LPV_RECORD_PAIRS) && !LPV_FLUX
+  const Lobes lobes = lobesOfColumn(e.varying_, e.lattice, column);
+#endif
+  for (int z = depth.x; z <= depth.y; ++z) {
+    const ivec3 cell = ivec3(column, z);
+    if (!isPair(e.lattice, cell)) continue;
+#ifdef LPV_RECORD_PAIRS
+    record(e, turnedBack(cell, e.lattice.axis));
+#elif LPV_FLUX
+    depositPart(e, cell);
+#else
+    addLobes(turnedBack(cell, e.lattice.axis), lobes.count, lobes.directions, lobes.colour);
+#endif
+  }
+}
+
+ivec2 columnOf(LatticeTriangle t, int index) {
+  const int across = t.upper.x - t.lower.x + 1;
+  return t.lower.xy + ivec2(index % across, index / across);
+}
