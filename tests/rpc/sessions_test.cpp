@@ -277,22 +277,14 @@ TEST_P(LaterSettings, AreRefusedByName) {
   wanted.set_name(name);
   *wanted.mutable_settings() = request.settings();
   const std::string path = "settings." + std::string(later.field).substr(0, std::string(later.field).find('.'));
-  EXPECT_THAT(update(wanted, path == "settings.method" ? std::vector<std::string>{path, "settings.dense_samples"}
-                                                       : std::vector<std::string>{path}),
+  EXPECT_THAT(update(wanted, {path}),
               Refused(StatusCode::UNIMPLEMENTED, field, later.text));
   EXPECT_EQ(getSession(stubs_, name).revision(), 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     All, LaterSettings,
-    ::testing::Values(Later{"Flux", "injection", "FLUX", [](auto* s) { s->set_injection(pb::INJECTION_FLUX); }},
-                      Later{"Raster", "method", "RASTER", [](auto* s) { s->set_method(pb::INJECTION_METHOD_RASTER); }},
-                      Later{"Dense", "method", "DENSE",
-                            [](auto* s) {
-                              s->set_method(pb::INJECTION_METHOD_DENSE);
-                              s->set_dense_samples(16);
-                            }},
-                      Later{"Gather", "transport", "GATHER", [](auto* s) { s->set_transport(pb::TRANSPORT_GATHER); }},
+    ::testing::Values(Later{"Gather", "transport", "GATHER", [](auto* s) { s->set_transport(pb::TRANSPORT_GATHER); }},
                       Later{"Direct", "transport", "DIRECT", [](auto* s) { s->set_transport(pb::TRANSPORT_DIRECT); }},
                       Later{"Cap", "lookup", "CAP", [](auto* s) { s->set_lookup(pb::LOOKUP_CAP); }},
                       Later{"Accurate", "quality", "ACCURATE", [](auto* s) { s->set_quality(pb::QUALITY_ACCURATE); }},

@@ -1,0 +1,201 @@
+// The paper's Table 1: the time to put one area light into the grid, for dense sampling with 1, 100 and 1000 samples per
+// triangle and for exact voxelization, by the compute and the raster injector, COUNT and FLUX. Programs are compiled
+// beforehand; nothing is reused from one injection to the next. Ratios are of times of the same run.
+//
+//   injection_bench [--grids 32,64,128] [--repeats N] [--csv FILE]
+//
+// LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
+
+#include <ctime>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
+#include <iostream>
+#include <sstream>
+
+#include "core_scene.h"
+#include "gpu/context.h"
+#include "gpu/gl.h"
+#include "lpv/inject.h"
+#include "lpv/voxelize.h"
+#include "reference/meshes.h"
+
+namespace {
+
+using namespace lpv;
+
+struct Named {
+  std::string name;
+  MeshPtr mesh;
+};
+
+struct Way {
+  std::string name;
+  VoxelMethod method;
+};
+
+/// Milliseconds, medians over the repeats.
+struct Cost {
+  double wall = 0.0;
+  double cpu = 0.0;     ///< of all threads: what a run beside others is compared by
+  double inject = 0.0;  ///< wall of adding the finished voxels to the field
+};
+
+std::vector<Named> meshes() {
+  return {{"quad", reference::quad()},
+          {"pyramid", reference::pyramid()},
+          {"tube", reference::tube()},
+          {"sphere 720", reference::sphere()},
+          {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
+}
+
+std::vector<Way> ways() {
+  using enum InjectionMethod;
+  return {{"dense 1", {Injection::kCount, kDense, 1}},      {"dense 100", {Injection::kCount, kDense, 100}},
+          {"dense 1000", {Injection::kCount, kDense, 1000}}, {"raster COUNT", {Injection::kCount, kRaster, 0}},
+          {"raster FLUX", {Injection::kFlux, kRaster, 0}},   {"COUNT", {Injection::kCount, kCompute, 0}},
+          {"FLUX", {Injection::kFlux, kCompute, 0}}};
+}
+
+/// Turned away from the axes, its longest edge 70 % of the grid's.
+EmittingLight placed(const MeshPtr& mesh, int cells) {
+  EmittingLight light;
+  light.mesh = mesh;
+  light.radiance = glm::dvec3(1.0);
+  const glm::dvec3 extent = mesh->bounds.extent();
+  const double size = 0.7 * cells / std::max({extent.x, extent.y, extent.z});
+  light.gridFromObject = glm::translate(glm::dmat4(1.0), glm::dvec3(0.5 * cells + 0.137)) *
+                         glm::rotate(glm::dmat4(1.0), 0.7, glm::normalize(glm::dvec3(1, 2, 3))) *
+                         glm::scale(glm::dmat4(1.0), glm::dvec3(size)) *
+                         glm::translate(glm::dmat4(1.0), -mesh->bounds.centre());
+  return light;
+}
+
+double cpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+double wallSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+void finish(Pieces pieces) {
+  while (!pieces.done()) pieces.resume();
+  glFinish();
+}
+
+class Table {
+ public:
+  explicit Table(int repeats) : repeats_(repeats) { clock_.add(Stage::kVoxelize, 1e-9, 1.0); }
+
+  Cost measure(const MeshPtr& mesh, int cells, const VoxelMethod& method) {
+    const EmittingLight light = placed(mesh, cells);
+    LightField field({glm::dvec3(0.0), 1.0, glm::ivec3(cells)}, 1);
+    SceneResources resources;
+    Scene scene;
+    auto named = std::make_shared<Light>();
+    named->mesh = mesh;
+    scene.lights["light"] = named;
+    finish(cache_.upload(scene, resources));
+    const auto voxels = std::make_shared<LightVoxels>(cellsAround({light}, field.grid.dims), 1);
+    voxels->source = {mesh, nullptr, light.gridFromObject, field.grid.dims, method};
+    const Palette palette = choosePalette({light});
+    std::vector<double> wall, cpu, inject;
+    double spent = 0.0;
+    for (int i = 0; i <= repeats_ || (spent < 0.2 && i < 200); ++i) {
+      const double wall0 = wallSeconds(), cpu0 = cpuSeconds();
+      finish(voxelizer_.run(field, *resources.meshes.at(mesh), nullptr, *voxels, {&clock_, 1.0}));
+      const double wall1 = wallSeconds(), cpu1 = cpuSeconds();
+      finish(injector_.add(field, {light}, {voxels}, palette));
+      const double wall2 = wallSeconds();
+      finish(injector_.retire(field, {voxels}));
+      spent += wall1 - wall0;
+      if (i == 0) continue;  // compiles
+      wall.push_back(1e3 * (wall1 - wall0));
+      cpu.push_back(1e3 * (cpu1 - cpu0));
+      inject.push_back(1e3 * (wall2 - wall1));
+    }
+    return {median(wall), median(cpu), median(inject)};
+  }
+
+ private:
+  int repeats_;
+  StageClock clock_;
+  Voxelizer voxelizer_;
+  Injector injector_;
+  SceneCache cache_;
+};
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, value < 10.0 ? "%.3f" : "%.1f", value);
+  return text;
+}
+
+void printRow(const std::string& mesh, int cells, const std::vector<Cost>& costs, std::ostream& csv) {
+  const auto all = ways();
+  std::cout << "| " << mesh << " | " << cells << " |";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    std::cout << " " << number(costs[i].wall) << " / " << number(costs[i].cpu) << " |";
+    csv << mesh << "," << cells << "," << all[i].name << "," << costs[i].wall << "," << costs[i].cpu << ","
+        << costs[i].inject << "\n";
+  }
+  const Cost& count = costs[5];
+  const Cost& flux = costs[6];
+  std::cout << " " << number(costs[1].cpu / count.cpu) << "x / " << number(costs[2].cpu / count.cpu) << "x | "
+            << number(flux.cpu / count.cpu) << "x | " << number(costs[3].cpu / count.cpu) << "x | "
+            << number(count.inject) << " |" << std::endl;
+}
+
+int run(const std::vector<int>& grids, int repeats, const std::string& csvPath, gpu::Context& context) {
+  std::ofstream file;
+  std::ostringstream nowhere;
+  if (!csvPath.empty()) file.open(csvPath);
+  std::ostream& csv = csvPath.empty() ? static_cast<std::ostream&>(nowhere) : file;
+  csv << "mesh,grid,method,wall_ms,cpu_ms,inject_wall_ms\n";
+  std::cout << "device: " << context.capabilities().renderer << "\n\nMilliseconds, wall / CPU of all threads, medians of "
+            << repeats << " or more. Ratios are of CPU time.\n\n| mesh | grid |";
+  for (const Way& way : ways()) std::cout << " " << way.name << " |";
+  std::cout << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field |\n|---|---|";
+  for (std::size_t i = 0; i < ways().size() + 4; ++i) std::cout << "---|";
+  std::cout << "\n";
+  Table table(repeats);
+  for (const Named& mesh : meshes()) {
+    for (const int cells : grids) {
+      std::vector<Cost> costs;
+      for (const Way& way : ways()) costs.push_back(table.measure(mesh.mesh, cells, way.method));
+      printRow(mesh.name, cells, costs, csv);
+    }
+  }
+  return csv.good() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"The paper's Table 1: dense sampling against exact voxelization"};
+  std::vector<int> grids = {32, 64, 128};
+  int repeats = 9;
+  std::string csv;
+  app.add_option("--grids", grids, "Cells along an edge")->delimiter(',');
+  app.add_option("--repeats", repeats, "Injections that are timed, at least")->check(CLI::Range(1, 1000));
+  app.add_option("--csv", csv, "Every figure, a line each");
+  CLI11_PARSE(app, argc, argv);
+  for (const gpu::Device& device : gpu::preferredOrder(gpu::listDevices())) {
+    Expected<gpu::Context> context = gpu::Context::make(device);
+    if (context.ok()) return run(grids, repeats, csv, *context);
+  }
+  std::cerr << "no OpenGL 4.5 here\n";
+  return 1;
+}
