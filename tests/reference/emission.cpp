@@ -130,17 +130,20 @@ DirectedEmission refined(const Emitter& e, const Piece& piece, const Triangle& t
   return finer;
 }
 
-/// The two sides of the line on which the direction stands across the largest change from corner to corner: where
-/// directions turn over within the triangle, they do so there.
-std::array<Polygon, 2> atTurningLine(const Emitter& e, const Polygon& polygon) {
+/// The polygon cut along the line on which the direction stands across the largest change from corner to corner, where
+/// that line crosses it: where directions turn over within the triangle, they do so there.
+std::vector<Polygon> cutAtTurningLine(const Emitter& e, const Polygon& polygon) {
   const std::array<glm::dvec3, 3>& d = *e.directions;
   glm::dvec3 change = d[1] - d[0];
   for (const glm::dvec3& other : {d[2] - d[1], d[0] - d[2]}) {
     if (glm::length(other) > glm::length(change)) change = other;
   }
-  const glm::dvec3 side(glm::dot(change, d[0]), glm::dot(change, d[1]), glm::dot(change, d[2]));
-  return {clip(polygon, [&](const glm::dvec3& b) { return glm::dot(side, b); }),
-          clip(polygon, [&](const glm::dvec3& b) { return -glm::dot(side, b); })};
+  const glm::dvec3 along(glm::dot(change, d[0]), glm::dot(change, d[1]), glm::dot(change, d[2]));
+  const auto turned = [&](const glm::dvec3& b) { return glm::dot(along, b) > 0.0; };
+  const auto count = std::count_if(polygon.begin(), polygon.end(), turned);
+  if (count == 0 || std::size_t(count) == polygon.size()) return {polygon};
+  return {clip(polygon, [&](const glm::dvec3& b) { return glm::dot(along, b); }),
+          clip(polygon, [&](const glm::dvec3& b) { return -glm::dot(along, b); })};
 }
 
 }  // namespace
@@ -167,7 +170,7 @@ DirectedEmission directedIntegral(const Emitter& e, const Polygon& part) {
   }
   for (const Piece& piece : piecesOf(e, part)) {
     const double brightest = brightestOf(e, piece);
-    for (const Polygon& side : atTurningLine(e, piece.polygon)) {
+    for (const Polygon& side : cutAtTurningLine(e, piece.polygon)) {
       for (const Triangle& t : fanOf(side)) {
         sum += refined(e, piece, t, byRule(e, piece, t), brightest, 0);
       }

@@ -3,14 +3,10 @@
 #include "reference/pairs.h"
 #include "reference/polygon.h"
 #include "reference/sh.h"
+#include "reference/vpls.h"
 
 namespace lpv::reference {
 namespace {
-
-void addLobe(Field& field, const glm::ivec3& cell, const glm::dvec3& amount, const glm::dvec3& direction) {
-  const Coefficients d = lobe(direction);
-  for (int colour = 0; colour < 3; ++colour) field.at(cell)[std::size_t(colour)] += amount[colour] * d;
-}
 
 /// A lobe is linear in its amount and its direction times amount.
 Coefficients lobeOf(double amount, const glm::dvec3& amountDirection) {
@@ -20,20 +16,33 @@ Coefficients lobeOf(double amount, const glm::dvec3& amountDirection) {
 
 }  // namespace
 
+void Counted::add(const glm::ivec3& cell, const glm::dvec3& radiance, const glm::dvec3& direction, bool twoSided) {
+  const Coefficients front = lobe(direction);
+  const Coefficients back = lobe(-direction);
+  for (int colour = 0; colour < 3; ++colour) {
+    Coefficients& sum = intensity.at(cell)[std::size_t(colour)];
+    sum += radiance[colour] * front;
+    if (twoSided) sum += radiance[colour] * back;
+  }
+  lobes[intensity.index(cell)] += twoSided ? 2 : 1;
+}
+
+void Counted::divide(double cellEdge) {
+  for (std::size_t i = 0; i < lobes.size(); ++i) {
+    if (lobes[i] == 0) continue;
+    for (Coefficients& c : intensity.cells[i]) c *= cellEdge * cellEdge / double(lobes[i]);
+  }
+}
+
 Counted injectCount(const Grid& grid, const std::vector<Emitter>& emitters) {
-  Counted out{Field(grid.dims), std::vector<std::uint32_t>(grid.cells())};
+  Counted out(grid);
   for (const Emitter& e : emitters) {
-    const glm::dvec3 n = glm::normalize(e.areaNormal());
     for (const glm::ivec3& cell : cellsOf(e.snapped, grid.dims)) {
-      addLobe(out.intensity, cell, e.radiance, n);
-      if (e.twoSided) addLobe(out.intensity, cell, e.radiance, -n);
-      out.lobes[grid.index(cell)] += e.twoSided ? 2 : 1;
+      const Vpls vpls = vplsOf(e, cell);
+      for (const glm::dvec3& direction : vpls.directions) out.add(cell, vpls.radiance, direction, e.twoSided);
     }
   }
-  for (std::size_t i = 0; i < out.lobes.size(); ++i) {
-    if (out.lobes[i] == 0) continue;
-    for (Coefficients& c : out.intensity.cells[i]) c *= grid.cell * grid.cell / double(out.lobes[i]);
-  }
+  out.divide(grid.cell);
   return out;
 }
 

@@ -16,7 +16,15 @@ namespace lpv::reference {
 struct Counted {
   Field intensity;
   std::vector<std::uint32_t> lobes;  ///< N of each cell; a two-sided triangle counts twice
+
+  explicit Counted(const Grid& grid) : intensity(grid.dims), lobes(grid.cells()) {}
+  /// One lobe of `radiance` about unit `direction`, and its opposite for two sides; sums, until divided.
+  void add(const glm::ivec3& cell, const glm::dvec3& radiance, const glm::dvec3& direction, bool twoSided);
+  /// Once, after the last lobe: times cellEdge^2 / N.
+  void divide(double cellEdge);
 };
+
+/// The lobes of vpls.h for every pair: one about the normal where a triangle is homogeneous.
 Counted injectCount(const Grid& grid, const std::vector<Emitter>& emitters);
 
 /// A triangle clipped to one cell: what it carries into it.

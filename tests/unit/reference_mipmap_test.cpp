@@ -52,8 +52,8 @@ TEST(MipChain, OddSizesWeighTexelsByWhatIsCovered) {
 }
 
 TEST(MipChain, DecodesSrgbFirst) {
-  const MipChain chain = mipChainOf(*srgbTextureOf(2, 1, [](int x, int) { return glm::u8vec3(x ? 255 : 0); }));
-  EXPECT_NEAR(chain.levels[1].at(0, 0).x, 0.5, 1e-12);
+  const MipChain chain = mipChainOf(*srgbTextureOf(2, 1, [](int x, int) { return glm::u8vec3(x ? 200 : 40); }));
+  EXPECT_NEAR(chain.levels[1].at(0, 0).x, 0.5 * (decodeSrgb(200 / 255.0) + decodeSrgb(40 / 255.0)), 1e-12);
 }
 
 TEST(MipChain, LevelZeroIsTheTextureAsRead) {
