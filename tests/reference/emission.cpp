@@ -78,7 +78,7 @@ double brightestOf(const Emitter& e, const Piece& piece) {
 
 constexpr double kTolerance = 1e-11;  // of the triangle's area, and of that times the brightest texel
 constexpr int kDeepest = 16;
-constexpr int kNodesPerAxis = 7;
+constexpr std::array<int, 3> kRules = {3, 5, 7};  // nodes per axis
 
 DirectedEmission& operator+=(DirectedEmission& a, const DirectedEmission& b) {
   a.direction += b.direction;
@@ -86,15 +86,17 @@ DirectedEmission& operator+=(DirectedEmission& a, const DirectedEmission& b) {
   return a;
 }
 
-/// Integrals over the triangle, as shares of the whole emitter's area, by Gauss-Legendre nodes (s, t) in the paper's
-/// coordinates for samples (eq. 2, s = sqrt r1): b = (1-s) A + s (1-t) B + s t C, dA = 2 s ds dt. Exact to degree 12.
-DirectedEmission byRule(const Emitter& e, const Piece& piece, const Triangle& triangle) {
-  static const auto nodes = gaussLegendre(kNodesPerAxis);
+/// Integrals over the triangle, as shares of the whole emitter's area, by n^2 Gauss-Legendre nodes (s, t) in the
+/// paper's coordinates for samples (eq. 2, s = sqrt r1): b = (1-s) A + s (1-t) B + s t C, dA = 2 s ds dt. Exact to
+/// degree 2n - 2.
+DirectedEmission byRule(const Emitter& e, const Piece& piece, const Triangle& triangle, std::size_t rule) {
+  static const std::array rules = {gaussLegendre(kRules[0]), gaussLegendre(kRules[1]), gaussLegendre(kRules[2])};
+  const double fraction = fractionOf(triangle);
   DirectedEmission sum;
-  for (const auto& [s, ws] : nodes) {
-    for (const auto& [t, wt] : nodes) {
+  for (const auto& [s, ws] : rules[rule]) {
+    for (const auto& [t, wt] : rules[rule]) {
       const glm::dvec3 b = (1.0 - s) * triangle[0] + s * (1.0 - t) * triangle[1] + s * t * triangle[2];
-      const glm::dvec3 amount = (2.0 * s * ws * wt * fractionOf(triangle)) * e.directionAt(b);
+      const glm::dvec3 amount = (2.0 * s * ws * wt * fraction) * e.directionAt(b);
       const glm::dvec3 radiance = radianceAt(e, piece, b);
       sum.direction += amount;
       for (int c = 0; c < 3; ++c) sum.radiance[std::size_t(c)] += radiance[c] * amount;
@@ -118,16 +120,20 @@ double distance(const DirectedEmission& a, const DirectedEmission& b, double bri
   return largest;
 }
 
-DirectedEmission refined(const Emitter& e, const Piece& piece, const Triangle& triangle, const DirectedEmission& coarse,
-                         double brightest, int depth) {
-  const std::array<Triangle, 4> children = quartered(triangle);
-  std::array<DirectedEmission, 4> parts;
+/// The first rule that agrees with the one before it; quarters of the triangle where none does.
+DirectedEmission integrated(const Emitter& e, const Piece& piece, const Triangle& triangle, double brightest,
+                            int depth) {
+  DirectedEmission last = byRule(e, piece, triangle, 0);
+  for (std::size_t n = 1; n < kRules.size(); ++n) {
+    const DirectedEmission next = byRule(e, piece, triangle, n);
+    const bool agreed = distance(last, next, brightest) <= kTolerance;
+    last = next;
+    if (agreed) return last;
+  }
+  if (depth == kDeepest) return last;
   DirectedEmission sum;
-  for (std::size_t i = 0; i < 4; ++i) sum += parts[i] = byRule(e, piece, children[i]);
-  if (depth == kDeepest || distance(coarse, sum, brightest) <= kTolerance) return sum;
-  DirectedEmission finer;
-  for (std::size_t i = 0; i < 4; ++i) finer += refined(e, piece, children[i], parts[i], brightest, depth + 1);
-  return finer;
+  for (const Triangle& quarter : quartered(triangle)) sum += integrated(e, piece, quarter, brightest, depth + 1);
+  return sum;
 }
 
 /// The polygon cut along the line on which the direction stands across the largest change from corner to corner, where
@@ -172,7 +178,7 @@ DirectedEmission directedIntegral(const Emitter& e, const Polygon& part) {
     const double brightest = brightestOf(e, piece);
     for (const Polygon& side : cutAtTurningLine(e, piece.polygon)) {
       for (const Triangle& t : fanOf(side)) {
-        sum += refined(e, piece, t, byRule(e, piece, t), brightest, 0);
+        sum += integrated(e, piece, t, brightest, 0);
       }
     }
   }

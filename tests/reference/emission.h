@@ -5,9 +5,9 @@
 // (Emitter::directionAt). A lobe of 2 bands is linear in (1, d): L00 = c0 Int C dA, L1 = c1 Int C d dA.
 //
 // The texture's integral is exact: the part is cut at the lines through texel centres, between which C is a polynomial
-// of degree 2 in the barycentric coordinates. Directions are integrated on the same pieces by subdivision until
-// a rule of degree 12 and its four children agree to 1e-11 of the triangle: 1e-12 where directions vary smoothly, 1e-6
-// around points where they cancel. The work grows with the number of texels that the part covers.
+// of degree 2 in the barycentric coordinates. Directions are integrated on the same pieces, subdivided until rules of
+// degree 4 and 8, or 8 and 12, agree to 1e-11 of the triangle: right to 1e-13 of it where directions vary by up to 170
+// degrees, to 1e-8 at 179.999 and around points where they cancel. The work grows with the texels that the part covers.
 
 #include <array>
 #include <glm/glm.hpp>

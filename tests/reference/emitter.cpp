@@ -48,7 +48,9 @@ glm::dvec3 Emitter::positionAt(const glm::dvec3& b) const { return mix(corners, 
 glm::dvec2 Emitter::uvAt(const glm::dvec3& b) const { return mix(uvs, b); }
 
 glm::dvec3 Emitter::directionAt(const glm::dvec3& b) const {
-  return directions ? unitOr(mix(*directions, b), normal()) : normal();
+  if (!directions) return normal();
+  const glm::dvec3 mixed = mix(*directions, b);
+  return glm::length(mixed) > kZeroDirection ? glm::normalize(mixed) : normal();
 }
 
 glm::dmat4 worldFromObject(const Transform& transform) {

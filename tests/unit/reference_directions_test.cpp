@@ -97,6 +97,22 @@ TEST(DirectedFlux, AFanOf90DegreesHasItsClosedForm) {
   }
 }
 
+// One triangle whose corners B and C share a direction at `angle` from A's: with v = 1 - 2 b0, S and C the sine and
+// cosine of half the angle, Int d dA / area = (Int v^2 S / q dv, 0, Int C / q dv) over 0..1, q = sqrt(v^2 S^2 + C^2).
+TEST(DirectedFlux, FansOfAnyAngleHaveTheirClosedForm) {
+  for (const auto& [degrees, tolerance] :
+       {std::pair(1.0, 1e-13), {30.0, 1e-13}, {120.0, 1e-13}, {170.0, 1e-13}, {179.0, 1e-11}, {179.9, 1e-9}}) {
+    const double sine = std::sin(degrees * pi() / 360.0);
+    const double cosine = std::cos(degrees * pi() / 360.0);
+    Emitter e;
+    e.corners = {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0, 2, 0)};
+    e.directions = {glm::dvec3(-sine, 0, cosine), glm::dvec3(sine, 0, cosine), glm::dvec3(sine, 0, cosine)};
+    const double s = std::asinh(sine / cosine);
+    const double x = 0.5 * (1.0 / sine - cosine * cosine / (sine * sine) * s);
+    expectNear(directedIntegral(e, wholeTriangle()).direction, {x, 0.0, cosine / sine * s}, 10.0 * tolerance);
+  }
+}
+
 // Texture and fan together: C = u, so Int C d dA = ((sqrt 2 - asinh 1) / 4, 0, asinh 1 / 2). Red when the mean of the
 // texture multiplies the mean of the direction.
 TEST(DirectedFlux, ARampOnAFanHasItsClosedForm) {
