@@ -21,8 +21,8 @@ namespace lpv::reference {
 glm::dvec3 radianceIntegral(const Emitter& emitter, const Polygon& part);
 
 struct DirectedEmission {
-  glm::dvec3 direction{0.0};               ///< Int d dA, m^2
-  std::array<glm::dvec3, 3> radiance{};    ///< Int C d dA for red, green, blue, W/sr
+  glm::dvec3 direction{0.0};  ///< Int d dA, m^2
+  std::array<glm::dvec3, 3> radiance{};  ///< Int C d dA for red, green, blue, W/sr
 };
 DirectedEmission directedIntegral(const Emitter& emitter, const Polygon& part);
 
