@@ -1,10 +1,57 @@
 #include "reference/emitter.h"
 
+#include <memory>
 #include <utility>
 
+#include "reference/emission.h"
 #include "reference/sh.h"
 
 namespace lpv::reference {
+namespace {
+
+/// The corners' values mixed by b; exactly their value where all three are equal, however far outside b lies.
+template <typename Value>
+Value mix(const std::array<Value, 3>& values, const glm::dvec3& b) {
+  return values[0] + b.y * (values[1] - values[0]) + b.z * (values[2] - values[0]);
+}
+
+Emitter emitterOf(const Mesh& mesh, std::uint32_t triangle, const glm::dmat4& worldFromObject) {
+  Emitter e;
+  e.triangle = triangle;
+  e.swapped = glm::determinant(glm::dmat3(worldFromObject)) < 0.0;
+  glm::uvec3 vertices = mesh.triangles[triangle];
+  if (e.swapped) std::swap(vertices.y, vertices.z);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = vertices[int(k)];
+    e.corners[k] = glm::dvec3(worldFromObject * glm::dvec4(glm::dvec3(mesh.positions[vertex]), 1.0));
+    if (!mesh.uvs.empty()) e.uvs[k] = glm::dvec2(mesh.uvs[vertex]);
+  }
+  if (mesh.directions.empty() || e.area() == 0.0) return e;
+  e.directions.emplace();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 world = glm::dmat3(worldFromObject) * glm::dvec3(mesh.directions[vertices[int(k)]]);
+    const double length = glm::length(world);
+    (*e.directions)[k] = length > 0.0 ? world / length : e.normal();
+  }
+  return e;
+}
+
+}  // namespace
+
+glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& fallback) {
+  const double length = glm::length(v);
+  return length > kZeroDirection ? v / length : fallback;
+}
+
+glm::dvec3 Emitter::positionAt(const glm::dvec3& b) const { return mix(corners, b); }
+
+glm::dvec2 Emitter::uvAt(const glm::dvec3& b) const { return mix(uvs, b); }
+
+glm::dvec3 Emitter::directionAt(const glm::dvec3& b) const {
+  if (!directions) return normal();
+  const glm::dvec3 mixed = mix(*directions, b);
+  return glm::length(mixed) > kZeroDirection ? glm::normalize(mixed) : normal();
+}
 
 glm::dmat4 worldFromObject(const Transform& transform) {
   const glm::dquat& q = transform.rotation;
@@ -21,20 +68,16 @@ glm::dmat4 worldFromObject(const Transform& transform) {
 }
 
 Emitters emittersOf(const Grid& grid, const Mesh& mesh, const glm::dmat4& worldFromObject, const glm::dvec3& radiance,
-                    bool twoSided) {
+                    bool twoSided, const MipChainPtr& texture) {
   const std::vector<SnappedTriangle> snapped = snapMesh(grid, worldFromObject, mesh);
-  const bool mirrored = glm::determinant(glm::dmat3(worldFromObject)) < 0.0;
   Emitters out;
   for (std::size_t i = 0; i < snapped.size(); ++i) {
-    Emitter e;
+    Emitter e = emitterOf(mesh, std::uint32_t(i), worldFromObject);
     e.snapped = snapped[i];
+    if (e.swapped) std::swap(e.snapped.corners[1], e.snapped.corners[2]);
     e.radiance = radiance;
     e.twoSided = twoSided;
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec4 object(glm::dvec3(mesh.positions[mesh.triangles[i][k]]), 1.0);
-      e.corners[std::size_t(k)] = glm::dvec3(worldFromObject * object);
-    }
-    if (mirrored) std::swap(e.corners[1], e.corners[2]);
+    if (!mesh.uvs.empty()) e.texture = texture;
     if (e.area() > 0.0) {
       out.triangles.push_back(e);
     } else {
@@ -46,7 +89,8 @@ Emitters emittersOf(const Grid& grid, const Mesh& mesh, const glm::dmat4& worldF
 
 Emitters emittersOf(const Grid& grid, const Light& light) {
   if (!light.enabled) return {};
-  return emittersOf(grid, *light.mesh, light.transform.worldFromObject(), radianceOf(light), light.twoSided);
+  const auto texture = light.texture ? std::make_shared<const MipChain>(mipChainOf(*light.texture)) : nullptr;
+  return emittersOf(grid, *light.mesh, light.transform.worldFromObject(), radianceOf(light), light.twoSided, texture);
 }
 
 Emitters emittersOf(const Scene& scene) {
@@ -76,7 +120,7 @@ glm::dvec3 radianceOf(const Light& light) {
 
 glm::dvec3 powerOf(const std::vector<Emitter>& emitters) {
   glm::dvec3 sum(0.0);
-  for (const Emitter& e : emitters) sum += e.radiance * (pi() * e.area() * (e.twoSided ? 2.0 : 1.0));
+  for (const Emitter& e : emitters) sum += pi() * (e.twoSided ? 2.0 : 1.0) * radianceIntegral(e, wholeTriangle());
   return sum;
 }
 

@@ -1,7 +1,9 @@
 #include "reference/pipeline.h"
 
 #include <algorithm>
+#include <cstdint>
 
+#include "reference/dense.h"
 #include "reference/inject.h"
 #include "reference/propagate.h"
 #include "reference/volume.h"
@@ -10,6 +12,9 @@ namespace lpv::reference {
 
 Field injectedField(const Scene& scene) {
   const Emitters emitters = emittersOf(scene);
+  if (scene.options.method == InjectionMethod::kDense) {
+    return injectDense(scene.grid, emitters.triangles, std::uint32_t(scene.options.denseSamples)).intensity;
+  }
   if (scene.options.injection == Injection::kFlux) return injectFlux(scene.grid, emitters.triangles);
   return injectCount(scene.grid, emitters.triangles).intensity;
 }

@@ -7,7 +7,7 @@
 
 namespace lpv::reference {
 
-/// SH of emitted intensity per cell of all enabled lights: COUNT or FLUX.
+/// SH of emitted intensity per cell of all enabled lights: dense samples where the method says so, else COUNT or FLUX.
 Field injectedField(const Scene& scene);
 
 /// SH of incident radiance by PROPAGATE: iterations and clampFaces of the options, then the product's clamp of moments.

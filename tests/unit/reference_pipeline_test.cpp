@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "reference/compare.h"
+#include "reference/dense.h"
 #include "reference/meshes.h"
 #include "reference/volume.h"
 
@@ -35,6 +36,16 @@ TEST(Pipeline, ScaleDoesNotChangeIncidentRadiance) {
     one.options.injection = four.options.injection = injection;
     EXPECT_LE(relativeL2(transportedField(four), transportedField(one)), 1e-13);
   }
+}
+
+TEST(Pipeline, DenseSamplesAreAsked) {
+  Scene scene = sceneOfScale(1.0);
+  scene.options.method = InjectionMethod::kDense;
+  scene.options.denseSamples = 3;
+  const Field expected = injectDense(scene.grid, emittersOf(scene).triangles, 3).intensity;
+  EXPECT_EQ(relativeL2(injectedField(scene), expected), 0.0);
+  scene.options.denseSamples = 4;
+  EXPECT_GT(relativeL2(injectedField(scene), expected), 1e-3);
 }
 
 TEST(Pipeline, FollowsTheOptions) {
