@@ -49,7 +49,9 @@ void main() {
   const uint last = min(first + uint(kSamplesPerThread), params.triangles.z);
   for (uint i = first; i < last; ++i) {
     const dvec2 lambda = samplePoint(e.index, i);
-    const dvec3 p = floor(a + lambda.x * ab + lambda.y * ac);
+    const dvec3 at = a + lambda.x * ab + lambda.y * ac, upper = dvec3(params.dims.xyz);
+    // The grid's outer upper face belongs to its last cell.
+    const dvec3 p = mix(floor(at), upper - 1.0lf, equal(at, upper));
     if (any(lessThan(p, dvec3(0.0lf))) || any(greaterThanEqual(p, dvec3(params.dims.xyz)))) continue;
     deposit(e, ivec3(p), lambda, params.triangles.z);
   }

@@ -10,6 +10,8 @@ struct Lobes {
 
 /// Lobes between two directions are this far apart: as wide as a clamped cosine lobe is.
 const float kLobeAngle = 1.57079632679489661923;
+/// Rounding gives equal directions an angle, and a right one a little more.
+const float kAngleTolerance = 1e-3;
 
 #if LPV_DIRECTIONS || LPV_TEXTURED
 
@@ -26,7 +28,7 @@ dvec4 boxAround(Boundary b) {
 
 float angleBetween(vec3 a, vec3 b) { return atan(length(cross(a, b)), dot(a, b)); }
 
-int lobesAcross(float angle) { return angle > 0.0 ? 1 + int(ceil(angle / kLobeAngle)) : 1; }
+int lobesAcross(float angle) { return 1 + max(0, int(ceil((angle - kAngleTolerance) / kLobeAngle))); }
 
 #endif
 
@@ -69,7 +71,7 @@ vec3 boxColour(Varying v, dvec2 centre, dvec2 corners[4]) {
 Lobes lobesAtPoint(Varying v, dvec2 lambda) {
   Lobes lobes = Lobes(1u, directionAt(v, lambda), vec3(1.0));
 #if LPV_TEXTURED
-  lobes.colour = boxColour(v, lambda, dvec2[4](dvec2(0.0lf), dvec2(1.0lf, 0.0lf), dvec2(0.0lf, 1.0lf), dvec2(0.0lf)));
+  lobes.colour = textureAt(uvAt(v, lambda));
 #endif
   return lobes;
 }

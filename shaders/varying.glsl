@@ -6,20 +6,20 @@
 
 struct Varying {
   vec3 normal;              // geometric, unit, outward, grid space
-  vec3 direction[3];        // unit, or zero
+  vec3 direction[3];        // unit
   dvec2 uv[3];              // of texels: x = u width - .5
 };
 
 #if LPV_DIRECTIONS
 layout(std430, binding = kDirections) readonly buffer Directions { float directions[]; };
 
-/// Unit vector, grid space; zero for a vertex without one.
-vec3 vertexDirection(uint vertex) {
+/// Unit vector, grid space; the normal for a vertex without direction.
+vec3 vertexDirection(uint vertex, vec3 normal) {
   const vec3 d = vec3(directions[3u * vertex], directions[3u * vertex + 1u], directions[3u * vertex + 2u]);
   const float size = max(abs(d.x), max(abs(d.y), abs(d.z)));
-  if (size == 0.0) return vec3(0.0);
-  const dvec3 turned_ = (params.gridFromObject * dvec4(dvec3(d / size), 0.0lf)).xyz;
-  return vec3(turned_ / sqrt(dot(turned_, turned_)));
+  if (size == 0.0) return normal;
+  const dvec3 moved = (params.gridFromObject * dvec4(dvec3(d / size), 0.0lf)).xyz;
+  return vec3(moved / sqrt(dot(moved, moved)));
 }
 #endif
 
@@ -36,7 +36,7 @@ Varying varyingOf(uint triangle, vec3 normal) {
   v.normal = normal;
   for (uint i = 0u; i < 3u; ++i) {
 #if LPV_DIRECTIONS
-    v.direction[i] = vertexDirection(indices[3u * triangle + i]);
+    v.direction[i] = vertexDirection(indices[3u * triangle + i], normal);
 #endif
 #if LPV_TEXTURED
     v.uv[i] = vertexUv(indices[3u * triangle + i]);
@@ -53,7 +53,8 @@ vec3 unitOr(vec3 d, vec3 otherwise) {
 vec3 directionAt(Varying v, dvec2 lambda) {
 #if LPV_DIRECTIONS
   const vec2 l = vec2(lambda);
-  return unitOr(v.direction[0] * (1.0 - l.x - l.y) + v.direction[1] * l.x + v.direction[2] * l.y, v.normal);
+  // Differences first: equal corners stay equal however far outside the triangle lambda lies.
+  return unitOr(v.direction[0] + l.x * (v.direction[1] - v.direction[0]) + l.y * (v.direction[2] - v.direction[0]), v.normal);
 #else
   return v.normal;
 #endif

@@ -12,7 +12,8 @@ double brightest(const glm::dvec3& c) { return std::max({c.r, c.g, c.b}); }
 
 EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, const glm::dvec3& radiance) {
   return {light,    light->mesh,     gridFromWorld * light->transform.worldFromObject(),
-          radiance, light->twoSided, light->transform.mirrors(), light->texture};
+          radiance, light->twoSided, light->transform.mirrors(),
+          light->mesh->uvs.empty() ? nullptr : light->texture};
 }
 
 /// Index of the channel whose colour is that of `c` up to a factor, or -1.

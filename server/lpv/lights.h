@@ -19,7 +19,7 @@ struct EmittingLight {
   glm::dvec3 radiance{0.0};         ///< W/(sr m^2)
   bool twoSided = false;
   bool mirrored = false;  ///< the transform turns the mesh inside out; it emits from the object-space front
-  TexturePtr texture;     ///< radiance factor, or null
+  TexturePtr texture;     ///< radiance factor, or null; null for a mesh without texture coordinates
 
   /// Whether both put the same VPLs into the grid.
   bool emitsLike(const EmittingLight& other) const;
