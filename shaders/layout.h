@@ -59,7 +59,7 @@ LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
-LPV_CONST int kColumnGroup = 128;       // large triangles: columns of one work item at a time
+LPV_CONST int kColumnGroup = 32;       // large triangles: columns of one work item at a time
 LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes

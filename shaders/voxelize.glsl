@@ -101,13 +101,14 @@ void depositPart(EmittingTriangle e, ivec3 cell) {
 
 /// The pairs of one column.
 void voxelizeColumn(EmittingTriangle e, ivec2 column) {
+  if (!meetsColumn(e.lattice, column)) return;
   const ivec2 depth = depthRange(e.lattice, column);
 #if !defined(LPV_RECORD_PAIRS) && !LPV_FLUX
   const Lobes lobes = lobesOfColumn(e.varying_, e.lattice, column);
 #endif
   for (int z = depth.x; z <= depth.y; ++z) {
     const ivec3 cell = ivec3(column, z);
-    if (!isPair(e.lattice, cell)) continue;
+    if (!meetsDepth(e.lattice, cell)) continue;
 #ifdef LPV_RECORD_PAIRS
     record(e, turnedBack(cell, e.lattice.axis));
 #elif LPV_FLUX
