@@ -119,6 +119,7 @@ Document::Document(const SessionOptions& options, const Limits& limits, MeshHash
   const Expected<Grid> grid =
       options.grid.hasBounds ? makeGrid(options.grid, options.grid.bounds) : fitGrid(options.grid, Bounds());
   grid_ = *grid;  // the caller has checked the options
+  staged_ = snapshot();
 }
 
 MeshPtr Document::meshOf(const std::string& object) const {
@@ -140,7 +141,9 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
             .tombstones = tombstones_.size(),
             .grid = grid_,
             .gridRevision = gridRevision_,
-            .contentAdded = false};
+            .contentAdded = false,
+            .contentRemoved = false,
+            .fitted = false};
   ++revision_;
   std::vector<std::string> names;
   Status failed;
@@ -162,6 +165,7 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
     takeBack(undo);
     return failed;
   }
+  restage(undo);
   while (tombstones_.size() > kMaxTombstones) {
     forgottenUpTo_ = tombstones_.front().revision;
     tombstones_.pop_front();
@@ -220,6 +224,7 @@ Expected<std::string> Document::applyOne(const UpdateLight& op, const Blobs& blo
 
 Expected<std::string> Document::applyOne(const DeleteLight& op, const Blobs&, Undo& undo) {
   if (!lights_.contains(op.name)) return noSuch("light", op.name).within("delete_light");
+  undo.contentRemoved = true;
   remember(lights_, op.name, undo.lights);
   lights_.erase(op.name);
   tombstones_.push_back({ObjectKind::kLight, op.name, revision_});
@@ -248,6 +253,7 @@ Expected<std::string> Document::applyOne(const UpdateSurface& op, const Blobs& b
 
 Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, Undo& undo) {
   if (!surfaces_.contains(op.name)) return noSuch("surface", op.name).within("delete_surface");
+  undo.contentRemoved = true;
   remember(surfaces_, op.name, undo.surfaces);
   surfaces_.erase(op.name);
   tombstones_.push_back({ObjectKind::kSurface, op.name, revision_});
@@ -292,12 +298,13 @@ Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, U
   return op.name;
 }
 
-Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Undo&) {
+Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Undo& undo) {
   if (options_.grid.hasBounds) {
     return Status(Code::kFailedPrecondition, "the grid has fixed bounds; clear settings.grid.bounds to fit it",
                   "fit_grid");
   }
   if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
+  undo.fitted = true;
   return std::string();
 }
 
@@ -349,6 +356,33 @@ Status Document::refit(bool always) {
     gridRevision_ = revision_;
   }
   return {};
+}
+
+void Document::restage(const Undo& undo) {
+  if (!undo.contentAdded && !undo.contentRemoved && !undo.fitted && !leftStage(undo)) return;
+  staged_ = snapshot();
+  stage_ = content();
+  if (stage_.empty()) return;
+  const glm::dvec3 extent = stage_.extent();
+  const glm::dvec3 surroundings(0.5 * std::max({extent.x, extent.y, extent.z}));
+  stage_ = {stage_.min - surroundings, stage_.max + surroundings};
+}
+
+/// Whether something that the edit touched is now outside of the stage.
+bool Document::leftStage(const Undo& undo) const {
+  const auto outside = [this](const auto& object) {
+    const Bounds now = object.mesh->bounds.transformed(object.transform.worldFromObject());
+    return glm::any(glm::lessThan(now.min, stage_.min)) || glm::any(glm::greaterThan(now.max, stage_.max));
+  };
+  for (const auto& [name, before] : undo.lights) {
+    const auto light = lights_.find(name);
+    if (light != lights_.end() && light->second.object->enabled && outside(*light->second.object)) return true;
+  }
+  for (const auto& [name, before] : undo.surfaces) {
+    const auto surface = surfaces_.find(name);
+    if (surface != surfaces_.end() && outside(*surface->second.object)) return true;
+  }
+  return false;
 }
 
 void Document::recount() {
@@ -429,6 +463,11 @@ std::vector<std::pair<std::string, Camera>> Document::cameras() const {
   std::vector<std::pair<std::string, Camera>> out;
   for (const auto& [name, camera] : cameras_) out.emplace_back(name, camera.camera);
   return out;
+}
+
+std::optional<Camera> Document::camera(const std::string& name) const {
+  const auto found = cameras_.find(name);
+  return found == cameras_.end() ? std::nullopt : std::optional(found->second.camera);
 }
 
 MeshPtr Document::meshInUse(const BlobHash& hash) const {

@@ -76,6 +76,11 @@ class Document {
   /// The state as ticks read it. Cheap while nothing changes.
   ScenePtr snapshot();
 
+  /// The scene from which a view is chosen for those who give no camera: the state when objects last came or went, when
+  /// the grid was last fitted on request, or when something left the surroundings of that state. What moves within them
+  /// changes nothing here, so that the view stands still.
+  const ScenePtr& staged() const { return staged_; }
+
   /// What differs from revision `since`; everything, as a snapshot, where that is unset or no longer known.
   Changes changesSince(std::optional<std::uint64_t> since) const;
 
@@ -85,6 +90,7 @@ class Document {
   std::vector<Versioned<Light>> lights() const;
   std::vector<Versioned<Surface>> surfaces() const;
   std::vector<std::pair<std::string, Camera>> cameras() const;
+  std::optional<Camera> camera(const std::string& name) const;
   /// Finds a mesh in use by the hash of its content: deformed meshes are in no blob.
   MeshPtr meshInUse(const BlobHash& hash) const;
   /// Hashes of blobs that objects refer to.
@@ -106,6 +112,8 @@ class Document {
     Grid grid;
     std::uint64_t gridRevision = 0;
     bool contentAdded = false;
+    bool contentRemoved = false;
+    bool fitted = false;
   };
 
   Expected<std::string> applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo);
@@ -126,6 +134,8 @@ class Document {
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always);
+  void restage(const Undo& undo);
+  bool leftStage(const Undo& undo) const;
   void recount();
 
   Limits limits_;
@@ -142,6 +152,8 @@ class Document {
   std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
   std::int64_t triangles_ = 0;
   ScenePtr snapshot_;
+  ScenePtr staged_;
+  Bounds stage_;  ///< world, metres: the content of staged_ and its surroundings
 };
 
 /// Does the part of SetVertices that takes time. Call outside locks, with `base` = Document::meshOf(object).

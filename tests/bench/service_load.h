@@ -19,7 +19,7 @@ struct Load {
   int lightTriangles = 720;
   std::vector<double> place{0.0, 0.8, 0.0};    ///< metres
   double radiance = 8.0;
-  std::vector<double> camera;                  ///< eye, target; empty: the server's view of everything
+  std::vector<double> camera;                  ///< eye, target; empty: the server's choice
   int grid = 32;
   int iterations = 32;
   int width = 640;
