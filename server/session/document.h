@@ -9,6 +9,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "scene/edits.h"
@@ -114,6 +116,15 @@ class Document {
     bool contentAdded = false;
     bool contentRemoved = false;
     bool fitted = false;
+
+    template <typename T>
+    auto& before() {
+      if constexpr (std::is_same_v<T, Light>) {
+        return lights;
+      } else {
+        return surfaces;
+      }
+    }
   };
 
   Expected<std::string> applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo);
@@ -127,8 +138,27 @@ class Document {
   Expected<std::string> applyOne(const DeleteCamera& op, const Blobs& blobs, Undo& undo);
   Expected<std::string> applyOne(const FitGrid& op, const Blobs& blobs, Undo& undo);
 
-  void put(const std::string& name, std::shared_ptr<const Light> light, Undo& undo);
-  void put(const std::string& name, std::shared_ptr<const Surface> surface, Undo& undo);
+  // What lights and surfaces have in common (document_edits.cpp).
+  template <typename T>
+  Objects<T>& objects() {
+    if constexpr (std::is_same_v<T, Light>) {
+      return lights_;
+    } else {
+      return surfaces_;
+    }
+  }
+  template <typename T>
+  void put(const std::string& name, std::shared_ptr<const T> object, Undo& undo);
+  template <typename T>
+  Expected<std::string> create(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo);
+  template <typename T>
+  Expected<std::string> update(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo);
+  template <typename T>
+  Expected<std::string> remove(const std::string& name, Undo& undo);
+  template <typename T>
+  void deform(const std::string& name, const MeshPtr& mesh, Undo& undo);
+
+  Expected<std::vector<std::string>> applyAll(const Edit& edit, const Blobs& blobs, Undo& undo);
   void takeBack(Undo& undo);
   Status checkTotals() const;
   std::string freeName(const std::string& wanted) const;
