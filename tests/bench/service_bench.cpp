@@ -71,12 +71,37 @@ void writeSamples(const std::string& path, const Measured& m) {
   }
 }
 
+/// Columns of a table file, tab-separated with a header; tests/bench/measure makes its tables of them.
+void appendRow(const std::string& path, const std::string& name, const nlohmann::json& j) {
+  const bool isNew = !std::ifstream(path).good();
+  std::ofstream file(path, std::ios::app);
+  std::string header = "session";
+  std::string row = name;
+  const auto column = [&](const std::string& title, const nlohmann::json& value) {
+    header += "\t" + title;
+    row += "\t" + value.dump();
+  };
+  for (const char* key :
+       {"surface_triangles", "light_triangles", "edits_per_s", "ticks_per_s", "frames_per_s", "volumes_per_s"}) {
+    column(key, j[key]);
+  }
+  for (const char* key : {"p50", "p95", "p99", "max"}) column(std::string("latency_") + key, j["latency_ms"][key]);
+  column("warm_up_max", j["warm_up"]["latency_ms"]["max"]);
+  for (const char* stage : {"voxelize", "propagate", "emitters", "shade"}) {
+    column(stage, j["stage_ms_median"].value(stage, 0.0));
+  }
+  if (isNew) file << header << "\n";
+  file << row << "\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Load load;
   std::string jsonFile;
   std::string samplesFile;
+  std::string tableFile;
+  std::string rowName;
   CLI::App app("Measures a running session over the loopback; starts an lpvd of its own unless --server names one");
   app.add_option("--server", load.server, "HOST:PORT of a running lpvd");
   app.add_option("--scene", load.sceneFile, "scene to load (default: a small procedural room)");
@@ -97,6 +122,8 @@ int main(int argc, char** argv) {
   app.add_flag("--deform", load.deform, "new vertices each time instead of a new place");
   app.add_flag("--volume", load.watchVolume, "a second client watches the volume");
   app.add_option("--json", jsonFile, "also write the numbers here");
+  auto* table = app.add_option("--table", tableFile, "append a row of tab-separated numbers to this file");
+  app.add_option("--row", rowName, "name of that row")->needs(table);
   app.add_option("--samples", samplesFile, "write the time from edit to frame of every edit here, as CSV");
   CLI11_PARSE(app, argc, argv);
 
@@ -108,6 +135,7 @@ int main(int argc, char** argv) {
   const nlohmann::json j = asJson(load, *measured);
   print(j);
   if (!jsonFile.empty()) std::ofstream(jsonFile) << j.dump(2) << "\n";
+  if (!tableFile.empty()) appendRow(tableFile, rowName, j);
   if (!samplesFile.empty()) writeSamples(samplesFile, *measured);
   return 0;
 }
