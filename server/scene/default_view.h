@@ -13,7 +13,7 @@ class DefaultView {
  public:
   /// Of nothing.
   DefaultView() = default;
-  /// Reads every triangle: some 10 ms for 100,000, a tenth of a second for the most that a session may hold.
+  /// Reads every triangle: tens of milliseconds for 100,000 of them. Not under a lock.
   explicit DefaultView(const Scene& scene);
 
   /// `aspect`: width / height of the picture. Only how far away the eye is before an open side depends on it.

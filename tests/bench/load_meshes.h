@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lpv/v1/geometry.pb.h"
+#include "lpv/v1/blob.pb.h"
 
 namespace lpv::bench {
 

@@ -17,8 +17,12 @@ double median(std::vector<double>& values) {
 void LoadSeen::acknowledged(std::uint64_t revision) { newest_ = std::max(newest_.load(), revision); }
 
 void LoadSeen::frame(const client::FrameResult& frame) {
-  if (!counting_) return;
   const std::lock_guard lock(mutex_);
+  if (!anyFrame_) {
+    for (const v1::StageTime& time : frame.header.result().stage_times()) firstFrame_[time.stage()] = time.seconds();
+    anyFrame_ = true;
+  }
+  if (!counting_) return;
   ++frames_;
   bytes_ += double(frame.file.size());
   const std::uint64_t newest = newest_;
@@ -38,6 +42,7 @@ void LoadSeen::report(Measured* out) {
   out->frames = double(frames_);
   out->frameBytes = bytes_;
   out->volumes = double(volumes_);
+  out->firstFrameSeconds = firstFrame_;
   out->revisionsBehind = median(behind_);
   for (auto& [stage, seconds] : stages_) out->stageSeconds[stage] = median(seconds);
 }

@@ -12,10 +12,11 @@
 
 namespace lpv::bench {
 
-/// What the watchers see. Nothing before start() is counted.
+/// What the watchers see. Nothing before start() is counted, but the stages of the very first frame.
 class LoadSeen {
  public:
   void start() { counting_ = true; }
+  bool anyFrame() const { return anyFrame_; }
   void acknowledged(std::uint64_t revision);
   void frame(const client::FrameResult& frame);
   void volume();
@@ -24,6 +25,7 @@ class LoadSeen {
 
  private:
   std::atomic<bool> counting_{false};
+  std::atomic<bool> anyFrame_{false};
   std::atomic<std::uint64_t> newest_{0};
   std::atomic<std::int64_t> volumes_{0};
   std::mutex mutex_;
@@ -31,6 +33,7 @@ class LoadSeen {
   double bytes_ = 0.0;
   std::vector<double> behind_;
   std::map<std::string, std::vector<double>> stages_;
+  std::map<std::string, double> firstFrame_;
 };
 
 }  // namespace lpv::bench

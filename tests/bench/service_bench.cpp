@@ -21,8 +21,10 @@ nlohmann::json latencyJson(const lpv::client::LatencySummary& latency) {
 }
 
 nlohmann::json asJson(const Load& load, const Measured& m) {
-  nlohmann::json stages;
+  nlohmann::json stages = nlohmann::json::object();
   for (const auto& [stage, seconds] : m.stageSeconds) stages[stage] = seconds * 1e3;
+  nlohmann::json first = nlohmann::json::object();
+  for (const auto& [stage, seconds] : m.firstFrameSeconds) first[stage] = seconds * 1e3;
   return {{"mode", load.deform ? "deform" : "move"},
           {"device", m.device},
           {"version", m.version},
@@ -38,9 +40,18 @@ nlohmann::json asJson(const Load& load, const Measured& m) {
           {"volumes_per_s", m.volumes / m.seconds},
           {"frame_kb", m.frames > 0 ? m.frameBytes / m.frames / 1e3 : 0.0},
           {"latency_ms", latencyJson(m.latency)},
-          {"warm_up", {{"seconds", load.warmUpSeconds}, {"latency_ms", latencyJson(m.warmUpLatency)}}},
+          {"warm_up",
+           {{"seconds", load.warmUpSeconds},
+            {"latency_ms", latencyJson(m.warmUpLatency)},
+            {"first_frame_stage_ms", first}}},
           {"revisions_behind_p50", m.revisionsBehind},
           {"stage_ms_median", stages}};
+}
+
+void printStages(const char* title, const nlohmann::json& stages) {
+  std::printf("%s", title);
+  for (const auto& [stage, ms] : stages.items()) std::printf(" %s %.1f", stage.c_str(), ms.get<double>());
+  std::printf("\n");
 }
 
 void print(const nlohmann::json& j) {
@@ -57,9 +68,8 @@ void print(const nlohmann::json& j) {
               j["latency_ms"]["p99"].get<double>(), j["revisions_behind_p50"].get<double>());
   std::printf("  not counted: %.1f s of warm-up, whose slowest edit took %.0f ms\n",
               j["warm_up"]["seconds"].get<double>(), j["warm_up"]["latency_ms"]["max"].get<double>());
-  std::printf("  stages, ms (median):");
-  for (const auto& [stage, ms] : j["stage_ms_median"].items()) std::printf(" %s %.1f", stage.c_str(), ms.get<double>());
-  std::printf("\n");
+  printStages("  its first frame, ms:", j["warm_up"]["first_frame_stage_ms"]);
+  printStages("  stages, ms (median):", j["stage_ms_median"]);
 }
 
 /// "edit,counted,ms" lines, the warm-up first.

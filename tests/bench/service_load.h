@@ -26,7 +26,7 @@ struct Load {
   int width = 640;
   int height = 360;
   double rate = 30.0;                          ///< edits per second
-  double warmUpSeconds = 3.0;                  ///< of the same load, before anything is counted
+  double warmUpSeconds = 3.0;  ///< of the same load before anything is counted, and until a frame has come
   double seconds = 20.0;
   bool deform = false;
   bool watchVolume = false;
@@ -44,10 +44,11 @@ struct Measured {
   double frames = 0.0;
   double frameBytes = 0.0;
   double volumes = 0.0;
-  double revisionsBehind = 0.0;                ///< median of (last revision acknowledged - revision shown)
-  client::LatencySummary latency;              ///< seconds, edit sent to first frame that contains it
-  client::LatencySummary warmUpLatency;        ///< likewise, of the edits before
-  std::vector<double> samples;                 ///< seconds, of every edit seen, in order; those of the warm-up first
+  double revisionsBehind = 0.0;  ///< median of (last revision acknowledged - revision shown)
+  client::LatencySummary latency;  ///< seconds, edit sent to first frame that contains it
+  client::LatencySummary warmUpLatency;  ///< likewise, of the edits before
+  std::map<std::string, double> firstFrameSeconds;  ///< stages of the very first frame
+  std::vector<double> samples;  ///< seconds, of every edit seen, in order; those of the warm-up first
   std::size_t warmUpSamples = 0;
   std::map<std::string, double> stageSeconds;  ///< medians
 };
