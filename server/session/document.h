@@ -187,6 +187,6 @@ class Document {
 };
 
 /// Does the part of SetVertices that takes time. Call outside locks, with `base` = Document::meshOf(object).
-Status prepareVertices(SetVertices& op, MeshPtr base, const MeshHasher& hasher);
+Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& hasher);
 
 }  // namespace lpv

@@ -244,7 +244,7 @@ std::string Document::freeName(const std::string& wanted) const {
   return name;
 }
 
-Status prepareVertices(SetVertices& op, MeshPtr base, const MeshHasher& hasher) {
+Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& hasher) {
   op.base = base;
   op.deformed.reset();
   if (!base) return {};  // the document says that the object is not there, or finds it made by the same edit
