@@ -36,7 +36,7 @@ struct Result {
 /// Why a session's streams end.
 enum class Closing { kDeleted, kDraining };
 
-/// The camera of a frame subscriber or call: given, or a camera of the session by name, or a view of everything.
+/// The camera of a frame subscriber or call: given, or a camera of the session by name, or the default view.
 struct CameraChoice {
   std::optional<Camera> camera;
   std::string name;

@@ -109,18 +109,6 @@ void Session::forget(const std::shared_ptr<WaitingCall>& call) {
   calls_.remove(call);
 }
 
-Expected<Camera> Session::cameraFor(const CameraChoice& choice) const {
-  const std::lock_guard lock(mutex_);
-  if (choice.camera) return *choice.camera;
-  for (const auto& [name, camera] : document_.cameras()) {
-    if (!choice.name.empty() && name == choice.name) return camera;
-  }
-  if (!choice.name.empty()) {
-    return Status(Code::kNotFound, "there is no camera \"" + choice.name + "\" in this session", "camera_name");
-  }
-  return defaultCamera(document_.content());
-}
-
 /// Newer state, or a changed wish, that the subscriber has not been sent.
 bool Session::wants(const Subscriber& subscriber) const {
   return !subscriber.shownAny || subscriber.shownRevision < document_.revision() || subscriber.wishChanged;
@@ -193,6 +181,7 @@ void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_
       next = std::min(next, subscriber->notBefore);
       continue;
     }
+    if (subscriber->wish.frame && !hasView(*subscriber->wish.frame, 0)) continue;
     if (subscriber->wish.volume) {
       addVolume(plan.request, *subscriber->wish.volume);
       plan.volumeReaders.push_back(subscriber);
@@ -207,7 +196,8 @@ void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_
 void Session::planCalls(Planned& plan) {
   for (auto it = calls_.begin(); it != calls_.end();) {
     const std::shared_ptr<WaitingCall> call = *it;
-    if (call->minRevision > document_.revision()) {
+    const bool early = call->minRevision > document_.revision();
+    if (early || (call->frame && !hasView(*call->frame, call->minRevision))) {
       ++it;
       continue;
     }
@@ -226,24 +216,6 @@ void Session::planCalls(Planned& plan) {
 
 void Session::addVolume(TickRequest& request, VolumeStage stage) {
   (stage == VolumeStage::kInjected ? request.injected : request.transported) = true;
-}
-
-FrameRequest Session::frameRequest(const FrameWish& wish, std::uint64_t view) {
-  FrameRequest request;
-  request.view = view;
-  request.camera = cameraOrDefault(wish.camera);
-  request.size = wish.size;
-  request.exposure = wish.exposure;
-  request.format = wish.format;
-  return request;
-}
-
-/// A camera that was deleted since it was chosen shows the whole scene rather than ending the stream.
-Camera Session::cameraOrDefault(const CameraChoice& choice) {
-  if (choice.camera) return *choice.camera;
-  const ScenePtr scene = document_.snapshot();
-  const auto named = scene->cameras.find(choice.name);
-  return named != scene->cameras.end() ? named->second : defaultCamera(document_.content());
 }
 
 std::optional<Result> Session::cachedVolume(VolumeStage stage, std::uint64_t minRevision) const {
