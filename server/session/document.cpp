@@ -6,8 +6,8 @@
 namespace lpv {
 namespace {
 
-Status noSuch(const char* what, const std::string& name) {
-  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + name + "\" in this session", "name");
+Status noSuch(const char* what, const std::string& name, const char* field = "name") {
+  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + name + "\" in this session", field);
 }
 
 Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
@@ -219,7 +219,7 @@ Expected<std::string> Document::applyOne(const UpdateLight& op, const Blobs& blo
 }
 
 Expected<std::string> Document::applyOne(const DeleteLight& op, const Blobs&, Undo& undo) {
-  if (!lights_.contains(op.name)) return noSuch("light", op.name).within("delete_light");
+  if (!lights_.contains(op.name)) return noSuch("light", op.name, "delete_light");
   remember(lights_, op.name, undo.lights);
   lights_.erase(op.name);
   tombstones_.push_back({ObjectKind::kLight, op.name, revision_});
@@ -247,7 +247,7 @@ Expected<std::string> Document::applyOne(const UpdateSurface& op, const Blobs& b
 }
 
 Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, Undo& undo) {
-  if (!surfaces_.contains(op.name)) return noSuch("surface", op.name).within("delete_surface");
+  if (!surfaces_.contains(op.name)) return noSuch("surface", op.name, "delete_surface");
   remember(surfaces_, op.name, undo.surfaces);
   surfaces_.erase(op.name);
   tombstones_.push_back({ObjectKind::kSurface, op.name, revision_});
@@ -256,7 +256,7 @@ Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, 
 
 Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Undo& undo) {
   const MeshPtr current = meshOf(op.object);
-  if (!current) return noSuch("light or surface", op.object).within("set_vertices.object");
+  if (!current) return noSuch("light or surface", op.object, "object").within("set_vertices");
   MeshPtr deformed = op.deformed;
   // The mesh was exchanged, or made by this very edit, after the preparation; or that failed, and says here why.
   if (op.base != current || !deformed) {
@@ -285,7 +285,7 @@ Expected<std::string> Document::applyOne(const PutCamera& op, const Blobs&, Undo
 }
 
 Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, Undo& undo) {
-  if (!cameras_.contains(op.name)) return noSuch("camera", op.name).within("delete_camera");
+  if (!cameras_.contains(op.name)) return noSuch("camera", op.name, "delete_camera");
   remember(cameras_, op.name, undo.cameras);
   cameras_.erase(op.name);
   tombstones_.push_back({ObjectKind::kCamera, op.name, revision_});
