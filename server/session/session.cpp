@@ -93,7 +93,7 @@ EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
   if (before && *before) return **before;
-  outcome.status = before ? why : before.status();
+  outcome.status = before ? why : before.status().within("edit");
   if (before) clients_.record(client.id, outcome);
   return outcome;
 }
@@ -116,7 +116,7 @@ EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit)
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, edit.sequence);
   if (!before) {
-    outcome.status = before.status();
+    outcome.status = before.status().within("edit");
     return outcome;
   }
   if (*before) return **before;
