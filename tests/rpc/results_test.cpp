@@ -115,6 +115,7 @@ class Results : public ::testing::Test {
   Stubs stubs_{server().address()};
 };
 
+// Seen to fail when a call is answered with the volume that was made last.
 TEST_F(Results, ReadYourWrites) {
   const std::string session = makeLitSession(stubs_);
   const Points place = {{{0, 0, 0.4}, {0, 0, -1}}};

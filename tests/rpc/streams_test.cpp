@@ -75,6 +75,7 @@ class Streams : public ::testing::Test {
   double brightness_ = 1.0;
 };
 
+// Seen to fail when the credit is not asked for, and when any acknowledgement frees it.
 TEST_F(Streams, WithoutAnAcknowledgementNothingFollowsTheFirstResult) {
   Call call;
   const auto stream = openVolume(call);

@@ -190,5 +190,37 @@ TEST_F(StreamsTest, WithAnotherFirstMessageAreRefused) {
   EXPECT_EQ(endOf(probes).code(), Code::kInvalidArgument);
 }
 
+/// Reads changes while edits arrive as fast as they can. Seen to fail when a watcher takes for sent what was changed
+/// after its message was made.
+TEST_F(StreamsTest, EachSceneChangeFollowsTheOneBefore) {
+  constexpr std::uint64_t kEdits = 3000;
+  ASSERT_TRUE(session_->apply({}, test::editOf({test::createLight("Lamp")})).status.ok());
+  const auto watch = watchScene(context_);
+  pb::WatchSceneRequest request;
+  request.set_session("sessions/room");
+  watch->receive(request);
+  pb::WatchSceneResponse message;
+  ASSERT_TRUE(watch->next(&message));
+  ASSERT_EQ(message.snapshot().revision(), 1U);
+  std::thread writer([this] {
+    for (std::uint64_t i = 1; i <= kEdits; ++i) {
+      EXPECT_TRUE(session_->apply({}, test::editOf({test::setRadiance("Lamp", double(i))})).status.ok());
+    }
+  });
+  std::uint64_t told = 1;
+  int gaps = 0;
+  EXPECT_TRUE(test::eventually([&] {
+    for (message.Clear(); watch->next(&message); message.Clear()) {
+      if (!message.has_change()) continue;
+      if (message.change().first_revision() != told + 1) ++gaps;
+      told = message.change().last_revision();
+    }
+    return told == 1 + kEdits;
+  }));
+  writer.join();
+  EXPECT_EQ(gaps, 0);
+  watch->cancelled();
+}
+
 }  // namespace
 }  // namespace lpv::api
