@@ -86,8 +86,8 @@ TEST_F(StreamsTest, AnUploadOfAnotherSizeThanAnnouncedIsRefused) {
   const auto size = std::int64_t(mesh_.size());
   const std::string withMore = mesh_ + std::string("\x0a\x00", 2);  // still a mesh: an empty field follows
   EXPECT_EQ(uploaded({opening(size + 1, mesh_)}).field(), "data") << "less";
-  EXPECT_EQ(uploaded({opening(size, withMore)}).field(), "data") << "more";
-  EXPECT_EQ(uploaded({opening(size, mesh_), more("x")}).field(), "data") << "more, later";
+  EXPECT_THAT(uploaded({opening(size, withMore)}).message(), HasSubstr("more bytes"));
+  EXPECT_THAT(uploaded({opening(size, mesh_), more("x")}).message(), HasSubstr("more bytes"));
   EXPECT_EQ(uploaded({opening(size)}).field(), "data") << "nothing";
   EXPECT_EQ(uploaded({opening(0)}).field(), "header.size");
   const Status large = uploaded({opening(1001)});
@@ -193,7 +193,7 @@ TEST_F(StreamsTest, WithAnotherFirstMessageAreRefused) {
 /// Reads changes while edits arrive as fast as they can. Seen to fail when a watcher takes for sent what was changed
 /// after its message was made.
 TEST_F(StreamsTest, EachSceneChangeFollowsTheOneBefore) {
-  constexpr std::uint64_t kEdits = 3000;
+  constexpr std::uint64_t kEdits = 20'000;
   ASSERT_TRUE(session_->apply({}, test::editOf({test::createLight("Lamp")})).status.ok());
   const auto watch = watchScene(context_);
   pb::WatchSceneRequest request;
@@ -209,15 +209,15 @@ TEST_F(StreamsTest, EachSceneChangeFollowsTheOneBefore) {
   });
   std::uint64_t told = 1;
   int gaps = 0;
-  EXPECT_TRUE(test::eventually([&] {
-    for (message.Clear(); watch->next(&message); message.Clear()) {
-      if (!message.has_change()) continue;
-      if (message.change().first_revision() != told + 1) ++gaps;
-      told = message.change().last_revision();
-    }
-    return told == 1 + kEdits;
-  }));
+  const auto patience = Clock::now() + std::chrono::seconds(60);
+  while (told < 1 + kEdits && Clock::now() < patience) {
+    message.Clear();
+    if (!watch->next(&message) || !message.has_change()) continue;
+    if (message.change().first_revision() != told + 1) ++gaps;
+    told = message.change().last_revision();
+  }
   writer.join();
+  EXPECT_EQ(told, 1 + kEdits);
   EXPECT_EQ(gaps, 0);
   watch->cancelled();
 }
