@@ -71,6 +71,7 @@ TEST_F(ChangesTest, NameADeletionOnceItsReaderMayHaveSeenTheObject) {
   EXPECT_THAT(document_.changesSince(std::nullopt).deleted, IsEmpty()) << "a snapshot names what is there";
 }
 
+// Seen to fail when a deletion is told of an object that is there again.
 TEST_F(ChangesTest, ANameThatIsGivenAgainIsNoDeletion) {
   apply({createLight("A"), PutCamera{"Front", Camera()}});
   apply({DeleteLight{"A"}, DeleteCamera{"Front"}});
@@ -160,8 +161,8 @@ Operation anyOperation(std::mt19937& random) {
   }
 }
 
-// Readers of different pace, under edits of which about half are refused. Seen to fail when an edit that was taken back
-// keeps its deletions, and when a deletion is told of an object that is there again.
+// Readers of different pace, under edits of which about half are refused. Seen to fail when one revision's objects are
+// left out, and when deletions are not told.
 TEST_F(ChangesTest, BringEveryReaderToTheSameScene) {
   std::mt19937 random(11);
   std::vector<Replica> readers(4);

@@ -74,12 +74,13 @@ TEST_F(DocumentTest, AnEditThatFailsAtItsLastOperationChangesNothing) {
   const std::int64_t triangles = document_.triangleCount();
   Camera moved;
   moved.eye = {9, 9, 9};
-  const Status failed = apply({setRadiance("Lamp", 9.0), createLight("New"), DeleteLight{"Old"}, createSurface("Floor"),
-                               DeleteSurface{"Wall"}, PutCamera{"Front", moved}, PutCamera{"Back", moved},
-                               DeleteCamera{"Front"}, DeleteLight{"Nobody"}})
-                            .status();
+  const Status failed =
+      apply({setRadiance("Lamp", 9.0), createLight("New"), DeleteLight{"Old"}, createSurface("Floor"),
+             DeleteSurface{"Wall"}, PutCamera{"Front", moved}, PutCamera{"Back", moved}, DeleteCamera{"Front"},
+             createLight("Brief"), DeleteLight{"Brief"}, DeleteLight{"Nobody"}})
+          .status();
   EXPECT_EQ(failed.code(), Code::kNotFound);
-  EXPECT_EQ(failed.field(), "operations[8].delete_light");
+  EXPECT_EQ(failed.field(), "operations[10].delete_light");
   EXPECT_EQ(document_.revision(), 1U);
   EXPECT_EQ(document_.triangleCount(), triangles);
   const ScenePtr scene = document_.snapshot();
