@@ -7,8 +7,8 @@
 namespace lpv {
 namespace {
 
-Status noSuch(const char* what, const std::string& name) {
-  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + name + "\" in this session", "name");
+Status noSuch(const char* what, const std::string& name, const char* field = "name") {
+  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + name + "\" in this session", field);
 }
 
 Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
@@ -35,9 +35,6 @@ Status assign(Light& light, const LightFields& f, const Blobs& blobs) {
   if (f.mesh) {
     Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
     if (!mesh) return mesh.status();
-    if (!(*mesh)->directions.empty()) {
-      return unimplemented("mesh", "mesh has emission directions: not built in this version; upload it without");
-    }
     light.mesh = *mesh;
   }
   if (f.texture) {
@@ -151,7 +148,7 @@ Expected<std::string> Document::update(const std::string& name, const auto& fiel
 template <typename T>
 Expected<std::string> Document::remove(const std::string& name, Undo& undo) {
   using W = Words<T>;
-  if (!objects<T>().contains(name)) return noSuch(W::kNoun, name).within(W::kDelete);
+  if (!objects<T>().contains(name)) return noSuch(W::kNoun, name, W::kDelete);
   remember(objects<T>(), name, undo.before<T>());
   objects<T>().erase(name);
   tombstones_.push_back({W::kKind, name, revision_});
@@ -192,7 +189,7 @@ Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, 
 
 Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Undo& undo) {
   const MeshPtr current = meshOf(op.object);
-  if (!current) return noSuch("light or surface", op.object).within("set_vertices.object");
+  if (!current) return noSuch("light or surface", op.object, "object").within("set_vertices");
   MeshPtr deformed = op.deformed;
   // The mesh was exchanged, or made by this very edit, after the preparation; or that failed, and says here why.
   if (op.base != current || !deformed) {
@@ -217,7 +214,7 @@ Expected<std::string> Document::applyOne(const PutCamera& op, const Blobs&, Undo
 }
 
 Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, Undo& undo) {
-  if (!cameras_.contains(op.name)) return noSuch("camera", op.name).within("delete_camera");
+  if (!cameras_.contains(op.name)) return noSuch("camera", op.name, "delete_camera");
   remember(cameras_, op.name, undo.cameras);
   cameras_.erase(op.name);
   tombstones_.push_back({ObjectKind::kCamera, op.name, revision_});

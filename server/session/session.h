@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -93,7 +94,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Blobs.
   Expected<bool> addBlob(const BlobPtr& blob);
-  BlobPtr findBlob(const BlobHash& hash) const;
+  /// Counts as use of the blob: whoever finds it may name it in an edit soon.
+  BlobPtr findBlob(const BlobHash& hash);
   MeshPtr findMeshInUse(const BlobHash& hash) const;
 
   // Reading the scene.
@@ -214,7 +216,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t nextKey_ = 1;
   std::uint64_t nextResult_ = 1;
   bool tickUnderWay_ = false;
-  bool closed_ = false;
+  std::optional<Closing> closed_;  ///< why, once it is
   Clock::time_point nextTick_{};
   std::optional<Clock::time_point> kickAt_;
   std::chrono::system_clock::time_point lastUsed_;

@@ -56,10 +56,15 @@ std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const
 
 void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId) {
   const std::lock_guard lock(mutex_);
-  if (subscriber->inFlight == 0 || resultId > subscriber->lastSent) return;
-  // An acknowledgement covers everything before it, so the newest one leaves nothing in flight.
-  subscriber->inFlight = resultId == subscriber->lastSent ? 0 : subscriber->inFlight - 1;
-  const double seconds = std::chrono::duration<double>(Clock::now() - subscriber->sentAt).count();
+  std::deque<Sent>& inFlight = subscriber->inFlight;
+  if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) return;
+  // An acknowledgement covers everything before it.
+  Clock::time_point sentAt;
+  while (!inFlight.empty() && inFlight.front().resultId <= resultId) {
+    sentAt = inFlight.front().at;
+    inFlight.pop_front();
+  }
+  const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
   subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
   kick();
 }
@@ -115,9 +120,9 @@ bool Session::wants(const Subscriber& subscriber) const {
 }
 
 bool Session::hasCredit(const Subscriber& subscriber) const {
-  if (subscriber.inFlight == 0) return true;
+  if (subscriber.inFlight.empty()) return true;
   const double rate = subscriber.wish.maxRate > 0.0 ? subscriber.wish.maxRate : workshop_.limits.maxTickRate;
-  return subscriber.wish.twoCredits && subscriber.inFlight == 1 && subscriber.roundTrip > 1.0 / rate;
+  return subscriber.wish.twoCredits && subscriber.inFlight.size() == 1 && subscriber.roundTrip > 1.0 / rate;
 }
 
 void Session::kickLater(Clock::time_point when) {
@@ -297,11 +302,9 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
 }
 
 void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
-  ++subscriber.inFlight;
-  subscriber.lastSent = result.meta.resultId;
+  subscriber.inFlight.push_back({result.meta.resultId, now});
   subscriber.shownRevision = result.meta.revision;
   subscriber.shownAny = true;
-  subscriber.sentAt = now;
   if (subscriber.wish.maxRate > 0.0) subscriber.notBefore = now + interval(subscriber.wish.maxRate);
 }
 
