@@ -130,8 +130,7 @@ TEST_F(Pacing, MaxTickRateBoundsTheResultsOfASession) {
   EXPECT_GE(secondsFor(kResults, slow.address(), 0.0), (kResults - 1) / 5.0);
 }
 
-/// Opened and left without a word: the server ends each after its first_message limit of 10 s. Seen to fail for each
-/// stream that waits on.
+/// Opened and left without a word: the server ends each after its first_message limit of 10 s.
 TEST(SilentClients, AreNotWaitedFor) {
   Stubs stubs(server().address());
   Call uploadCall;

@@ -190,10 +190,10 @@ TEST_F(StreamsTest, WithAnotherFirstMessageAreRefused) {
   EXPECT_EQ(endOf(probes).code(), Code::kInvalidArgument);
 }
 
-/// Reads changes while edits arrive as fast as they can. Seen to fail when a watcher takes for sent what was changed
-/// after its message was made.
+/// Reads changes while edits arrive as fast as they can. A watcher that takes for sent what was changed after its
+/// message was made fails here in some runs only: that moment is short.
 TEST_F(StreamsTest, EachSceneChangeFollowsTheOneBefore) {
-  constexpr std::uint64_t kEdits = 3000;
+  constexpr std::uint64_t kEdits = 1000;
   constexpr int kLights = 100;  // messages that take as long to make as edits to apply
   std::vector<Operation> create;
   std::vector<Operation> brighten;
