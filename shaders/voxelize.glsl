@@ -119,7 +119,10 @@ void voxelizeColumn(EmittingTriangle e, ivec2 column) {
   }
 }
 
+/// Column number `index` of the triangle's box, row by row. Exact: there are at most 2^16, and half a column is far more
+/// than the division's error.
 ivec2 columnOf(LatticeTriangle t, int index) {
   const int across = t.upper.x - t.lower.x + 1;
-  return t.lower.xy + ivec2(index % across, index / across);
+  const int row = int((float(index) + 0.5) / float(across));
+  return t.lower.xy + ivec2(index - row * across, row);
 }
