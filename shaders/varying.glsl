@@ -31,15 +31,15 @@ dvec2 vertexUv(uint vertex) {
 }
 #endif
 
-Varying varyingOf(uint triangle, vec3 normal) {
+Varying varyingOf(uvec3 corners, vec3 normal) {
   Varying v;
   v.normal = normal;
-  for (uint i = 0u; i < 3u; ++i) {
+  for (int i = 0; i < 3; ++i) {
 #if LPV_DIRECTIONS
-    v.direction[i] = vertexDirection(indices[3u * triangle + i], normal);
+    v.direction[i] = vertexDirection(corners[i], normal);
 #endif
 #if LPV_TEXTURED
-    v.uv[i] = vertexUv(indices[3u * triangle + i]);
+    v.uv[i] = vertexUv(corners[i]);
 #endif
   }
   return v;

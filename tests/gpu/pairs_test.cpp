@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "gpu/buffer_texture.h"
 #include "gpu/gl_test.h"
 #include "gpu/stage_rig.h"
 
@@ -56,8 +57,10 @@ PairSet gpuPairs(const std::vector<Triangle>& triangles, const glm::ivec3& dims,
     list[1] = list[2] = 1;
     const gpu::Buffer items = test::bufferOf(list);
     const_cast<gpu::Buffer&>(recorded).fill(0);
-    positions.bindStorage(layout::kPositions);
-    order.bindStorage(layout::kTriangles);
+    const gpu::BufferTexture positionTexels("positions", positions, gpu::BufferTexel::kVec3);
+    const gpu::BufferTexture triangleTexels("triangles", order, gpu::BufferTexel::kUvec3);
+    positionTexels.bind(layout::kPositions);
+    triangleTexels.bind(layout::kTriangles);
     params.bindUniform(layout::kParams);
     items.bindStorage(layout::kLargeTriangles);
     items.bindAsDispatchArguments();
