@@ -1,5 +1,6 @@
 #include "gpu/light_rig.h"
 
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <stdexcept>
 
@@ -77,7 +78,13 @@ double brightestCell(const reference::Field& field) {
 }
 
 double relativeError(const reference::Field& got, const reference::Field& want) {
-  return reference::largestDifference(got, want) / brightestCell(want);
+  for (const auto& cell : got.cells) {
+    for (const reference::Coefficients& c : cell) {
+      if (!(glm::dot(c, c) < HUGE_VAL)) return HUGE_VAL;  // NaN too
+    }
+  }
+  const double brightest = brightestCell(want);
+  return brightest > 0.0 ? reference::largestDifference(got, want) / brightest : HUGE_VAL;
 }
 
 VoxelMap voxelsOf(const LightVoxels& voxels) {

@@ -48,7 +48,8 @@ std::vector<reference::Emitter> emittersOf(const Grid& grid, const std::vector<E
 reference::Field injectedOf(const InjectRig& rig);
 /// The largest zeroth coefficient of any cell and colour.
 double brightestCell(const reference::Field& field);
-/// Largest difference as a share of the brightest cell of `want`.
+/// Largest difference as a share of the brightest cell of `want`; infinite where something is not finite or `want`
+/// dark.
 double relativeError(const reference::Field& got, const reference::Field& want);
 
 /// One light's voxels: cell, then its lobes (pairs) and moments.

@@ -1,9 +1,9 @@
 // Lights that vary over their triangles, by texture and by emission directions per vertex (MATHS.md 2; paper 3.2, 3.3),
 // against the double reference.
 //
-// Seen to fail when broken: row integrals in the texture's own unit beside texels in shares of the brightest; the normal
-// left in the sum of spread lobes; mean direction times mean colour for the mean of their product; directions mixed in
-// float; a thread with more rounds of loops than llvmpipe allows (laborious() false).
+// Seen to fail when broken: row integrals in the texture's own unit beside texels in shares of the brightest; the
+// normal left in the sum of spread lobes; mean direction times mean colour for the mean of their product; directions
+// mixed in float; a thread with more rounds of loops than llvmpipe allows (laborious() false).
 
 #include <random>
 #include <sstream>
@@ -13,6 +13,7 @@
 #include "reference/dense.h"
 #include "reference/inject.h"
 #include "reference/meshes.h"
+#include "reference/sh.h"
 #include "reference/textures.h"
 
 namespace lpv {
@@ -149,7 +150,23 @@ TEST_F(VaryingTest, AntipodalAndZeroDirectionsKeepThePower) {
   }
 }
 
-// Textures and directions through the paper's pipeline too. Broken by: another varying for voxelize.frag.
+// A texture repeated 64 times each way over few cells, with directions that need the finest quadrature: a whole number
+// of repeats emits the texture's mean, if no thread gives up before it is done.
+TEST_F(VaryingTest, LongWorkIsSharedOut) {
+  const TexturePtr chequered =
+      reference::textureOf(64, 64, [](int x, int y) { return glm::dvec3((x / 3 + y / 5) % 2); });
+  double mean = 0.0;
+  for (int i = 0; i < 64 * 64; ++i) mean += (i % 64 / 3 + i / 64 / 5) % 2 / 4096.0;
+  const MeshPtr repeated = withUvs(reference::quad(), [](auto&, auto& uv) { return 64.0F * uv; });
+  for (const MeshPtr& mesh : {repeated, scattered(repeated, 7)}) {
+    const EmittingLight light =
+        test::placed(mesh, test::poseOf(kCentre, glm::dvec3(3.3), 0.3), kRadiance, false, chequered);
+    const reference::Field field = test::injectedOf(injected(kGrid, {light}, test::kFluxMethod));
+    EXPECT_NEAR(reference::injectedPower(field).x / (reference::pi() * kRadiance.x * mean * 3.3 * 3.3), 1.0, 1e-6);
+  }
+}
+
+// Textures and directions through the paper's pipeline too.
 TEST_F(VaryingTest, RasterAndComputeGiveTheSameBits) {
   const std::vector<MeshPtr> meshes = {directed(reference::quad(), 5.0F), scattered(reference::sphereOf(8, 6), 5),
                                        directed(reference::quadOf(8), 1.0F)};
