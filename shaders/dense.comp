@@ -28,7 +28,7 @@ void deposit(EmittingTriangle e, ivec3 cell, dvec2 lambda, uint samples) {
   const vec3 colour = vec3(1.0);
 #endif
 #if LPV_FLUX
-  addMoments(cell, e.area / double(samples), dvec3(direction), dvec3(colour));
+  addMoments(cell, e.area / double(samples), sameForAll(dvec3(direction)), dvec3(colour));
 #else
   addLobes(cell, 1u, direction, colour);
 #endif

@@ -57,13 +57,13 @@ void addWide(int at, double value) {
 }
 
 #if LPV_FLUX
-/// `area` x (colour, colour x direction), area as a share of what the light's scale was made for.
-void addMoments(ivec3 cell, double area, dvec3 direction, dvec3 colour) {
+/// `area` x (colour, colour x direction), a direction for each colour, area as a share of what the light's scale was made for.
+void addMoments(ivec3 cell, double area, dmat3 direction, dvec3 colour) {
   const int base = touchedCell(cell, 1u);
   for (int k = 0; k < kSets; ++k) {
     const double zeroth = params.scale.x * area * colour[k];
     addWide(base + 8 * k, zeroth);
-    for (int i = 0; i < 3; ++i) addWide(base + 8 * k + 2 + 2 * i, zeroth * direction[i]);
+    for (int i = 0; i < 3; ++i) addWide(base + 8 * k + 2 + 2 * i, zeroth * direction[k][i]);
   }
 }
 #else

@@ -1,12 +1,14 @@
 // FLUX: what the part of a triangle within a cell emits (MATHS.md 2). Integrals are taken in barycentric coordinates,
 // in which the whole triangle has the area 1/2.
 
-/// Share of the triangle's area, and over that share the mean direction and the mean colour.
+/// Share of the triangle's area, and over that share the mean colour and, for each colour, the mean direction.
 struct Flux {
   double share;
-  dvec3 direction;
+  dmat3 direction;
   dvec3 colour;
 };
+
+dmat3 sameForAll(dvec3 direction) { return dmat3(direction, direction, direction); }
 
 #if LPV_DIRECTIONS || LPV_TEXTURED
 
@@ -27,30 +29,42 @@ const dvec2 kOrbitWeight = dvec2(0.22338158967801146570lf, 0.1099517436553218676
 
 struct Mean {
   dvec3 direction, colour;
+  dmat3 product;  // colour x direction
 };
 
-/// Weighted sums at the six points of the triangle (o, p, q).
-Mean sixPoints(Varying v, dvec2 o, dvec2 p, dvec2 q) {
-  Mean mean = Mean(dvec3(0.0lf), dvec3(0.0lf));
-  for (int orbit = 0; orbit < 2; ++orbit) {
-    const double a = kOrbit[orbit], b = 1.0lf - 2.0lf * a;
-    for (int turn = 0; turn < 3; ++turn) {
-      const dvec2 at = turn == 0 ? b * o + a * (p + q) : turn == 1 ? b * p + a * (q + o) : b * q + a * (o + p);
+Mean noMean() { return Mean(dvec3(0.0lf), dvec3(0.0lf), dmat3(0.0lf)); }
+
+void addPoint(Varying v, dvec2 at, double weight, inout Mean mean) {
 #if LPV_DIRECTIONS
-      mean.direction += kOrbitWeight[orbit] * dvec3(directionAt(v, at));
+  const dvec3 direction = weight * dvec3(directionAt(v, at));
+  mean.direction += direction;
 #endif
 #if LPV_TEXTURED
-      mean.colour += kOrbitWeight[orbit] * dvec3(textureAt(uvAt(v, at)));
+  const dvec3 colour = dvec3(textureAt(uvAt(v, at)));
+  mean.colour += weight * colour;
 #endif
-    }
-  }
+#if LPV_DIRECTIONS && LPV_TEXTURED
+  mean.product += outerProduct(direction, colour);
+#endif
+}
+
+/// Weighted sums at the six points of the triangle (o, p, q). Without a loop: kMaxVaryingSlices.
+Mean sixPoints(Varying v, dvec2 o, dvec2 p, dvec2 q) {
+  Mean mean = noMean();
+  const dvec2 a = kOrbit, b = 1.0lf - 2.0lf * kOrbit, w = kOrbitWeight;
+  addPoint(v, b.x * o + a.x * (p + q), w.x, mean);
+  addPoint(v, b.x * p + a.x * (q + o), w.x, mean);
+  addPoint(v, b.x * q + a.x * (o + p), w.x, mean);
+  addPoint(v, b.y * o + a.y * (p + q), w.y, mean);
+  addPoint(v, b.y * p + a.y * (q + o), w.y, mean);
+  addPoint(v, b.y * q + a.y * (o + p), w.y, mean);
   return mean;
 }
 
 /// Means over the part, by quadrature on triangles from its centroid to its boundary, each cut into splits^2.
 Mean meansBySampling(Varying v, Boundary b, int splits) {
   const dvec2 o = centroidOf(b);
-  Mean sum = Mean(dvec3(0.0lf), dvec3(0.0lf));
+  Mean sum = noMean();
   double area = 0.0lf;
   for (int i = 0; i < 9; ++i) {
     const dvec2 p = (b.pieces[i].xy - o) / double(splits), q = (b.pieces[i].zw - o) / double(splits);
@@ -63,6 +77,9 @@ Mean meansBySampling(Varying v, Boundary b, int splits) {
                                   : sixPoints(v, corner, corner + q, corner + q - p);
         sum.direction += weight * m.direction;
         sum.colour += weight * m.colour;
+#if LPV_DIRECTIONS && LPV_TEXTURED
+        sum.product += weight * m.product;
+#endif
         area += weight;
       }
     }
@@ -70,10 +87,12 @@ Mean meansBySampling(Varying v, Boundary b, int splits) {
   if (area > 0.0lf) {
     sum.direction /= area;
     sum.colour /= area;
+    sum.product /= area;
   } else {
     sum.direction = dvec3(directionAt(v, o));
 #if LPV_TEXTURED
     sum.colour = dvec3(textureAt(uvAt(v, o)));
+    sum.product = outerProduct(sum.direction, sum.colour);
 #endif
   }
   return sum;
@@ -86,21 +105,42 @@ Mean meansBySampling(Varying v, Boundary b, int splits) {
 int splitsFor(Varying v) {
   const float least = min(dot(v.direction[0], v.direction[1]),
                           min(dot(v.direction[1], v.direction[2]), dot(v.direction[2], v.direction[0])));
-  return least > 0.5 ? 1 : least > 0.0 ? 2 : least > -0.5 ? 4 : 8;
+  return least > 0.5 ? 1 : least > 0.0 ? 2 : least > -0.5 ? 4 : least > -0.9 ? 8 : 16;
 }
 #endif
 
+/// Whether the integrals over parts of this triangle take many steps: then a thread takes few of them.
+bool laborious(Varying v) {
+  bool much = false;
+#if LPV_DIRECTIONS
+  much = splitsFor(v) > 4;
+#endif
 #if LPV_TEXTURED
-/// A line or a point of the texture stretched over the triangle has no area there to integrate over.
-const double kFlatTexture = 1e-9lf;
-const int kFlatSplits = 8;
+  const dvec2 extent = max(abs(v.uv[1] - v.uv[0]), abs(v.uv[2] - v.uv[0]));
+  much = much || extent.x + extent.y > 1024.0lf || (LPV_DIRECTIONS == 1 && extent.x * extent.y > 16.0lf);
+#endif
+  return much;
+}
+
+#if LPV_TEXTURED
+/// A texture is at least so wide across, as a share of its length along: a line of it that is stretched over the
+/// triangle has no area to integrate over, and this much blurs nothing.
+const double kThinnest = 1e-7lf;
+
+void widen(inout dvec2 along, inout dvec2 across) {
+  const double by = cross2(along, across) < 0.0lf ? -kThinnest : kThinnest;
+  if (dot(along, along) >= dot(across, across)) across += by * dvec2(-along.y, along.x);
+  else along -= by * dvec2(-across.y, across.x);
+}
 
 dvec3 meanColour(Varying v, Boundary b, double share) {
-  const dvec2 along = v.uv[1] - v.uv[0], across = v.uv[2] - v.uv[0];
+  dvec2 along = v.uv[1] - v.uv[0], across = v.uv[2] - v.uv[0];
+  const double size = max(dot(along, along), dot(across, across));
+  if (size == 0.0lf || share <= 0.0lf) return dvec3(textureAt(uvAt(v, centroidOf(b))));
+  if (abs(cross2(along, across)) < kThinnest * size) widen(along, across);
+  v.uv[1] = v.uv[0] + along;
+  v.uv[2] = v.uv[0] + across;
   const double texels = cross2(along, across);
-  if (!(abs(texels) > kFlatTexture * max(dot(along, along), dot(across, across))) || share <= 0.0lf) {
-    return meansBySampling(v, b, kFlatSplits).colour;
-  }
   dvec3 sum = dvec3(0.0lf);
   for (int i = 0; i < 9; ++i) {
     if (b.pieces[i].xy == b.pieces[i].zw) continue;
@@ -110,11 +150,32 @@ dvec3 meanColour(Varying v, Boundary b, double share) {
 }
 #endif
 
+#if LPV_DIRECTIONS && LPV_TEXTURED
+const int kMostSplits = 8;
+
+/// Directions weighted by colour: as fine as the texels under the part, up to kMostSplits.
+int splitsForBoth(Varying v, double share) {
+  const double texels = abs(cross2(v.uv[1] - v.uv[0], v.uv[2] - v.uv[0])) * share;
+  return max(splitsFor(v), int(ceil(sqrt(min(texels, double(kMostSplits * kMostSplits))))));
+}
+
+dmat3 directionsByColour(Varying v, Boundary b, double share) {
+  const Mean mean = meansBySampling(v, b, splitsForBoth(v, share));
+  dmat3 directions = sameForAll(mean.direction);
+  for (int k = 0; k < 3; ++k) {
+    if (mean.colour[k] > 0.0lf) directions[k] = mean.product[k] / mean.colour[k];
+  }
+  return directions;
+}
+#endif
+
 /// `share` of the triangle, bounded by `b` (barycentric).
 Flux fluxOf(Varying v, Boundary b, double share) {
-  Flux flux = Flux(share, dvec3(v.normal), dvec3(1.0lf));
-#if LPV_DIRECTIONS
-  flux.direction = meansBySampling(v, b, splitsFor(v)).direction;
+  Flux flux = Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf));
+#if LPV_DIRECTIONS && LPV_TEXTURED
+  flux.direction = directionsByColour(v, b, share);
+#elif LPV_DIRECTIONS
+  flux.direction = sameForAll(meansBySampling(v, b, splitsFor(v)).direction);
 #endif
 #if LPV_TEXTURED
   flux.colour = meanColour(v, b, share);

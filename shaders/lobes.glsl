@@ -13,6 +13,8 @@ const float kLobeAngle = 1.57079632679489661923;
 /// Rounding gives equal directions an angle, and a right one a little more.
 const float kAngleTolerance = 1e-3;
 
+bool laborious(Varying v) { return false; }
+
 #if LPV_DIRECTIONS || LPV_TEXTURED
 
 /// Box around a boundary, the same coordinates: (lower, upper).
@@ -39,11 +41,12 @@ void spreadLobes(Varying v, dvec2 corners[4], inout Lobes lobes) {
   for (int i = 0; i < 4; ++i) d[i] = directionAt(v, corners[i]);
   const int across = lobesAcross(max(angleBetween(d[0], d[1]), angleBetween(d[2], d[3])));
   const int along = lobesAcross(max(angleBetween(d[0], d[2]), angleBetween(d[1], d[3])));
+  lobes.directions = vec3(0.0);
   for (int j = 0; j < along; ++j) {
     for (int i = 0; i < across; ++i) {
       const float x = across > 1 ? float(i) / float(across - 1) : 0.5;
       const float y = along > 1 ? float(j) / float(along - 1) : 0.5;
-      lobes.directions += unitOr(mix(mix(d[0], d[1], x), mix(d[2], d[3], x), y), v.normal);
+      lobes.directions += unitOr(dvec3(mix(mix(d[0], d[1], x), mix(d[2], d[3], x), y)), v.normal);
     }
   }
   lobes.count = uint(across * along);

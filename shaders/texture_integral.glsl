@@ -10,17 +10,19 @@ layout(binding = kLightTexture) uniform sampler2D lightTexture;
 layout(std430, binding = kRowIntegrals) readonly buffer RowIntegrals { double rowIntegrals[]; };
 
 /// A line that crosses more texel squares than this sees the texture's mean.
-const double kMostSquares = 65536.0lf;
-const int kMostSteps = 65536 + 8;
+const double kMostSquares = 16384.0lf;
+const int kMostSteps = 16384 + 8;
 
 int wrapped(int i, int size) { return i - size * int(floor(double(i) / double(size))); }
 
-vec3 texel(int x, int y) {
+vec3 storedTexel(int x, int y) {
   const ivec2 size = params.texture.xy;
-  return texelFetch(lightTexture, ivec2(wrapped(x, size.x), wrapped(y, size.y)), 0).rgb * float(params.scale.y);
+  return texelFetch(lightTexture, ivec2(wrapped(x, size.x), wrapped(y, size.y)), 0).rgb;
 }
 
-/// Integral along row y from texel centre 0 to centre x.
+vec3 texel(int x, int y) { return storedTexel(x, y) * float(params.scale.y); }
+
+/// Integral along row y from texel centre 0 to centre x; like the texels of a TexelSquare not yet a share of the brightest.
 dvec3 rowIntegral(int x, int y) {
   const int width = params.texture.x;
   const int at = wrapped(x, width);
@@ -67,10 +69,10 @@ dvec3 lineIntegral(dvec2 p, dvec2 q) {
     TexelSquare s;
     s.integral0 = rowIntegral(x, y);
     s.integral1 = rowIntegral(x, y + 1);
-    s.c00 = dvec3(texel(x, y));
-    s.c10 = dvec3(texel(x + 1, y));
-    s.c01 = dvec3(texel(x, y + 1));
-    s.c11 = dvec3(texel(x + 1, y + 1));
+    s.c00 = dvec3(storedTexel(x, y));
+    s.c10 = dvec3(storedTexel(x + 1, y));
+    s.c01 = dvec3(storedTexel(x, y + 1));
+    s.c11 = dvec3(storedTexel(x + 1, y + 1));
     const dvec2 start = p + from * d - square, end = p + to * d - square;
     sum += (integralTo(s, start) + 4.0lf * integralTo(s, 0.5lf * (start + end)) + integralTo(s, end)) * ((to - from) / 6.0lf);
     for (int k = 0; k < 2; ++k) {
@@ -80,7 +82,7 @@ dvec3 lineIntegral(dvec2 p, dvec2 q) {
     }
     from = to;
   }
-  return sum * d.y;
+  return sum * (d.y * params.scale.y);
 }
 
 /// The bilinear texture at one point of texel space.

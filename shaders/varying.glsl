@@ -26,35 +26,39 @@ vec3 vertexDirection(uint vertex, vec3 normal) {
 #if LPV_TEXTURED
 layout(std430, binding = kUvs) readonly buffer Uvs { float uvs[]; };
 
-dvec2 vertexUv(uint vertex) {
-  return dvec2(uvs[2u * vertex], uvs[2u * vertex + 1u]) * dvec2(params.texture.xy) - 0.5lf;
-}
+dvec2 vertexUv(uint vertex) { return dvec2(uvs[2u * vertex], uvs[2u * vertex + 1u]); }
 #endif
 
 Varying varyingOf(uvec3 corners, vec3 normal) {
   Varying v;
   v.normal = normal;
+#if LPV_TEXTURED
+  // Whole repeats are left out: far from the first texel there would be no digits left for the distance between two.
+  const dvec2 repeats = floor(vertexUv(corners.x));
+#endif
   for (int i = 0; i < 3; ++i) {
 #if LPV_DIRECTIONS
     v.direction[i] = vertexDirection(corners[i], normal);
 #endif
 #if LPV_TEXTURED
-    v.uv[i] = vertexUv(corners[i]);
+    v.uv[i] = (vertexUv(corners[i]) - repeats) * dvec2(params.texture.xy) - 0.5lf;
 #endif
   }
   return v;
 }
 
-vec3 unitOr(vec3 d, vec3 otherwise) {
-  const float size = dot(d, d);
-  return size > 1e-12 ? d * inversesqrt(size) : otherwise;
+/// v at unit length, or `otherwise` where v points nowhere.
+vec3 unitOr(dvec3 v, vec3 otherwise) {
+  const double size = dot(v, v);
+  return size > 1e-12lf ? vec3(v / sqrt(size)) : otherwise;
 }
 
 vec3 directionAt(Varying v, dvec2 lambda) {
 #if LPV_DIRECTIONS
-  const vec2 l = vec2(lambda);
-  // Differences first: equal corners stay equal however far outside the triangle lambda lies.
-  return unitOr(v.direction[0] + l.x * (v.direction[1] - v.direction[0]) + l.y * (v.direction[2] - v.direction[0]), v.normal);
+  // Differences first: equal corners stay equal however far outside the triangle lambda lies. In double: what is left
+  // where opposite directions nearly cancel still has its digits.
+  const dvec3 d = dvec3(v.direction[0]);
+  return unitOr(d + lambda.x * (dvec3(v.direction[1]) - d) + lambda.y * (dvec3(v.direction[2]) - d), v.normal);
 #else
   return v.normal;
 #endif

@@ -16,7 +16,9 @@ layout(local_size_x = kColumnGroup) in;
 
 layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
 
-int slicesOf(int columns) { return min(kMaxSlices, (columns + kColumnGroup - 1) / kColumnGroup); }
+const int kSlices = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1 ? kMaxVaryingSlices : kMaxSlices;
+
+int slicesOf(int columns) { return min(kSlices, (columns + kColumnGroup - 1) / kColumnGroup); }
 
 #ifdef LPV_SMALL
 
@@ -24,7 +26,7 @@ void handOn(uint local, int columns) {
   const int slices = slicesOf(columns);
   const uint slot = atomicAdd(largeHeader[3], uint(slices));
   atomicAdd(largeHeader[0], uint(slices));
-  for (int i = 0; i < slices; ++i) large[slot + uint(i)] = local * uint(kMaxSlices) + uint(i);
+  for (int i = 0; i < slices; ++i) large[slot + uint(i)] = local * uint(kSlices) + uint(i);
 }
 
 void main() {
@@ -39,7 +41,7 @@ void main() {
   ivec3 cell;
   if (degenerate(e.lattice)) {
     if (centroidCell(e.a, e.b, e.c, params.dims.xyz, cell)) depositWhole(e, cell);
-  } else if (columns > kSmallColumns) {
+  } else if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) {
     handOn(local, columns);
   } else if (kWholeTriangles && columns == 1 && e.lattice.oneCell) {  // nothing to test, nothing to clip
     depositWhole(e, turnedBack(e.lattice.lower, e.lattice.axis));
@@ -53,9 +55,9 @@ void main() {
 void main() {
   const uint item = large[gl_WorkGroupID.x];
   EmittingTriangle e;
-  if (!loadTriangle(params.triangles.x + item / uint(kMaxSlices), e)) return;
+  if (!loadTriangle(params.triangles.x + item / uint(kSlices), e)) return;
   const int columns = columnCount(e.lattice);
-  const int slice = int(item) % kMaxSlices;
+  const int slice = int(item) % kSlices;
   const int stride = slicesOf(columns) * kColumnGroup;
   for (int i = slice * kColumnGroup + int(gl_LocalInvocationID.x); i < columns; i += stride) {
     voxelizeColumn(e, columnOf(e.lattice, i));

@@ -93,7 +93,7 @@ void depositPart(EmittingTriangle e, ivec3 cell) {
 #if LPV_DIRECTIONS || LPV_TEXTURED
   const Flux flux = fluxOf(e.varying_, barycentricBoundary(e.lattice, cell, part), share);
 #else
-  const Flux flux = Flux(share, dvec3(e.varying_.normal), dvec3(1.0lf));
+  const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
 #endif
   addMoments(turnedBack(cell, e.lattice.axis), e.area * flux.share, flux.direction, flux.colour);
 }

@@ -78,6 +78,7 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuMesh& mesh, const GpuLightTextur
   VoxelizeJob job;
   job.variant = variantOf(source);
   job.triangles = mesh.triangleCount;
+  job.varying = source.textured() || source.directed();
   job.params.gridFromObject = source.gridFromObject;
   job.params.areaFromObject = 0.5 * outwardFromObject(source.gridFromObject);
   job.params.dims = glm::ivec4(source.dims, 0);

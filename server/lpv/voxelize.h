@@ -24,6 +24,7 @@ struct VoxelizeJob {
   layout::VoxelizeParams params{};
   const gpu::Buffer* paramsBuffer = nullptr;
   std::uint32_t triangles = 0;
+  bool varying = false;  ///< with texture or directions
 };
 
 /// Adds triangles to the accumulators.

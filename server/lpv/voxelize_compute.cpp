@@ -23,7 +23,10 @@ ComputeInjector::ComputeInjector()
                  sizeof(std::uint32_t),
              gpu::BufferUse::kDynamic) {}
 
-std::uint32_t ComputeInjector::limit(const VoxelizeJob&) const { return layout::kMaxPieceTriangles; }
+std::uint32_t ComputeInjector::limit(const VoxelizeJob& job) const {
+  if (!job.varying) return layout::kMaxPieceTriangles;
+  return layout::kMaxPieceTriangles * layout::kMaxSlices / layout::kMaxVaryingSlices;
+}
 
 void ComputeInjector::dispatch(const VoxelizeJob& job) {
   large_.update(0, gpu::bytesOfValue(kEmptyList));

@@ -108,6 +108,14 @@ void InjectRig::run() {
   finish(injector_.add(field, lights, voxels, palette));
 }
 
+void InjectRig::runWith(std::vector<EmittingLight> others, const VoxelMethod& m) {
+  lights = std::move(others);
+  method = m;
+  palette = choosePalette(lights);
+  if (palette.channels > field.channels) throw std::invalid_argument("more channels than the rig was made for");
+  run();
+}
+
 double InjectRig::roundingError() const {
   double error = 0.0;
   for (const LightVoxelsPtr& light : voxels) error = std::max(error, light->roundingError);

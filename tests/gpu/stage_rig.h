@@ -41,6 +41,8 @@ struct InjectRig {
   InjectRig(const Grid& grid, std::vector<EmittingLight> lights, const VoxelMethod& method = {});
   /// Runs both stages once more, for instance after `lights` were changed.
   void run();
+  /// Other lights, of no more channels than the first had, through the same programs.
+  void runWith(std::vector<EmittingLight> others, const VoxelMethod& method);
   /// The largest rounding error that a light's voxels promise.
   double roundingError() const;
   /// Cells that hold light.
