@@ -70,6 +70,7 @@ struct TickReport {
   std::vector<StageTime> stages;  ///< in order; skipped stages are absent
   std::vector<std::string> features;  ///< compiled variants that ran, e.g. "count", "propagate", "two-sided"
   std::uint64_t trianglesSkipped = 0;  ///< degenerate light triangles
+  std::uint64_t lightsVoxelized = 0;  ///< lights whose geometry was not in the grid yet
   std::uint64_t touchedCells = 0;  ///< cells that hold emitted light
   std::uint64_t clampedCells = 0;  ///< output cells clamped to phi >= 0, |D| <= phi (MATHS.md 3a)
   double fixedPointError =

@@ -79,7 +79,7 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 
   VolumeCopies copies;
   if (!s.injected) {
-    co_await inject(s);
+    co_await inject(s, result.report);
     s.injected = copies.counters = true;
   }
   if (!s.transported) {
@@ -114,7 +114,7 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 }
 
 /// Lights that did not change are added again, not voxelized again.
-Pieces Pipeline::inject(SessionState& s) {
+Pieces Pipeline::inject(SessionState& s, TickReport& report) {
   co_await injector_.retire(*s.field, s.injectedVoxels);
   s.injectedVoxels.clear();
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
@@ -124,6 +124,7 @@ Pieces Pipeline::inject(SessionState& s) {
     const GpuLightTexture* texture = light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
     co_await voxelizer_.run(*s.field, *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
     voxels.made = true;
+    report.lightsVoxelized++;
   }
   co_await injector_.add(*s.field, s.lights, s.voxels, s.palette);
   s.injectedVoxels = s.voxels;

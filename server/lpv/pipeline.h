@@ -28,7 +28,7 @@ class Pipeline {
   Pieces tick(SessionState& session, const TickRequest& request, TickResult& result);
 
  private:
-  Pieces inject(SessionState& session);
+  Pieces inject(SessionState& session, TickReport& report);
   Pieces makeVolumes(SessionState& session, const TickRequest& request, VolumeCopies& copies);
   Pieces drawFrame(SessionState& session, const TickRequest& request, const FrameRequest& frame, View& view);
   Pacing pacing(const SessionState& session) const;
