@@ -3,10 +3,10 @@
 find_package(Threads REQUIRED)
 find_package(Protobuf REQUIRED)            # messages; module mode: Debian ships no CMake package for it
 find_package(gRPC CONFIG REQUIRED)         # the transport of the first door
-find_package(OpenImageIO CONFIG REQUIRED)  # pictures in every format, in memory
 find_package(spdlog CONFIG REQUIRED)       # leveled logs without ceremony
 
-# Debian's package names OpenCV's headers, which its users do not have and do not need.
-get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
-list(FILTER oiio_includes EXCLUDE REGEX "opencv")
-set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_includes}")
+# Pictures in every format, in memory. Through pkg-config: Debian's CMake package does not load where OpenImageIO's
+# command line tools are not installed, which bring Qt and which nothing here needs.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET GLOBAL OpenImageIO)
+add_library(OpenImageIO::OpenImageIO ALIAS PkgConfig::OpenImageIO)

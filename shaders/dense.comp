@@ -44,8 +44,8 @@ void main() {
     if (first == 0u) atomicAdd(voxelHeader[4], 1u);
     return;
   }
-  const dvec3 a = gridPoint(objectVertex(e.index, 0u));
-  const dvec3 ab = gridPoint(objectVertex(e.index, 1u)) - a, ac = gridPoint(objectVertex(e.index, 2u)) - a;
+  const dvec3 a = gridPoint(objectVertex(e.corners.x));
+  const dvec3 ab = gridPoint(objectVertex(e.corners.y)) - a, ac = gridPoint(objectVertex(e.corners.z)) - a;
   const uint last = min(first + uint(kSamplesPerThread), params.triangles.z);
   for (uint i = first; i < last; ++i) {
     const dvec2 lambda = samplePoint(e.index, i);

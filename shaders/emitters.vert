@@ -5,5 +5,11 @@ layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 layout(std140, binding = kDrawParams) uniform DrawBlock { DrawParams draw; };
 
 layout(location = kPositionAttribute) in vec3 position;
+layout(location = kUvAttribute) in vec2 uv;
 
-void main() { gl_Position = frame.clipFromEye * (draw.eyeFromObject * vec4(position, 1.0)); }
+out vec2 textureUv;
+
+void main() {
+  textureUv = uv;
+  gl_Position = frame.clipFromEye * (draw.eyeFromObject * vec4(position, 1.0));
+}

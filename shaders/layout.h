@@ -20,8 +20,6 @@ using glm::vec4;
 #endif
 
 // --- storage buffers
-LPV_CONST int kPositions = 0;      // float, 3 per vertex, object space
-LPV_CONST int kTriangles = 1;      // uint, 3 per triangle
 LPV_CONST int kAccumulators = 2;   // uint, words per cell as shaders/deposit.glsl has them
 LPV_CONST int kVoxelCells = 3;     // one light's cells: kVoxelHeaderWords, then uvec2 (cell, lobes or pairs) each
 LPV_CONST int kLargeTriangles = 4; // kListHeaderWords, then work items
@@ -54,12 +52,14 @@ LPV_CONST int kEmission = 8;
 LPV_CONST int kEmitterDepth = 9;
 LPV_CONST int kRadiance = 10;
 LPV_CONST int kLightTexture = 11;  // radiance factor of the light that is voxelized
+LPV_CONST int kPositions = 12;     // samplerBuffer: vec3 per vertex, object space
+LPV_CONST int kTriangles = 13;     // usamplerBuffer: uvec3 per triangle
 // --- image units
 LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
-LPV_CONST int kColumnGroup = 128;       // large triangles: columns of one work item at a time
+LPV_CONST int kColumnGroup = 16;       // large triangles: columns of one work item at a time
 LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes
@@ -74,9 +74,9 @@ LPV_CONST int kUvAttribute = 2;         // vec2
 
 // --- voxelization
 LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
-LPV_CONST int kSmallColumns = 24;       // triangles with more columns are split
+LPV_CONST int kSmallColumns = 32;       // triangles with more columns are split
 LPV_CONST int kMaxSlices = 8;           // work items of one split triangle
-LPV_CONST int kMaxVaryingSlices = 64;   // of one with texture or directions: llvmpipe ends the loops of a thread after 2^16 rounds in all
+LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends the loops of a thread after 2^16 rounds in all
 LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
 LPV_CONST int kFluxBits = 50;           // FLUX: the light's whole area is 2^50 in fixed point, its sums 64 bits wide
 LPV_CONST int kSamplesPerThread = 32;   // dense sampling

@@ -11,7 +11,6 @@ struct LatticeTriangle {
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
   bool oneLayer;      // all candidate cells have one depth
   bool oneCell;       // wholly inside one cell, whether that is in the grid or not
-  bool facePlane;     // lies in a plane between two layers of cells
 };
 
 dvec3 snapToLattice(dvec3 gridPoint) { return floor(gridPoint * double(kLatticeUnits) + 0.5lf); }
@@ -55,7 +54,6 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.oneCell = t.lower == t.upper;
   t.lower = max(t.lower, ivec3(0));
   t.upper = min(t.upper, t.dims - 1);
-  t.facePlane = least.z == most.z && mod(least.z, double(kLatticeUnits)) == 0.0lf;
   return t;
 }
 
@@ -96,22 +94,39 @@ bool overlaps(double p0, double p1, double p2, double reach) {
   return reach == 0.0lf || (min(p0, min(p1, p2)) < reach && max(p0, max(p1, p2)) > -reach);
 }
 
-/// The three axes edge x (unit vectors). `depthless`: without the two that only see the depth of a triangle in a face plane.
-bool overlapsEdgeAxes(dvec3 e, dvec3 a, dvec3 b, dvec3 c, double halfCell, bool depthless) {
-  const dvec3 s = abs(e);
-  if (!overlaps(e.x * a.y - e.y * a.x, e.x * b.y - e.y * b.x, e.x * c.y - e.y * c.x, halfCell * (s.x + s.y))) return false;
-  if (depthless) return true;
-  return overlaps(e.y * a.z - e.z * a.y, e.y * b.z - e.z * b.y, e.y * c.z - e.z * c.y, halfCell * (s.y + s.z)) &&
-         overlaps(e.z * a.x - e.x * a.z, e.z * b.x - e.x * b.z, e.z * c.x - e.x * c.z, halfCell * (s.z + s.x));
+/// One axis across the column, edge x (direction of the column): both ends, p among them, project to the same place.
+bool overlapsBeside(dvec2 e, dvec2 p, dvec2 r, double halfCell) {
+  precise const double end = e.x * p.y - e.y * p.x, corner = e.x * r.y - e.y * r.x;
+  return overlaps(end, end, corner, halfCell * (abs(e.x) + abs(e.y)));
 }
 
-/// Whether triangle and (turned) cell make a pair; the cell is within [lower, upper].
-bool isPair(LatticeTriangle t, ivec3 cell) {
+/// The axes that see no depth: all that tells apart the columns of the triangle's box.
+bool meetsColumn(LatticeTriangle t, ivec2 column) {
+  const double halfCell = 0.5lf * double(kLatticeUnits);
+  const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
+  const dvec2 a = t.v0.xy - centre, b = t.v1.xy - centre, c = t.v2.xy - centre;
+  return overlapsBeside(b - a, a, c, halfCell) && overlapsBeside(c - b, b, a, halfCell) &&
+         overlapsBeside(a - c, c, b, halfCell);
+}
+
+/// The two other axes of one edge, edge x (the unit vectors across the column). `p` and `q` are its ends, r the third
+/// corner: both ends project to the same place.
+bool overlapsAcross(dvec3 p, dvec3 q, dvec3 r, double halfCell) {
+  const dvec3 e = q - p, s = abs(e);
+  precise const double px = e.y * p.z - e.z * p.y, rx = e.y * r.z - e.z * r.y;
+  precise const double py = e.z * p.x - e.x * p.z, ry = e.z * r.x - e.x * r.z;
+  return overlaps(px, px, rx, halfCell * (s.y + s.z)) && overlaps(py, py, ry, halfCell * (s.z + s.x));
+}
+
+/// The axes that see depth, for a cell of a column that the triangle meets. In one layer, or in a face plane, there is
+/// nothing left to ask.
+bool meetsDepth(LatticeTriangle t, ivec3 cell) {
+  if (t.oneLayer) return true;
   const double halfCell = 0.5lf * double(kLatticeUnits);
   const dvec3 centre = (dvec3(cell) + 0.5lf) * double(kLatticeUnits);
-  precise dvec3 a = t.v0 - centre, b = t.v1 - centre, c = t.v2 - centre;
-  // The box axes of the columns hold for every cell of [lower, upper]; so does depth: cellRange is strict.
-  if (!t.facePlane && abs(dot(t.normal, a)) >= halfCell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z))) return false;
-  return overlapsEdgeAxes(b - a, a, b, c, halfCell, t.facePlane) && overlapsEdgeAxes(c - b, a, b, c, halfCell, t.facePlane) &&
-         overlapsEdgeAxes(a - c, a, b, c, halfCell, t.facePlane);
+  const dvec3 a = t.v0 - centre, b = t.v1 - centre, c = t.v2 - centre;
+  precise const double depth = dot(t.normal, a);
+  return abs(depth) < halfCell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z)) &&
+         overlapsAcross(a, b, c, halfCell) && overlapsAcross(b, c, a, halfCell) && overlapsAcross(c, a, b, halfCell);
 }
+

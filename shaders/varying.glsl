@@ -29,19 +29,19 @@ layout(std430, binding = kUvs) readonly buffer Uvs { float uvs[]; };
 dvec2 vertexUv(uint vertex) { return dvec2(uvs[2u * vertex], uvs[2u * vertex + 1u]); }
 #endif
 
-Varying varyingOf(uint triangle, vec3 normal) {
+Varying varyingOf(uvec3 corners, vec3 normal) {
   Varying v;
   v.normal = normal;
 #if LPV_TEXTURED
   // Whole repeats are left out: far from the first texel there would be no digits left for the distance between two.
-  const dvec2 repeats = floor(vertexUv(indices[3u * triangle]));
+  const dvec2 repeats = floor(vertexUv(corners.x));
 #endif
-  for (uint i = 0u; i < 3u; ++i) {
+  for (int i = 0; i < 3; ++i) {
 #if LPV_DIRECTIONS
-    v.direction[i] = vertexDirection(indices[3u * triangle + i], normal);
+    v.direction[i] = vertexDirection(corners[i], normal);
 #endif
 #if LPV_TEXTURED
-    v.uv[i] = (vertexUv(indices[3u * triangle + i]) - repeats) * dvec2(params.texture.xy) - 0.5lf;
+    v.uv[i] = (vertexUv(corners[i]) - repeats) * dvec2(params.texture.xy) - 0.5lf;
 #endif
   }
   return v;

@@ -3,8 +3,8 @@
 #include "layout.h"
 
 layout(std140, binding = kParams) uniform Block { VoxelizeParams params; };
-layout(std430, binding = kPositions) readonly buffer Positions { float positions[]; };
-layout(std430, binding = kTriangles) readonly buffer Triangles { uint indices[]; };
+layout(binding = kPositions) uniform samplerBuffer positions;
+layout(binding = kTriangles) uniform usamplerBuffer triangles;
 
 #include "deposit.glsl"
 #include "pairs.glsl"
@@ -22,16 +22,14 @@ layout(std430, binding = kTriangles) readonly buffer Triangles { uint indices[];
 /// A triangle of the light, in grid space.
 struct EmittingTriangle {
   uint index;
+  uvec3 corners;       // vertices
   LatticeTriangle lattice;
   dvec3 a, b, c;       // corners on the lattice
   double area;         // as a share of what the light's scale was made for
   Varying varying_;
 };
 
-dvec3 objectVertex(uint triangle, uint corner) {
-  const uint v = indices[3u * triangle + corner] * 3u;
-  return dvec3(positions[v], positions[v + 1u], positions[v + 2u]);
-}
+dvec3 objectVertex(uint vertex) { return dvec3(texelFetch(positions, int(vertex)).xyz); }
 
 dvec3 gridPoint(dvec3 p) {
   precise dvec3 g = params.gridFromObject[0].xyz * p.x + params.gridFromObject[1].xyz * p.y +
@@ -44,10 +42,12 @@ double longest(dvec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
 /// False when the triangle emits nothing anywhere. Area and normal are the unsnapped triangle's: snapping decides pairs
 /// and shares only.
 bool loadTriangle(uint index, out EmittingTriangle e) {
-  const dvec3 p = objectVertex(index, 0u), q = objectVertex(index, 1u), r = objectVertex(index, 2u);
+  e.corners = texelFetch(triangles, int(index)).xyz;
+  const dvec3 p = objectVertex(e.corners.x), q = objectVertex(e.corners.y), r = objectVertex(e.corners.z);
   precise dvec3 twiceArea = cross(q - p, r - p);
   if (twiceArea == dvec3(0.0lf)) return false;
-  const dvec3 areaNormal = (params.areaFromObject * dvec4(twiceArea, 0.0lf)).xyz;
+  const dvec3 areaNormal = params.areaFromObject[0].xyz * twiceArea.x + params.areaFromObject[1].xyz * twiceArea.y +
+                           params.areaFromObject[2].xyz * twiceArea.z;
   // Scaled first: the squares of a tiny triangle's normal would not fit.
   const double size = longest(areaNormal);
   if (!(size > 0.0lf)) return false;
@@ -55,7 +55,7 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   const double length_ = sqrt(dot(direction, direction));
   e.index = index;
   e.area = length_ * size;
-  e.varying_ = varyingOf(index, vec3(direction / length_));
+  e.varying_ = varyingOf(e.corners, vec3(direction / length_));
   e.a = snapToLattice(gridPoint(p));
   e.b = snapToLattice(gridPoint(q));
   e.c = snapToLattice(gridPoint(r));
@@ -101,13 +101,14 @@ void depositPart(EmittingTriangle e, ivec3 cell) {
 
 /// The pairs of one column.
 void voxelizeColumn(EmittingTriangle e, ivec2 column) {
+  if (!meetsColumn(e.lattice, column)) return;
   const ivec2 depth = depthRange(e.lattice, column);
 #if !defined(LPV_RECORD_PAIRS) && !LPV_FLUX
   const Lobes lobes = lobesOfColumn(e.varying_, e.lattice, column);
 #endif
   for (int z = depth.x; z <= depth.y; ++z) {
     const ivec3 cell = ivec3(column, z);
-    if (!isPair(e.lattice, cell)) continue;
+    if (!meetsDepth(e.lattice, cell)) continue;
 #ifdef LPV_RECORD_PAIRS
     record(e, turnedBack(cell, e.lattice.axis));
 #elif LPV_FLUX
@@ -118,7 +119,10 @@ void voxelizeColumn(EmittingTriangle e, ivec2 column) {
   }
 }
 
+/// Column number `index` of the triangle's box, row by row. Exact: there are at most 2^16, and half a column is far more
+/// than the division's error.
 ivec2 columnOf(LatticeTriangle t, int index) {
   const int across = t.upper.x - t.lower.x + 1;
-  return t.lower.xy + ivec2(index % across, index / across);
+  const int row = int((float(index) + 0.5) / float(across));
+  return t.lower.xy + ivec2(index - row * across, row);
 }

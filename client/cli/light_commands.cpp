@@ -1,10 +1,9 @@
 // light add | move | set | remove | list
 
-#include <filesystem>
 #include <memory>
-#include <utility>
+#include <string>
+#include <vector>
 
-#include "import/names.h"
 #include "lpv/convert.h"
 #include "object_commands.h"
 #include "output.h"
@@ -13,19 +12,13 @@
 namespace lpv::cli {
 namespace {
 
-struct LightFlags {
-  std::string id;
-  std::string name;
-  std::string mesh;
-  std::string texture;
+struct LightFlags : ObjectFlags {
   std::string directions;
   std::optional<glm::dvec3> radiance;
   std::optional<glm::dvec3> power;
   std::optional<std::string> group;
   std::optional<bool> enabled;
   std::optional<bool> twoSided;
-  TransformFlags transform;
-  ImportOptions import;
 
   void addTo(CLI::App& app) {
     auto* radiant = addColour(app, "--radiance", radiance, "W/(sr m^2), linear Rec.709 (1,1,1)");
@@ -53,88 +46,52 @@ ObjectKind lightKind() {
   return kind;
 }
 
-/// Uploads the files given and names them in the light.
-Status writeFiles(const LightFlags& flags, client::Client& client, v1::Light& light, std::vector<std::string>& paths) {
-  if (!flags.mesh.empty()) {
-    const auto hash = uploadMeshFile(client, flags.id, flags.mesh, flags.import, flags.directions);
-    if (!hash) return hash.status();
-    light.set_mesh(*hash);
-    paths.emplace_back("mesh");
-  }
-  if (!flags.texture.empty()) {
-    const auto hash = uploadImageFile(client, flags.id, flags.texture);
-    if (!hash) return hash.status();
-    light.set_texture(*hash);
-    paths.emplace_back("texture");
-  }
-  return {};
-}
-
 /// Writes what was given; uploads files. Returns the paths written.
 Expected<std::vector<std::string>> writeLight(const LightFlags& flags, client::Client& client, v1::Light& light) {
-  std::vector<std::string> paths;
-  if (Status status = writeFiles(flags, client, light, paths); !status.ok()) return status;
-  if (flags.radiance) {
-    *light.mutable_radiance() = client::toProto(*flags.radiance);
-    paths.emplace_back("radiance");
-  }
-  if (flags.power) {
-    *light.mutable_power() = client::toProto(*flags.power);
-    paths.emplace_back("power");
-  }
-  if (flags.twoSided) {
-    light.set_two_sided(*flags.twoSided);
-    paths.emplace_back("two_sided");
-  }
-  if (flags.enabled) {
-    light.set_enabled(*flags.enabled);
-    paths.emplace_back("enabled");
-  }
-  if (flags.group) {
-    light.set_group(*flags.group);
-    paths.emplace_back("group");
-  }
-  return paths;
+  const Expected<UploadedFiles> files = uploadFiles(client, flags, flags.directions);
+  if (!files) return files.status();
+  GivenFields fields;
+  fields.set("mesh", files->mesh, [&](const std::string& hash) { light.set_mesh(hash); });
+  fields.set("texture", files->texture, [&](const std::string& hash) { light.set_texture(hash); });
+  fields.set("radiance", flags.radiance, [&](const auto& v) { *light.mutable_radiance() = client::toProto(v); });
+  fields.set("power", flags.power, [&](const auto& v) { *light.mutable_power() = client::toProto(v); });
+  fields.set("two_sided", flags.twoSided, [&](bool on) { light.set_two_sided(on); });
+  fields.set("enabled", flags.enabled, [&](bool on) { light.set_enabled(on); });
+  fields.set("group", flags.group, [&](const std::string& group) { light.set_group(group); });
+  return fields.paths();
 }
 
-void addAdd(CLI::App& group, Commands& commands) {
+Expected<v1::Operation> newLight(const LightFlags& flags, client::Client& client) {
+  const v1::Operation moved = client::moveLight("", flags.transform.move());
+  v1::Light light = moved.update_light().light();  // with the given parts of the transform
+  light.set_name(nameFor(flags));
+  const auto written = writeLight(flags, client, light);
+  if (!written) return written.status();
+  return client::createLight(light);
+}
+
+Expected<v1::Operation> changedLight(const LightFlags& flags, client::Client& client) {
+  v1::Operation operation = client::moveLight(flags.name, flags.transform.move());
+  v1::UpdateLight& update = *operation.mutable_update_light();
+  const auto paths = writeLight(flags, client, *update.mutable_light());
+  if (!paths) return paths.status();
+  for (const std::string& path : *paths) update.mutable_update_mask()->add_paths(path);
+  return operation;
+}
+
+void addLightAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<LightFlags>();
   CLI::App& app =
-      commands.add(group, "add", "Makes a mesh file a light and prints its name", [given](Context& context) {
-        Expected<client::Client> client = context.connect();
-        if (!client) return client.status();
-        v1::Operation operation = client::moveLight("", given->transform.move());
-        v1::Light light = operation.update_light().light();  // with the given parts of the transform
-        const std::string stem = std::filesystem::path(given->mesh).stem().string();
-        light.set_name(given->name.empty() ? objectName("", "", stem) : given->name);
-        const auto written = writeLight(*given, *client, light);
-        if (!written) return written.status();
-        return applyAndPrint(context, *client, given->id, client::editOf({client::createLight(light)}), true);
-      });
-  addSession(app, given->id);
-  app.add_option("mesh", given->mesh, "glb, gltf, obj, ply or stl")->required()->type_name("MESHFILE");
-  app.add_option("--name", given->name, "Name (the file's)")->type_name("NAME");
+      addAdd(group, commands, kind, given, [given](client::Client& client) { return newLight(*given, client); });
   app.add_flag_callback(
       "--two-sided", [given] { given->twoSided = true; }, "Emits from both sides");
   given->addTo(app);
 }
 
-void addSet(CLI::App& group, Commands& commands) {
+void addLightSet(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<LightFlags>();
   CLI::App& app =
-      commands.add(group, "set", "Changes what is given, nothing else", [given](Context& context) -> Status {
-        Expected<client::Client> client = context.connect();
-        if (!client) return client.status();
-        v1::Operation operation = client::moveLight(given->name, given->transform.move());
-        v1::UpdateLight& update = *operation.mutable_update_light();
-        const auto paths = writeLight(*given, *client, *update.mutable_light());
-        if (!paths) return paths.status();
-        for (const std::string& path : *paths) update.mutable_update_mask()->add_paths(path);
-        return applyAndPrint(context, *client, given->id, client::editOf({operation}), false);
-      });
-  addSession(app, given->id);
-  app.add_option("name", given->name, "Name of the light")->required()->type_name("NAME");
-  app.add_option("--mesh", given->mesh, "Another mesh")->type_name("MESHFILE");
+      addSet(group, commands, kind, given, [given](client::Client& client) { return changedLight(*given, client); });
   addSwitch(app, "--enabled", given->enabled, "Whether it shines");
   addSwitch(app, "--two-sided", given->twoSided, "Whether it emits from both sides");
   given->addTo(app);
@@ -154,34 +111,18 @@ std::vector<std::string> lightRow(const v1::Light& light) {
           light.group()};
 }
 
-void addList(CLI::App& group, Commands& commands) {
-  auto id = std::make_shared<std::string>();
-  CLI::App& app = commands.add(group, "list", "Lists the lights", [id](Context& context) {
-    Expected<client::Client> client = context.connect();
-    if (!client) return client.status();
-    const auto lights = client->lights(*id);
-    if (!lights) return lights.status();
-    std::vector<std::vector<std::string>> rows;
-    for (const v1::Light& light : lights->items) {
-      if (context.json()) print(toJson(light));
-      rows.push_back(lightRow(light));
-    }
-    if (!context.json()) printTable(rows);
-    return Status();
-  });
-  addSession(app, *id);
-}
-
 }  // namespace
 
 void addLightCommands(CLI::App& app, Commands& commands) {
   CLI::App& group = Commands::group(app, "light", "Lights: add, move, set, remove, list");
   const ObjectKind kind = lightKind();
-  addAdd(group, commands);
+  addLightAdd(group, commands, kind);
   addMove(group, commands, kind);
-  addSet(group, commands);
+  addLightSet(group, commands, kind);
   addRemove(group, commands, kind);
-  addList(group, commands);
+  addList(
+      group, commands, kind, [](client::Client& client, const std::string& session) { return client.lights(session); },
+      lightRow);
 }
 
 }  // namespace lpv::cli

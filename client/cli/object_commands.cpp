@@ -1,11 +1,13 @@
 #include "object_commands.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <utility>
 
 #include "import/image.h"
+#include "import/names.h"
 #include "lpv/blobs.h"
 #include "output.h"
 #include "progress.h"
@@ -36,6 +38,35 @@ Expected<std::vector<glm::vec3>> readDirections(const std::string& path) {
   return out;
 }
 
+/// Reads a mesh file and uploads it.
+Expected<std::string> uploadMeshFile(client::Client& client, const std::string& session, const std::string& path,
+                                     const ImportOptions& options, const std::string& directionsPath) {
+  ImportOptions as = options;
+  as.keepVertices = !directionsPath.empty();
+  Expected<Mesh> mesh = importMesh(path, as);
+  if (!mesh) return mesh.status();
+  if (!directionsPath.empty()) {
+    Expected<std::vector<glm::vec3>> directions = readDirections(directionsPath);
+    if (!directions) return directions.status();
+    if (directions->size() != mesh->positions.size()) {
+      return invalid("directions", directionsPath + " has " + std::to_string(directions->size()) + " directions, " +
+                                       path + " has " + std::to_string(mesh->positions.size()) + " vertices");
+    }
+    mesh->directions = std::move(*directions);
+  }
+  ProgressBar bar("uploading");
+  return client::upload(client, session, *mesh, [&](auto done, auto total) { bar.show(done, total); });
+}
+
+/// Reads an image and uploads it; "none" gives "".
+Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path) {
+  if (path == "none") return std::string();
+  const Expected<Texture> texture = readImage(path);
+  if (!texture) return texture.status();
+  ProgressBar bar("uploading");
+  return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
+}
+
 Status moveRelative(Context& context, client::Client& client, const ObjectKind& kind, const std::string& session,
                     const std::string& name, const TransformFlags& flags) {
   Status status;
@@ -53,6 +84,16 @@ Status moveRelative(Context& context, client::Client& client, const ObjectKind& 
     if (status.code() != Code::kAborted) return status;
   }
   return status;
+}
+
+Action applying(const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation, bool printName) {
+  return [flags, operation = std::move(operation), printName](Context& context) -> Status {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const Expected<v1::Operation> made = operation(*client);
+    if (!made) return made.status();
+    return applyAndPrint(context, *client, flags->id, client::editOf({*made}), printName);
+  };
 }
 
 }  // namespace
@@ -111,31 +152,44 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   app.add_option("names", given->names, "Names; all or none are removed")->required()->type_name("NAME");
 }
 
-Expected<std::string> uploadMeshFile(client::Client& client, const std::string& session, const std::string& path,
-                                     const ImportOptions& options, const std::string& directionsPath) {
-  ImportOptions as = options;
-  as.keepVertices = !directionsPath.empty();
-  Expected<Mesh> mesh = importMesh(path, as);
-  if (!mesh) return mesh.status();
-  if (!directionsPath.empty()) {
-    Expected<std::vector<glm::vec3>> directions = readDirections(directionsPath);
-    if (!directions) return directions.status();
-    if (directions->size() != mesh->positions.size()) {
-      return invalid("directions", directionsPath + " has " + std::to_string(directions->size()) + " directions, " +
-                                       path + " has " + std::to_string(mesh->positions.size()) + " vertices");
-    }
-    mesh->directions = std::move(*directions);
-  }
-  ProgressBar bar("uploading");
-  return client::upload(client, session, *mesh, [&](auto done, auto total) { bar.show(done, total); });
+CLI::App& addAdd(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
+                 MakeOperation operation) {
+  CLI::App& app = commands.add(group, "add", "Makes a mesh file a " + kind.word + " and prints its name",
+                               applying(flags, std::move(operation), true));
+  addSession(app, flags->id);
+  app.add_option("mesh", flags->mesh, "glb, gltf, obj, ply or stl")->required()->type_name("MESHFILE");
+  app.add_option("--name", flags->name, "Name (the file's)")->type_name("NAME");
+  return app;
 }
 
-Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path) {
-  if (path == "none") return std::string();
-  const Expected<Texture> texture = readImage(path);
-  if (!texture) return texture.status();
-  ProgressBar bar("uploading");
-  return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
+CLI::App& addSet(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
+                 MakeOperation operation) {
+  CLI::App& app =
+      commands.add(group, "set", "Changes what is given, nothing else", applying(flags, std::move(operation), false));
+  addSession(app, flags->id);
+  app.add_option("name", flags->name, "Name of the " + kind.word)->required()->type_name("NAME");
+  app.add_option("--mesh", flags->mesh, "Another mesh")->type_name("MESHFILE");
+  return app;
+}
+
+std::string nameFor(const ObjectFlags& flags) {
+  if (!flags.name.empty()) return flags.name;
+  return objectName("", "", std::filesystem::path(flags.mesh).stem().string());
+}
+
+Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& flags, const std::string& directions) {
+  UploadedFiles out;
+  if (!flags.mesh.empty()) {
+    const auto hash = uploadMeshFile(client, flags.id, flags.mesh, flags.import, directions);
+    if (!hash) return hash.status();
+    out.mesh = *hash;
+  }
+  if (!flags.texture.empty()) {
+    const auto hash = uploadImageFile(client, flags.id, flags.texture);
+    if (!hash) return hash.status();
+    out.texture = *hash;
+  }
+  return out;
 }
 
 }  // namespace lpv::cli

@@ -3,11 +3,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "command.h"
 #include "lpv/edits.h"
+#include "output.h"
 #include "scene_flags.h"
 
 namespace lpv::cli {
@@ -33,11 +35,71 @@ Status applyAndPrint(Context& context, client::Client& client, const std::string
 void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind);
 void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind);
 
-/// Reads a mesh file and uploads it; with a file of directions, one per vertex in the file's order.
-Expected<std::string> uploadMeshFile(client::Client& client, const std::string& session, const std::string& path,
-                                     const ImportOptions& options, const std::string& directionsPath);
+/// Flags that lights and surfaces share.
+struct ObjectFlags {
+  std::string id;  ///< of the session
+  std::string name;
+  std::string mesh;
+  std::string texture;
+  TransformFlags transform;
+  ImportOptions import;
+};
 
-/// Reads an image and uploads it; "none" gives "", which takes a texture away.
-Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path);
+using MakeOperation = std::function<Expected<v1::Operation>(client::Client&)>;
+
+/// `add` and `set`, with the flags that make them; the caller adds those of its kind. `operation` uploads what is given
+/// and says what to do.
+CLI::App& addAdd(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
+                 MakeOperation operation);
+CLI::App& addSet(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
+                 MakeOperation operation);
+
+/// The name given to a new object, else its file's.
+std::string nameFor(const ObjectFlags& flags);
+
+/// Hashes of the files that were given, on the server now. "" for the texture "none", which takes a texture away.
+struct UploadedFiles {
+  std::optional<std::string> mesh;
+  std::optional<std::string> texture;
+};
+/// `directions`: a file of emission directions, one per vertex in the mesh file's order; may be empty.
+Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& flags,
+                                    const std::string& directions = {});
+
+/// Writes what is given into a message and keeps the paths, for an update's mask.
+class GivenFields {
+ public:
+  template <typename T, typename Write>
+  void set(const char* path, const std::optional<T>& value, Write write) {
+    if (!value) return;
+    write(*value);
+    paths_.emplace_back(path);
+  }
+  const std::vector<std::string>& paths() const { return paths_; }
+
+ private:
+  std::vector<std::string> paths_;
+};
+
+/// `list`: `list` asks for the objects, `row` makes a line of a table of one.
+template <typename List, typename Row>
+void addList(CLI::App& group, Commands& commands, const ObjectKind& kind, List list, Row row) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app =
+      commands.add(group, "list", "Lists the " + kind.word + "s", [id, list, row](Context& context) -> Status {
+        Expected<client::Client> client = context.connect();
+        if (!client) return client.status();
+        const auto listing = list(*client, *id);
+        if (!listing) return listing.status();
+        std::vector<std::vector<std::string>> rows;
+        for (const auto& object : listing->items) {
+          if (context.json()) print(toJson(object));
+          rows.push_back(row(object));
+        }
+        if (!context.json()) printTable(rows);
+        return {};
+      });
+  addSession(app, *id);
+}
 
 }  // namespace lpv::cli

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "command.h"
-#include "default_view.h"
 #include "frame_get.h"
 #include "import/scene_file.h"
 #include "lpv/convert.h"
@@ -47,12 +46,11 @@ class TemporarySession {
   std::string name_;
 };
 
+/// Nothing where the server is to choose.
 std::optional<v1::Camera> cameraFor(const Options& options, const ImportedScene& scene) {
   if (options.frame.hasCamera()) return options.frame.camera();
-  if (!options.frame.cameraName.empty()) return {};
-  if (!scene.cameras.empty()) return client::toProto(scene.cameras.front().second);
-  const glm::ivec2 size = glm::max(options.frame.pixels(), glm::ivec2(1));
-  return client::toProto(defaultView(scene, double(size.x) / size.y));
+  if (!options.frame.cameraName.empty() || scene.cameras.empty()) return {};
+  return client::toProto(scene.cameras.front().second);
 }
 
 Status render(Context& context, const Options& options) {

@@ -1,10 +1,9 @@
 // surface add | move | set | remove | list
 
-#include <filesystem>
 #include <memory>
-#include <utility>
+#include <string>
+#include <vector>
 
-#include "import/names.h"
 #include "lpv/convert.h"
 #include "object_commands.h"
 #include "output.h"
@@ -13,17 +12,11 @@
 namespace lpv::cli {
 namespace {
 
-struct SurfaceFlags {
-  std::string id;
-  std::string name;
-  std::string mesh;
-  std::string texture;
+struct SurfaceFlags : ObjectFlags {
   std::optional<glm::dvec3> albedo;
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> oneSided;
-  TransformFlags transform;
-  ImportOptions import;
 
   void addTo(CLI::App& app) {
     addColour(app, "--albedo", albedo, "Linear reflectance, 0..1 (0.8)");
@@ -54,96 +47,56 @@ ObjectKind surfaceKind() {
 /// Writes what was given; uploads files. Returns the paths written.
 Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, client::Client& client,
                                                 v1::Surface& surface) {
-  std::vector<std::string> paths;
-  if (!flags.mesh.empty()) {
-    const auto hash = uploadMeshFile(client, flags.id, flags.mesh, flags.import, {});
-    if (!hash) return hash.status();
-    surface.set_mesh(*hash);
-    paths.emplace_back("mesh");
-  }
-  if (!flags.texture.empty()) {
-    const auto hash = uploadImageFile(client, flags.id, flags.texture);
-    if (!hash) return hash.status();
-    surface.set_albedo_texture(*hash);
-    paths.emplace_back("albedo_texture");
-  }
-  if (flags.albedo) {
-    *surface.mutable_albedo() = client::toProto(*flags.albedo);
-    paths.emplace_back("albedo");
-  }
-  if (flags.roughness) {
-    surface.set_roughness(*flags.roughness);
-    paths.emplace_back("roughness");
-  }
-  if (flags.metalness) {
-    surface.set_metalness(*flags.metalness);
-    paths.emplace_back("metalness");
-  }
-  if (flags.oneSided) {
-    surface.set_one_sided(*flags.oneSided);
-    paths.emplace_back("one_sided");
-  }
-  return paths;
+  const Expected<UploadedFiles> files = uploadFiles(client, flags);
+  if (!files) return files.status();
+  GivenFields fields;
+  fields.set("mesh", files->mesh, [&](const std::string& hash) { surface.set_mesh(hash); });
+  fields.set("albedo_texture", files->texture, [&](const std::string& hash) { surface.set_albedo_texture(hash); });
+  fields.set("albedo", flags.albedo, [&](const auto& v) { *surface.mutable_albedo() = client::toProto(v); });
+  fields.set("roughness", flags.roughness, [&](double v) { surface.set_roughness(v); });
+  fields.set("metalness", flags.metalness, [&](double v) { surface.set_metalness(v); });
+  fields.set("one_sided", flags.oneSided, [&](bool on) { surface.set_one_sided(on); });
+  return fields.paths();
 }
 
-void addAdd(CLI::App& group, Commands& commands) {
+Expected<v1::Operation> newSurface(const SurfaceFlags& flags, client::Client& client) {
+  const v1::Operation moved = client::moveSurface("", flags.transform.move());
+  v1::Surface surface = moved.update_surface().surface();  // with the given parts of the transform
+  surface.set_name(nameFor(flags));
+  const auto written = writeSurface(flags, client, surface);
+  if (!written) return written.status();
+  return client::createSurface(surface);
+}
+
+Expected<v1::Operation> changedSurface(const SurfaceFlags& flags, client::Client& client) {
+  v1::Operation operation = client::moveSurface(flags.name, flags.transform.move());
+  v1::UpdateSurface& update = *operation.mutable_update_surface();
+  const auto paths = writeSurface(flags, client, *update.mutable_surface());
+  if (!paths) return paths.status();
+  for (const std::string& path : *paths) update.mutable_update_mask()->add_paths(path);
+  return operation;
+}
+
+void addSurfaceAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<SurfaceFlags>();
-  CLI::App& app = commands.add(group, "add", "Makes a mesh file a surface and prints its name", [given](Context& c) {
-    Expected<client::Client> client = c.connect();
-    if (!client) return client.status();
-    v1::Operation operation = client::moveSurface("", given->transform.move());
-    v1::Surface surface = operation.update_surface().surface();  // with the given parts of the transform
-    const std::string stem = std::filesystem::path(given->mesh).stem().string();
-    surface.set_name(given->name.empty() ? objectName("", "", stem) : given->name);
-    const auto written = writeSurface(*given, *client, surface);
-    if (!written) return written.status();
-    return applyAndPrint(c, *client, given->id, client::editOf({client::createSurface(surface)}), true);
-  });
-  addSession(app, given->id);
-  app.add_option("mesh", given->mesh, "glb, gltf, obj, ply or stl")->required()->type_name("MESHFILE");
-  app.add_option("--name", given->name, "Name (the file's)")->type_name("NAME");
+  CLI::App& app =
+      addAdd(group, commands, kind, given, [given](client::Client& client) { return newSurface(*given, client); });
   given->addTo(app);
 }
 
-void addSet(CLI::App& group, Commands& commands) {
+void addSurfaceSet(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<SurfaceFlags>();
   CLI::App& app =
-      commands.add(group, "set", "Changes what is given, nothing else", [given](Context& context) -> Status {
-        Expected<client::Client> client = context.connect();
-        if (!client) return client.status();
-        v1::Operation operation = client::moveSurface(given->name, given->transform.move());
-        v1::UpdateSurface& update = *operation.mutable_update_surface();
-        const auto paths = writeSurface(*given, *client, *update.mutable_surface());
-        if (!paths) return paths.status();
-        for (const std::string& path : *paths) update.mutable_update_mask()->add_paths(path);
-        return applyAndPrint(context, *client, given->id, client::editOf({operation}), false);
-      });
-  addSession(app, given->id);
-  app.add_option("name", given->name, "Name of the surface")->required()->type_name("NAME");
-  app.add_option("--mesh", given->mesh, "Another mesh")->type_name("MESHFILE");
+      addSet(group, commands, kind, given, [given](client::Client& client) { return changedSurface(*given, client); });
   given->addTo(app);
   requireSomeFlag(app);
 }
 
-void addList(CLI::App& group, Commands& commands) {
-  auto id = std::make_shared<std::string>();
-  CLI::App& app = commands.add(group, "list", "Lists the surfaces", [id](Context& context) {
-    Expected<client::Client> client = context.connect();
-    if (!client) return client.status();
-    const auto surfaces = client->surfaces(*id);
-    if (!surfaces) return surfaces.status();
-    std::vector<std::vector<std::string>> rows;
-    for (const v1::Surface& surface : surfaces->items) {
-      if (context.json()) print(toJson(surface));
-      rows.push_back({surface.name(), std::to_string(surface.triangle_count()) + " triangles",
-                      "albedo " + shortText(surface.albedo().x()) + "," + shortText(surface.albedo().y()) + "," +
-                          shortText(surface.albedo().z()),
-                      surface.albedo_texture().empty() ? "" : "textured"});
-    }
-    if (!context.json()) printTable(rows);
-    return Status();
-  });
-  addSession(app, *id);
+std::vector<std::string> surfaceRow(const v1::Surface& surface) {
+  const v1::Vec3& albedo = surface.albedo();
+  return {surface.name(), std::to_string(surface.triangle_count()) + " triangles",
+          "albedo " + shortText(albedo.x()) + "," + shortText(albedo.y()) + "," + shortText(albedo.z()),
+          surface.albedo_texture().empty() ? "" : "textured"};
 }
 
 }  // namespace
@@ -151,11 +104,13 @@ void addList(CLI::App& group, Commands& commands) {
 void addSurfaceCommands(CLI::App& app, Commands& commands) {
   CLI::App& group = Commands::group(app, "surface", "Surfaces: add, move, set, remove, list");
   const ObjectKind kind = surfaceKind();
-  addAdd(group, commands);
+  addSurfaceAdd(group, commands, kind);
   addMove(group, commands, kind);
-  addSet(group, commands);
+  addSurfaceSet(group, commands, kind);
   addRemove(group, commands, kind);
-  addList(group, commands);
+  addList(
+      group, commands, kind,
+      [](client::Client& client, const std::string& session) { return client.surfaces(session); }, surfaceRow);
 }
 
 }  // namespace lpv::cli

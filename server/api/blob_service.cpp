@@ -10,6 +10,13 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
  public:
   explicit Upload(Context& context) : context_(context), idle_(*context.timers) {}
 
+  void expectFirst() {
+    idle_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
+      const auto self = std::static_pointer_cast<Upload>(weak.lock());
+      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time", "header"));
+    });
+  }
+
   void receive(pb::UploadBlobRequest request) override {
     if (hasEnded()) return;
     if (Status s = take(request); !s.ok()) {
@@ -192,7 +199,9 @@ Status findBlobs(Context& context, const pb::FindBlobsRequest& request, pb::Find
 }
 
 StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(Context& context) {
-  return std::make_shared<Upload>(context);
+  auto stream = std::make_shared<Upload>(context);
+  stream->expectFirst();
+  return stream;
 }
 
 StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context& context) {

@@ -145,7 +145,7 @@ Expected<std::shared_ptr<FrameFeed>> openFeed(Context& context, const pb::FrameS
   if (Status s = (*session)->verify(client); !s.ok()) return s;
   const Expected<FrameOrder> order = orderFrom(in, context.limits);
   if (!order) return order.status();
-  if (const Expected<Camera> camera = (*session)->cameraFor(order->wish.camera); !camera) return camera.status();
+  if (Status s = (*session)->checkCamera(order->wish.camera); !s.ok()) return s;
   Wish wish;
   wish.frame = order->wish;
   wish.clientId = client.id;

@@ -2,6 +2,7 @@
 
 #include <deque>
 
+#include "api/deadline.h"
 #include "api/probing.h"
 #include "api/services.h"
 
@@ -12,11 +13,19 @@ constexpr std::size_t kMaxQueuedParts = 4;
 
 class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeResponse> {
  public:
-  explicit ProbeStream(Context& context) : context_(context) {}
+  explicit ProbeStream(Context& context) : context_(context), first_(*context.timers) {}
+
+  void expectFirst() {
+    first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
+      const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
+      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time", "request"));
+    });
+  }
 
   void receive(pb::StreamProbeRequest request) override {
     if (hasEnded()) return;
     if (!asked_) {
+      first_.stop();
       if (Status s = ask(request.request()); !s.ok()) return end(s.within("request"));
     }
     Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
@@ -55,6 +64,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   }
 
   void cancelled() override {
+    first_.stop();
     if (call_) session_->forget(call_);
     end(Status(Code::kCancelled, "the client went away"));
   }
@@ -104,6 +114,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   }
 
   Context& context_;
+  Deadline first_;
   SessionPtr session_;
   bool asked_ = false;
   std::shared_ptr<WaitingCall> call_;
@@ -118,7 +129,9 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
 }  // namespace
 
 StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(Context& context) {
-  return std::make_shared<ProbeStream>(context);
+  auto stream = std::make_shared<ProbeStream>(context);
+  stream->expectFirst();
+  return stream;
 }
 
 }  // namespace lpv::api

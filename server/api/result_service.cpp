@@ -117,7 +117,7 @@ class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameRespons
   Expected<WaitingCall> prepare(pb::GetFrameRequest& request) override {
     Expected<FrameOrder> order = orderFrom(request, context_.limits);
     if (!order) return order.status();
-    if (const Expected<Camera> camera = session_->cameraFor(order->wish.camera); !camera) return camera.status();
+    if (Status s = session_->checkCamera(order->wish.camera); !s.ok()) return s;
     order_ = *order;
     WaitingCall call;
     call.frame = order_.wish;
@@ -211,7 +211,7 @@ Status pick(Context& context, const pb::PickRequest& request, pb::PickResponse* 
                       std::to_string(wish->size.x) + " x " + std::to_string(wish->size.y),
                   "x");
   }
-  const Expected<Camera> camera = (*session)->cameraFor(wish->camera);
+  const Expected<Camera> camera = (*session)->cameraFor(wish->camera, wish->size);
   if (!camera) return camera.status();
   const ScenePtr scene = (*session)->scene();
   response->set_revision(scene->revision);

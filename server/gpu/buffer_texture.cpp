@@ -7,17 +7,33 @@
 
 namespace lpv::gpu {
 
-BufferTexture::BufferTexture(const std::string& label, const Buffer& buffer) {
-  constexpr std::size_t kTexelBytes = 16;
+namespace {
+
+GLenum formatOf(BufferTexel texel) {
+  switch (texel) {
+    case BufferTexel::kVec3:
+      return GL_RGB32F;
+    case BufferTexel::kUvec3:
+      return GL_RGB32UI;
+    case BufferTexel::kVec4:
+      break;
+  }
+  return GL_RGBA32F;
+}
+
+}  // namespace
+
+BufferTexture::BufferTexture(const std::string& label, const Buffer& buffer, BufferTexel texel) {
+  const std::size_t texelBytes = texel == BufferTexel::kVec4 ? 16 : 12;
   GLint64 limit = 0;
   glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-  if (buffer.size() / kTexelBytes > std::size_t(limit))
+  if (buffer.size() / texelBytes > std::size_t(limit))
     throw Failure(Code::kResourceExhausted, "GPU buffer " + label + " of " +
-                                                std::to_string(buffer.size() / kTexelBytes) +
+                                                std::to_string(buffer.size() / texelBytes) +
                                                 " texels exceeds the device's " + std::to_string(limit));
   clearErrors();
   glCreateTextures(GL_TEXTURE_BUFFER, 1, &id_);
-  glTextureBuffer(id_, GL_RGBA32F, buffer.id());
+  glTextureBuffer(id_, formatOf(texel), buffer.id());
   try {
     throwOnError("buffer texture " + label);
   } catch (...) {

@@ -7,13 +7,20 @@
 
 namespace lpv::gpu {
 
-/// A view of a whole buffer as one row of vec4 texels (RGBA32F), to be read with texelFetch: on llvmpipe two to three
-/// times faster than storage reads. The buffer outlives it. Move-only; empty (id 0) after move.
+/// What one texel of a buffer is.
+enum class BufferTexel {
+  kVec4,   ///< 4 floats
+  kVec3,   ///< 3 floats
+  kUvec3,  ///< 3 unsigned integers
+};
+
+/// A view of a whole buffer as one row of texels, to be read with texelFetch: on llvmpipe two to three times faster than
+/// storage reads. The buffer outlives it. Move-only; empty (id 0) after move.
 class BufferTexture {
  public:
   BufferTexture() = default;
   /// Throws Failure (RESOURCE_EXHAUSTED) when the buffer is larger than the device's texture buffers.
-  BufferTexture(const std::string& label, const Buffer& buffer);
+  BufferTexture(const std::string& label, const Buffer& buffer, BufferTexel texel = BufferTexel::kVec4);
   BufferTexture(BufferTexture&& other) noexcept;
   BufferTexture& operator=(BufferTexture&& other) noexcept;
   ~BufferTexture();

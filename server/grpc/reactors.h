@@ -9,32 +9,37 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "api/context.h"
+#include "api/services.h"
 #include "api/stream.h"
 #include "grpc/status.h"
 
 namespace lpv::door {
 
-template <typename Request, typename Response>
-using StreamPtr = std::shared_ptr<api::Stream<Request, Response>>;
+using api::StreamPtr;
 
-/// Both sides stream.
-template <typename Request, typename Response>
-class BidiReactor final : public grpc::ServerBidiReactor<Request, Response> {
+/// A stream behind a reactor of any of gRPC's four kinds. Requests are read where `Base` reads, else there is one,
+/// given at the start; responses are written where `Base` writes, else there is one, whose place is given at the start.
+template <typename Base, typename Request, typename Response>
+class StreamReactor final : public Base {
  public:
-  static grpc::ServerBidiReactor<Request, Response>* start(StreamPtr<Request, Response> stream) {
-    auto* reactor = new BidiReactor(std::move(stream));
+  static Base* start(StreamPtr<Request, Response> stream, const Request* request, Response* response) {
+    auto* reactor = new StreamReactor(std::move(stream), response);
     reactor->self_.reset(reactor);
-    reactor->stream_->onWake([weak = std::weak_ptr<BidiReactor>(reactor->self_)] {
+    reactor->stream_->onWake([weak = std::weak_ptr<StreamReactor>(reactor->self_)] {
       if (const auto self = weak.lock()) self->pump();
     });
+    if (request) reactor->stream_->receive(*request);
     reactor->pump();
     return reactor;
   }
 
-  void OnReadDone(bool ok) override {
+  // gRPC's reactions. They override those that `Base` has, which "override" could not say.
+  // NOLINTBEGIN(modernize-use-override)
+  void OnReadDone(bool ok) {
     if (ok) {
       stream_->receive(std::move(request_));
       request_.Clear();
@@ -49,7 +54,7 @@ class BidiReactor final : public grpc::ServerBidiReactor<Request, Response> {
     pump();
   }
 
-  void OnWriteDone(bool ok) override {
+  void OnWriteDone(bool ok) {
     {
       const std::lock_guard lock(mutex_);
       writing_ = false;
@@ -58,7 +63,7 @@ class BidiReactor final : public grpc::ServerBidiReactor<Request, Response> {
     pump();
   }
 
-  void OnCancel() override {
+  void OnCancel() {
     stream_->cancelled();
     {
       const std::lock_guard lock(mutex_);
@@ -67,232 +72,95 @@ class BidiReactor final : public grpc::ServerBidiReactor<Request, Response> {
     pump();
   }
 
-  void OnDone() override {
+  void OnDone() {
     stream_->cancelled();
     self_.reset();
   }
+  // NOLINTEND(modernize-use-override)
 
  private:
-  explicit BidiReactor(StreamPtr<Request, Response> stream) : stream_(std::move(stream)) {}
+  static constexpr bool kReads = requires(Base& base, Request* request) { base.StartRead(request); };
+  static constexpr bool kWrites = requires(Base& base, const Response* response) { base.StartWrite(response); };
+
+  StreamReactor(StreamPtr<Request, Response> stream, Response* response)
+      : stream_(std::move(stream)), response_(response ? response : &ownResponse_) {}
 
   /// Starts whatever can be started now.
   void pump() {
     const std::lock_guard lock(mutex_);
     if (finished_) return;
-    if (!writing_ && !broken_) {
-      response_.Clear();
-      if (stream_->next(&response_)) {
-        writing_ = true;
-        this->StartWrite(&response_);
-      }
-    }
+    if (!writing_ && !broken_) respond();
     if (!writing_) {
-      const std::optional<Status> end = broken_ ? Status(Code::kCancelled, "the client went away") : stream_->ended();
-      if (end) {
+      if (const std::optional<Status> end = ending()) {
         finished_ = true;
         this->Finish(toGrpc(*end));
         return;
       }
     }
-    if (!reading_ && !inputEnded_ && stream_->wantsRead()) {
+    if constexpr (kReads) {
+      if (reading_ || inputEnded_ || !stream_->wantsRead()) return;
       reading_ = true;
       this->StartRead(&request_);
     }
   }
 
+  void respond() {
+    response_->Clear();
+    if (!stream_->next(response_)) return;
+    if constexpr (kWrites) {
+      writing_ = true;
+      this->StartWrite(response_);
+    } else {
+      answered_ = true;
+    }
+  }
+
+  std::optional<Status> ending() {
+    if (broken_) return Status(Code::kCancelled, "the client went away");
+    if (answered_) return Status();
+    return stream_->ended();
+  }
+
   StreamPtr<Request, Response> stream_;
-  std::shared_ptr<BidiReactor> self_;
+  std::shared_ptr<StreamReactor> self_;
   std::mutex mutex_;
   Request request_;
-  Response response_;
+  Response ownResponse_;
+  Response* response_;
   bool reading_ = false;
   bool writing_ = false;
   bool inputEnded_ = false;
   bool broken_ = false;
+  bool answered_ = false;  ///< the one response is in its place
   bool finished_ = false;
 };
+
+/// Both sides stream.
+template <typename Request, typename Response>
+grpc::ServerBidiReactor<Request, Response>* serve(StreamPtr<Request, Response> stream) {
+  using Base = grpc::ServerBidiReactor<Request, Response>;
+  return StreamReactor<Base, Request, Response>::start(std::move(stream), nullptr, nullptr);
+}
 
 /// One question, many answers.
 template <typename Request, typename Response>
-class WriteReactor final : public grpc::ServerWriteReactor<Response> {
- public:
-  static grpc::ServerWriteReactor<Response>* start(StreamPtr<Request, Response> stream, const Request& request) {
-    auto* reactor = new WriteReactor(std::move(stream));
-    reactor->self_.reset(reactor);
-    reactor->stream_->onWake([weak = std::weak_ptr<WriteReactor>(reactor->self_)] {
-      if (const auto self = weak.lock()) self->pump();
-    });
-    reactor->stream_->receive(request);
-    reactor->pump();
-    return reactor;
-  }
-
-  void OnWriteDone(bool ok) override {
-    {
-      const std::lock_guard lock(mutex_);
-      writing_ = false;
-      broken_ = broken_ || !ok;
-    }
-    pump();
-  }
-
-  void OnCancel() override {
-    stream_->cancelled();
-    {
-      const std::lock_guard lock(mutex_);
-      broken_ = true;
-    }
-    pump();
-  }
-
-  void OnDone() override {
-    stream_->cancelled();
-    self_.reset();
-  }
-
- private:
-  explicit WriteReactor(StreamPtr<Request, Response> stream) : stream_(std::move(stream)) {}
-
-  void pump() {
-    const std::lock_guard lock(mutex_);
-    if (finished_ || writing_) return;
-    if (!broken_) {
-      response_.Clear();
-      if (stream_->next(&response_)) {
-        writing_ = true;
-        this->StartWrite(&response_);
-        return;
-      }
-    }
-    const std::optional<Status> end = broken_ ? Status(Code::kCancelled, "the client went away") : stream_->ended();
-    if (!end) return;
-    finished_ = true;
-    this->Finish(toGrpc(*end));
-  }
-
-  StreamPtr<Request, Response> stream_;
-  std::shared_ptr<WriteReactor> self_;
-  std::mutex mutex_;
-  Response response_;
-  bool writing_ = false;
-  bool broken_ = false;
-  bool finished_ = false;
-};
+grpc::ServerWriteReactor<Response>* serve(StreamPtr<Request, Response> stream, const Request* request) {
+  using Base = grpc::ServerWriteReactor<Response>;
+  return StreamReactor<Base, Request, Response>::start(std::move(stream), request, nullptr);
+}
 
 /// Many messages, one answer.
 template <typename Request, typename Response>
-class ReadReactor final : public grpc::ServerReadReactor<Request> {
- public:
-  static grpc::ServerReadReactor<Request>* start(StreamPtr<Request, Response> stream, Response* response) {
-    auto* reactor = new ReadReactor(std::move(stream), response);
-    reactor->self_.reset(reactor);
-    reactor->stream_->onWake([weak = std::weak_ptr<ReadReactor>(reactor->self_)] {
-      if (const auto self = weak.lock()) self->pump();
-    });
-    reactor->pump();
-    return reactor;
-  }
-
-  void OnReadDone(bool ok) override {
-    if (ok) {
-      stream_->receive(std::move(request_));
-      request_.Clear();
-    } else {
-      stream_->halfClosed();
-    }
-    {
-      const std::lock_guard lock(mutex_);
-      reading_ = false;
-      inputEnded_ = !ok;
-    }
-    pump();
-  }
-
-  void OnCancel() override {
-    stream_->cancelled();
-    pump();
-  }
-
-  void OnDone() override {
-    stream_->cancelled();
-    self_.reset();
-  }
-
- private:
-  ReadReactor(StreamPtr<Request, Response> stream, Response* response)
-      : stream_(std::move(stream)), response_(response) {}
-
-  void pump() {
-    const std::lock_guard lock(mutex_);
-    if (finished_) return;
-    if (const std::optional<Status> end = stream_->ended()) {
-      if (end->ok()) stream_->next(response_);
-      finished_ = true;
-      this->Finish(toGrpc(*end));
-      return;
-    }
-    if (!reading_ && !inputEnded_ && stream_->wantsRead()) {
-      reading_ = true;
-      this->StartRead(&request_);
-    }
-  }
-
-  StreamPtr<Request, Response> stream_;
-  Response* response_;
-  std::shared_ptr<ReadReactor> self_;
-  std::mutex mutex_;
-  Request request_;
-  bool reading_ = false;
-  bool inputEnded_ = false;
-  bool finished_ = false;
-};
+grpc::ServerReadReactor<Request>* serve(StreamPtr<Request, Response> stream, Response* response) {
+  using Base = grpc::ServerReadReactor<Request>;
+  return StreamReactor<Base, Request, Response>::start(std::move(stream), nullptr, response);
+}
 
 /// One question, one answer that has to be waited for.
 template <typename Request, typename Response>
-class AwaitReactor final : public grpc::ServerUnaryReactor {
- public:
-  static grpc::ServerUnaryReactor* start(StreamPtr<Request, Response> stream, const Request& request,
-                                         Response* response) {
-    auto* reactor = new AwaitReactor(std::move(stream), response);
-    reactor->self_.reset(reactor);
-    reactor->stream_->onWake([weak = std::weak_ptr<AwaitReactor>(reactor->self_)] {
-      if (const auto self = weak.lock()) self->pump();
-    });
-    reactor->stream_->receive(request);
-    reactor->pump();
-    return reactor;
-  }
-
-  void OnCancel() override {
-    stream_->cancelled();
-    pump();
-  }
-
-  void OnDone() override {
-    stream_->cancelled();
-    self_.reset();
-  }
-
- private:
-  AwaitReactor(StreamPtr<Request, Response> stream, Response* response)
-      : stream_(std::move(stream)), response_(response) {}
-
-  void pump() {
-    const std::lock_guard lock(mutex_);
-    if (finished_) return;
-    const bool answered = stream_->next(response_);
-    const std::optional<Status> end = answered ? Status() : stream_->ended();
-    if (!end) return;
-    finished_ = true;
-    this->Finish(toGrpc(*end));
-  }
-
-  StreamPtr<Request, Response> stream_;
-  Response* response_;
-  std::shared_ptr<AwaitReactor> self_;
-  std::mutex mutex_;
-  bool finished_ = false;
-};
+grpc::ServerUnaryReactor* serve(StreamPtr<Request, Response> stream, const Request* request, Response* response) {
+  return StreamReactor<grpc::ServerUnaryReactor, Request, Response>::start(std::move(stream), request, response);
+}
 
 /// One question, one answer, computed by `call` on a worker thread: no reaction blocks.
 template <typename Request, typename Response>

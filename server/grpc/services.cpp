@@ -22,6 +22,11 @@ grpc::ServerUnaryReactor* later(Call* call, const char* what) {
   return reactor;
 }
 
+template <typename Request, typename Response>
+api::StreamPtr<Request, Response> refused(const char* what) {
+  return std::make_shared<api::RefusedStream<Request, Response>>(what);
+}
+
 class ServerDoor final : public pb::ServerService::CallbackService {
  public:
   explicit ServerDoor(api::Context& context) : context_(context) {}
@@ -87,15 +92,11 @@ class SessionDoor final : public pb::SessionService::CallbackService {
   }
   grpc::ServerWriteReactor<pb::ExportSessionResponse>* ExportSession(Call*,
                                                                      const pb::ExportSessionRequest* request) override {
-    using Refused = api::RefusedStream<pb::ExportSessionRequest, pb::ExportSessionResponse>;
-    return WriteReactor<pb::ExportSessionRequest, pb::ExportSessionResponse>::start(
-        std::make_shared<Refused>("saving a session"), *request);
+    return serve(refused<pb::ExportSessionRequest, pb::ExportSessionResponse>("saving a session"), request);
   }
   grpc::ServerReadReactor<pb::ImportSessionRequest>* ImportSession(Call*,
                                                                    pb::ImportSessionResponse* response) override {
-    using Refused = api::RefusedStream<pb::ImportSessionRequest, pb::ImportSessionResponse>;
-    return ReadReactor<pb::ImportSessionRequest, pb::ImportSessionResponse>::start(
-        std::make_shared<Refused>("loading a session"), response);
+    return serve(refused<pb::ImportSessionRequest, pb::ImportSessionResponse>("loading a session"), response);
   }
 
  private:
@@ -111,10 +112,10 @@ class BlobDoor final : public pb::BlobService::CallbackService {
     return answer(context_, call, request, response, api::findBlobs);
   }
   grpc::ServerReadReactor<pb::UploadBlobRequest>* UploadBlob(Call*, pb::UploadBlobResponse* response) override {
-    return ReadReactor<pb::UploadBlobRequest, pb::UploadBlobResponse>::start(api::uploadBlob(context_), response);
+    return serve(api::uploadBlob(context_), response);
   }
   grpc::ServerWriteReactor<pb::ReadBlobResponse>* ReadBlob(Call*, const pb::ReadBlobRequest* request) override {
-    return WriteReactor<pb::ReadBlobRequest, pb::ReadBlobResponse>::start(api::readBlob(context_), *request);
+    return serve(api::readBlob(context_), request);
   }
 
  private:
@@ -142,10 +143,10 @@ class SceneDoor final : public pb::SceneService::CallbackService {
     return answer(context_, call, request, response, api::listCameras);
   }
   grpc::ServerBidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>* StreamEdits(Call*) override {
-    return BidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>::start(api::streamEdits(context_));
+    return serve(api::streamEdits(context_));
   }
   grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Call*, const pb::WatchSceneRequest* request) override {
-    return WriteReactor<pb::WatchSceneRequest, pb::WatchSceneResponse>::start(api::watchScene(context_), *request);
+    return serve(api::watchScene(context_), request);
   }
   grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest*, pb::UndoResponse*) override {
     return later(call, "undo");
@@ -164,33 +165,33 @@ class ResultDoor final : public pb::ResultService::CallbackService {
 
   grpc::ServerWriteReactor<pb::WatchVolumeResponse>* WatchVolume(Call*,
                                                                  const pb::WatchVolumeRequest* request) override {
-    return WriteReactor<pb::WatchVolumeRequest, pb::WatchVolumeResponse>::start(api::watchVolume(context_), *request);
+    return serve(api::watchVolume(context_), request);
   }
   grpc::ServerBidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>* StreamVolume(Call*) override {
-    return BidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>::start(api::streamVolume(context_));
+    return serve(api::streamVolume(context_));
   }
   grpc::ServerWriteReactor<pb::WatchFramesResponse>* WatchFrames(Call*,
                                                                  const pb::WatchFramesRequest* request) override {
-    return WriteReactor<pb::WatchFramesRequest, pb::WatchFramesResponse>::start(api::watchFrames(context_), *request);
+    return serve(api::watchFrames(context_), request);
   }
   grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* StreamFrames(Call*) override {
-    return BidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>::start(api::streamFrames(context_));
+    return serve(api::streamFrames(context_));
   }
   grpc::ServerUnaryReactor* UpdateSubscription(Call* call, const pb::UpdateSubscriptionRequest* request,
                                                pb::UpdateSubscriptionResponse* response) override {
     return answer(context_, call, request, response, api::updateSubscription);
   }
   grpc::ServerWriteReactor<pb::GetVolumeResponse>* GetVolume(Call*, const pb::GetVolumeRequest* request) override {
-    return WriteReactor<pb::GetVolumeRequest, pb::GetVolumeResponse>::start(api::getVolume(context_), *request);
+    return serve(api::getVolume(context_), request);
   }
   grpc::ServerWriteReactor<pb::GetFrameResponse>* GetFrame(Call*, const pb::GetFrameRequest* request) override {
-    return WriteReactor<pb::GetFrameRequest, pb::GetFrameResponse>::start(api::getFrame(context_), *request);
+    return serve(api::getFrame(context_), request);
   }
   grpc::ServerUnaryReactor* Probe(Call*, const pb::ProbeRequest* request, pb::ProbeResponse* response) override {
-    return AwaitReactor<pb::ProbeRequest, pb::ProbeResponse>::start(api::probe(context_), *request, response);
+    return serve(api::probe(context_), request, response);
   }
   grpc::ServerBidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>* StreamProbe(Call*) override {
-    return BidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>::start(api::streamProbe(context_));
+    return serve(api::streamProbe(context_));
   }
   grpc::ServerUnaryReactor* Pick(Call* call, const pb::PickRequest* request, pb::PickResponse* response) override {
     return answer(context_, call, request, response, api::pick);

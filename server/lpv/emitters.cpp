@@ -14,6 +14,8 @@ std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, c
     if (!light->enabled || !view.sees(light->mesh->bounds, worldFromObject)) continue;
     DrawItem& item = items.emplace_back();
     item.mesh = resources.meshes.at(light->mesh).get();
+    if (light->texture != nullptr && item.mesh->uvs != nullptr)
+      item.texture = &resources.lightTextures.at(light->texture)->radiance;
     item.mirrored = light->transform.mirrors();
     item.params = placed(view, worldFromObject);
     item.params.colour = glm::vec4(emittedRadiance(*light), 0.0);
@@ -33,7 +35,9 @@ Pieces EmitterRenderer::run(const EmitterBuffer& buffer, const FrameRequest& req
                             const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
                             Pacing pacing) {
   const std::vector<DrawItem> items = visibleLights(FrameView(request.camera, request.size), scene, resources);
-  const auto programOf = [this](const DrawItem&) -> gpu::Program& { return programs_.get({}); };
+  const auto programOf = [this](const DrawItem& item) -> gpu::Program& {
+    return programs_.get({{"LPV_TEXTURE", item.texture != nullptr ? "1" : "0"}});
+  };
   co_await drawer.run(Stage::kEmitters, buffer.target, frameParams, items, programOf, pacing);
 }
 

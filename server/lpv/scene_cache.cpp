@@ -94,6 +94,8 @@ GpuMeshPtr SceneCache::meshFor(const MeshPtr& mesh, GpuMeshPtr previous) {
     made->directions = newArray("directions", mesh->directions);
     made->triangles = newArray("triangles", mesh->triangles);
   }
+  made->positionTexels = std::make_shared<gpu::BufferTexture>("positions", *made->positions, gpu::BufferTexel::kVec3);
+  made->triangleTexels = std::make_shared<gpu::BufferTexture>("triangles", *made->triangles, gpu::BufferTexel::kUvec3);
   meshes_[mesh.get()] = made;
   return made;
 }

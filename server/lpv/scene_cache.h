@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "gpu/buffer.h"
+#include "gpu/buffer_texture.h"
 #include "gpu/texture.h"
 #include "lpv/light_texture.h"
 #include "lpv/pieces.h"
@@ -22,6 +23,7 @@ struct GpuMesh {
   std::shared_ptr<gpu::Buffer> uvs;        ///< float x 2 per vertex, or null
   std::shared_ptr<gpu::Buffer> directions; ///< float x 3 per vertex, object space, or null
   std::shared_ptr<gpu::Buffer> triangles;  ///< uint x 3 per triangle
+  std::shared_ptr<gpu::BufferTexture> positionTexels, triangleTexels;  ///< the same, as voxelization reads them
   std::uint32_t triangleCount = 0;
 };
 using GpuMeshPtr = std::shared_ptr<const GpuMesh>;

@@ -121,8 +121,8 @@ void Voxelizer::bind(LightField& field, const GpuMesh& mesh, const GpuLightTextu
   field.accumulators.bindStorage(layout::kAccumulators);
   voxels.cells.bindStorage(layout::kVoxelCells);
   voxels.moments.bindStorage(layout::kVoxelMoments);
-  mesh.positions->bindStorage(layout::kPositions);
-  mesh.triangles->bindStorage(layout::kTriangles);
+  mesh.positionTexels->bind(layout::kPositions);
+  mesh.triangleTexels->bind(layout::kTriangles);
   if (voxels.source.directed()) mesh.directions->bindStorage(layout::kDirections);
   params_.bindUniform(layout::kParams);
   if (texture == nullptr) return;

@@ -28,7 +28,7 @@ struct Camera {
 /// INVALID_ARGUMENT naming the field unless every value is finite and in range.
 Status checkCamera(const Camera& camera);
 
-/// A view of the whole content from a corner, a little above: what `frame get` shows when nobody gave a camera.
+/// A view of the whole content from a corner, a little above.
 Camera defaultCamera(const Bounds& content);
 
 }  // namespace lpv

@@ -51,13 +51,6 @@ Status checkFields(const LightFields& f) {
     return unimplemented("group",
                          "light group \"" + *f.group + "\": groups are not built in this version; leave it empty");
   }
-  if (f.texture && !f.texture->empty()) {
-    return unimplemented("texture",
-                         "texture on a light: textured emission is not built in this version; leave it empty");
-  }
-  if (f.mesh && f.mesh->mesh && !f.mesh->mesh->directions.empty()) {
-    return unimplemented("directions", "directions: emission directions are not built in this version; leave them out");
-  }
   return {};
 }
 

@@ -74,7 +74,7 @@ struct DeleteSurface {
 };
 
 /// New vertices for a light's or surface's mesh, triangles unchanged. `base` and `deformed` are filled beforehand,
-/// outside any lock, by Document::prepare; the document uses them where `base` is still the object's mesh.
+/// outside any lock, by prepareVertices; the document uses them where `base` is still the object's mesh.
 struct SetVertices {
   std::string object;
   std::vector<glm::vec3> positions;

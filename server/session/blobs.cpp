@@ -37,6 +37,10 @@ BlobPtr Blobs::find(const BlobHash& hash) const {
   return found == entries_.end() ? nullptr : found->second.blob;
 }
 
+void Blobs::touch(const BlobHash& hash, Clock::time_point now) {
+  if (const auto found = entries_.find(hash); found != entries_.end()) found->second.touched = now;
+}
+
 void Blobs::dropUnused(const std::set<BlobHash>& used, Clock::time_point now) {
   for (auto it = entries_.begin(); it != entries_.end();) {
     if (used.contains(it->first)) {

@@ -34,6 +34,8 @@ class Blobs {
   /// True where it was there already. RESOURCE_EXHAUSTED by name where the session is full.
   Expected<bool> add(const BlobPtr& blob, Clock::time_point now);
   BlobPtr find(const BlobHash& hash) const;
+  /// Somebody asked for it.
+  void touch(const BlobHash& hash, Clock::time_point now);
   /// Blobs that `used` does not hold and that nobody added or asked for since `keepUnusedBlobs` go.
   void dropUnused(const std::set<BlobHash>& used, Clock::time_point now);
 

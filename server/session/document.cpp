@@ -1,96 +1,9 @@
 #include "session/document.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace lpv {
 namespace {
-
-Status noSuch(const char* what, const std::string& name) {
-  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + name + "\" in this session", "name");
-}
-
-Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
-  if (reference.mesh) return reference.mesh;
-  const BlobPtr blob = blobs.find(reference.hash);
-  if (blob && blob->mesh) return blob->mesh;
-  return Status(Code::kNotFound,
-                blob ? "mesh " + reference.hash + " is a texture, not a mesh"
-                     : "mesh \"" + reference.hash + "\" is not in this session; upload it with UploadBlob first",
-                "mesh");
-}
-
-Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, const Blobs& blobs) {
-  if (hash.empty()) return TexturePtr();
-  const BlobPtr blob = blobs.find(hash);
-  if (blob && blob->texture) return blob->texture;
-  return Status(Code::kNotFound,
-                std::string(field) + " \"" + hash + "\" is no texture of this session; upload it with UploadBlob first",
-                field);
-}
-
-Status assign(Light& light, const LightFields& f, const Blobs& blobs) {
-  if (Status s = checkFields(f); !s.ok()) return s;
-  if (f.mesh) {
-    Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
-    if (!mesh) return mesh.status();
-    if (!(*mesh)->directions.empty()) {
-      return unimplemented("mesh", "mesh has emission directions: not built in this version; upload it without");
-    }
-    light.mesh = *mesh;
-  }
-  if (f.texture) {
-    Expected<TexturePtr> texture = resolveTexture("texture", *f.texture, blobs);
-    if (!texture) return texture.status();
-    light.texture = *texture;
-  }
-  Expected<Transform> transform = withFields(light.transform, f.transform);
-  if (!transform) return transform.status().within("transform");
-  light.transform = *transform;
-  if (f.radiance) {
-    light.radiance = *f.radiance;
-    light.power.reset();
-  }
-  if (f.power) light.power = f.power;
-  light.twoSided = f.twoSided.value_or(light.twoSided);
-  light.enabled = f.enabled.value_or(light.enabled);
-  light.group = f.group.value_or(light.group);
-  return {};
-}
-
-Status assign(Surface& surface, const SurfaceFields& f, const Blobs& blobs) {
-  if (Status s = checkFields(f); !s.ok()) return s;
-  if (f.mesh) {
-    Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
-    if (!mesh) return mesh.status();
-    surface.mesh = *mesh;
-  }
-  if (f.albedoTexture) {
-    Expected<TexturePtr> texture = resolveTexture("albedo_texture", *f.albedoTexture, blobs);
-    if (!texture) return texture.status();
-    surface.albedoTexture = *texture;
-  }
-  Expected<Transform> transform = withFields(surface.transform, f.transform);
-  if (!transform) return transform.status().within("transform");
-  surface.transform = *transform;
-  surface.albedo = f.albedo.value_or(surface.albedo);
-  surface.roughness = f.roughness.value_or(surface.roughness);
-  surface.metalness = f.metalness.value_or(surface.metalness);
-  surface.twoSided = f.twoSided.value_or(surface.twoSided);
-  return {};
-}
-
-/// Remembers what `name` was before the first change of this edit.
-template <typename Map, typename Before>
-void remember(const Map& objects, const std::string& name, Before& before) {
-  if (before.contains(name)) return;
-  const auto found = objects.find(name);
-  if (found == objects.end()) {
-    before[name] = std::nullopt;
-  } else {
-    before[name] = found->second;
-  }
-}
 
 template <typename Map, typename Before>
 void restore(Map& objects, Before& before) {
@@ -119,6 +32,7 @@ Document::Document(const SessionOptions& options, const Limits& limits, MeshHash
   const Expected<Grid> grid =
       options.grid.hasBounds ? makeGrid(options.grid, options.grid.bounds) : fitGrid(options.grid, Bounds());
   grid_ = *grid;  // the caller has checked the options
+  staged_ = snapshot();
 }
 
 MeshPtr Document::meshOf(const std::string& object) const {
@@ -134,37 +48,36 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
                       std::to_string(revision_) + "; read the scene again and repeat",
                   "expected_revision");
   }
-  Undo undo{.lights = {},
-            .surfaces = {},
-            .cameras = {},
-            .tombstones = tombstones_.size(),
-            .grid = grid_,
-            .gridRevision = gridRevision_,
-            .contentAdded = false};
+  Undo undo;
+  undo.tombstones = tombstones_.size();
+  undo.grid = grid_;
+  undo.gridRevision = gridRevision_;
   ++revision_;
-  std::vector<std::string> names;
-  Status failed;
-  for (std::size_t i = 0; i < edit.operations.size() && failed.ok(); ++i) {
-    Expected<std::string> name =
-        std::visit([&](const auto& op) { return applyOne(op, blobs, undo); }, edit.operations[i]);
-    if (name) {
-      names.push_back(*name);
-    } else {
-      failed = name.status().within("operations[" + std::to_string(i) + "]");
-    }
-  }
-  if (failed.ok()) {
-    recount();
-    failed = checkTotals();
-  }
-  if (failed.ok() && undo.contentAdded) failed = refit(false);
-  if (!failed.ok()) {
+  Expected<std::vector<std::string>> names = applyAll(edit, blobs, undo);
+  if (!names) {
     takeBack(undo);
-    return failed;
+    return names;
   }
+  restage(undo);
   while (tombstones_.size() > kMaxTombstones) {
     forgottenUpTo_ = tombstones_.front().revision;
     tombstones_.pop_front();
+  }
+  return names;
+}
+
+Expected<std::vector<std::string>> Document::applyAll(const Edit& edit, const Blobs& blobs, Undo& undo) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < edit.operations.size(); ++i) {
+    Expected<std::string> name =
+        std::visit([&](const auto& op) { return applyOne(op, blobs, undo); }, edit.operations[i]);
+    if (!name) return name.status().within("operations[" + std::to_string(i) + "]");
+    names.push_back(std::move(*name));
+  }
+  recount();
+  if (Status s = checkTotals(); !s.ok()) return s;
+  if (undo.contentAdded) {
+    if (Status s = refit(false); !s.ok()) return s;
   }
   return names;
 }
@@ -198,129 +111,6 @@ Status Document::checkTotals() const {
   return {};
 }
 
-Expected<std::string> Document::applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo) {
-  if (Status s = checkName(op.name); !s.ok()) return s.within("create_light");
-  if (!op.fields.mesh) return invalid("create_light.mesh", "a light needs a mesh: set mesh or inline_mesh");
-  auto light = std::make_shared<Light>();
-  if (Status s = assign(*light, op.fields, blobs); !s.ok()) return s.within("create_light");
-  light->name = freeName(op.name);
-  put(light->name, light, undo);
-  undo.contentAdded = true;
-  return light->name;
-}
-
-Expected<std::string> Document::applyOne(const UpdateLight& op, const Blobs& blobs, Undo& undo) {
-  const auto found = lights_.find(op.name);
-  if (found == lights_.end()) return noSuch("light", op.name).within("update_light.light");
-  auto light = std::make_shared<Light>(*found->second.object);
-  if (Status s = assign(*light, op.fields, blobs); !s.ok()) return s.within("update_light.light");
-  put(op.name, light, undo);
-  return op.name;
-}
-
-Expected<std::string> Document::applyOne(const DeleteLight& op, const Blobs&, Undo& undo) {
-  if (!lights_.contains(op.name)) return noSuch("light", op.name).within("delete_light");
-  remember(lights_, op.name, undo.lights);
-  lights_.erase(op.name);
-  tombstones_.push_back({ObjectKind::kLight, op.name, revision_});
-  return op.name;
-}
-
-Expected<std::string> Document::applyOne(const CreateSurface& op, const Blobs& blobs, Undo& undo) {
-  if (Status s = checkName(op.name); !s.ok()) return s.within("create_surface");
-  if (!op.fields.mesh) return invalid("create_surface.mesh", "a surface needs a mesh: set mesh or inline_mesh");
-  auto surface = std::make_shared<Surface>();
-  if (Status s = assign(*surface, op.fields, blobs); !s.ok()) return s.within("create_surface");
-  surface->name = freeName(op.name);
-  put(surface->name, surface, undo);
-  undo.contentAdded = true;
-  return surface->name;
-}
-
-Expected<std::string> Document::applyOne(const UpdateSurface& op, const Blobs& blobs, Undo& undo) {
-  const auto found = surfaces_.find(op.name);
-  if (found == surfaces_.end()) return noSuch("surface", op.name).within("update_surface.surface");
-  auto surface = std::make_shared<Surface>(*found->second.object);
-  if (Status s = assign(*surface, op.fields, blobs); !s.ok()) return s.within("update_surface.surface");
-  put(op.name, surface, undo);
-  return op.name;
-}
-
-Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, Undo& undo) {
-  if (!surfaces_.contains(op.name)) return noSuch("surface", op.name).within("delete_surface");
-  remember(surfaces_, op.name, undo.surfaces);
-  surfaces_.erase(op.name);
-  tombstones_.push_back({ObjectKind::kSurface, op.name, revision_});
-  return op.name;
-}
-
-Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Undo& undo) {
-  const MeshPtr current = meshOf(op.object);
-  if (!current) return noSuch("light or surface", op.object).within("set_vertices.object");
-  MeshPtr deformed = op.deformed;
-  // The mesh was exchanged, or made by this very edit, after the preparation; or that failed, and says here why.
-  if (op.base != current || !deformed) {
-    SetVertices again = op;
-    if (Status s = prepareVertices(again, current, hasher_); !s.ok()) return s.within("set_vertices");
-    deformed = again.deformed;
-  }
-  if (const auto light = lights_.find(op.object); light != lights_.end()) {
-    auto copy = std::make_shared<Light>(*light->second.object);
-    copy->mesh = deformed;
-    put(op.object, copy, undo);
-  } else {
-    auto copy = std::make_shared<Surface>(*surfaces_.at(op.object).object);
-    copy->mesh = deformed;
-    put(op.object, copy, undo);
-  }
-  return op.object;
-}
-
-Expected<std::string> Document::applyOne(const PutCamera& op, const Blobs&, Undo& undo) {
-  if (Status s = checkName(op.name); !s.ok()) return s.within("put_camera");
-  if (Status s = checkCamera(op.camera); !s.ok()) return s.within("put_camera");
-  remember(cameras_, op.name, undo.cameras);
-  cameras_[op.name] = {op.camera, revision_};
-  return op.name;
-}
-
-Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, Undo& undo) {
-  if (!cameras_.contains(op.name)) return noSuch("camera", op.name).within("delete_camera");
-  remember(cameras_, op.name, undo.cameras);
-  cameras_.erase(op.name);
-  tombstones_.push_back({ObjectKind::kCamera, op.name, revision_});
-  return op.name;
-}
-
-Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Undo&) {
-  if (options_.grid.hasBounds) {
-    return Status(Code::kFailedPrecondition, "the grid has fixed bounds; clear settings.grid.bounds to fit it",
-                  "fit_grid");
-  }
-  if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
-  return std::string();
-}
-
-void Document::put(const std::string& name, std::shared_ptr<const Light> light, Undo& undo) {
-  remember(lights_, name, undo.lights);
-  lights_[name] = {std::move(light), revision_};
-}
-
-void Document::put(const std::string& name, std::shared_ptr<const Surface> surface, Undo& undo) {
-  remember(surfaces_, name, undo.surfaces);
-  surfaces_[name] = {std::move(surface), revision_};
-}
-
-std::string Document::freeName(const std::string& wanted) const {
-  std::string name = wanted;
-  for (int n = 1; lights_.contains(name) || surfaces_.contains(name); ++n) {
-    char suffix[16];
-    std::snprintf(suffix, sizeof suffix, ".%03d", n);
-    name = wanted + suffix;
-  }
-  return name;
-}
-
 Bounds Document::content() const {
   Bounds bounds;
   const auto add = [&bounds](const MeshPtr& mesh, const Transform& transform) {
@@ -349,6 +139,33 @@ Status Document::refit(bool always) {
     gridRevision_ = revision_;
   }
   return {};
+}
+
+void Document::restage(const Undo& undo) {
+  if (!undo.contentAdded && !undo.contentRemoved && !undo.fitted && !leftStage(undo)) return;
+  staged_ = snapshot();
+  stage_ = content();
+  if (stage_.empty()) return;
+  const glm::dvec3 extent = stage_.extent();
+  const glm::dvec3 surroundings(0.5 * std::max({extent.x, extent.y, extent.z}));
+  stage_ = {stage_.min - surroundings, stage_.max + surroundings};
+}
+
+/// Whether something that the edit touched is now outside of the stage.
+bool Document::leftStage(const Undo& undo) const {
+  const auto outside = [this](const auto& object) {
+    const Bounds now = object.mesh->bounds.transformed(object.transform.worldFromObject());
+    return glm::any(glm::lessThan(now.min, stage_.min)) || glm::any(glm::greaterThan(now.max, stage_.max));
+  };
+  for (const auto& [name, before] : undo.lights) {
+    const auto light = lights_.find(name);
+    if (light != lights_.end() && light->second.object->enabled && outside(*light->second.object)) return true;
+  }
+  for (const auto& [name, before] : undo.surfaces) {
+    const auto surface = surfaces_.find(name);
+    if (surface != surfaces_.end() && outside(*surface->second.object)) return true;
+  }
+  return false;
 }
 
 void Document::recount() {
@@ -431,6 +248,11 @@ std::vector<std::pair<std::string, Camera>> Document::cameras() const {
   return out;
 }
 
+std::optional<Camera> Document::camera(const std::string& name) const {
+  const auto found = cameras_.find(name);
+  return found == cameras_.end() ? std::nullopt : std::optional(found->second.camera);
+}
+
 MeshPtr Document::meshInUse(const BlobHash& hash) const {
   for (const auto& [name, light] : lights_) {
     if (light.object->mesh->hash == hash) return light.object->mesh;
@@ -452,17 +274,6 @@ std::set<BlobHash> Document::hashesInUse() const {
     if (surface.object->albedoTexture) out.insert(surface.object->albedoTexture->hash);
   }
   return out;
-}
-
-Status prepareVertices(SetVertices& op, MeshPtr base, const MeshHasher& hasher) {
-  op.base = base;
-  op.deformed.reset();
-  if (!base) return {};  // the document says that the object is not there, or finds it made by the same edit
-  Expected<Mesh> mesh = withVertices(*base, op.positions, op.normals);
-  if (!mesh) return mesh.status();
-  mesh->hash = hasher(*mesh);
-  op.deformed = std::make_shared<const Mesh>(std::move(*mesh));
-  return {};
 }
 
 }  // namespace lpv

@@ -9,6 +9,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "scene/edits.h"
@@ -76,6 +78,11 @@ class Document {
   /// The state as ticks read it. Cheap while nothing changes.
   ScenePtr snapshot();
 
+  /// The scene from which a view is chosen for those who give no camera: the state when objects last came or went, when
+  /// the grid was last fitted on request, or when something left the surroundings of that state. What moves within them
+  /// changes nothing here, so that the view stands still.
+  const ScenePtr& staged() const { return staged_; }
+
   /// What differs from revision `since`; everything, as a snapshot, where that is unset or no longer known.
   Changes changesSince(std::optional<std::uint64_t> since) const;
 
@@ -85,6 +92,7 @@ class Document {
   std::vector<Versioned<Light>> lights() const;
   std::vector<Versioned<Surface>> surfaces() const;
   std::vector<std::pair<std::string, Camera>> cameras() const;
+  std::optional<Camera> camera(const std::string& name) const;
   /// Finds a mesh in use by the hash of its content: deformed meshes are in no blob.
   MeshPtr meshInUse(const BlobHash& hash) const;
   /// Hashes of blobs that objects refer to.
@@ -106,6 +114,17 @@ class Document {
     Grid grid;
     std::uint64_t gridRevision = 0;
     bool contentAdded = false;
+    bool contentRemoved = false;
+    bool fitted = false;
+
+    template <typename T>
+    auto& before() {
+      if constexpr (std::is_same_v<T, Light>) {
+        return lights;
+      } else {
+        return surfaces;
+      }
+    }
   };
 
   Expected<std::string> applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo);
@@ -119,13 +138,34 @@ class Document {
   Expected<std::string> applyOne(const DeleteCamera& op, const Blobs& blobs, Undo& undo);
   Expected<std::string> applyOne(const FitGrid& op, const Blobs& blobs, Undo& undo);
 
-  void put(const std::string& name, std::shared_ptr<const Light> light, Undo& undo);
-  void put(const std::string& name, std::shared_ptr<const Surface> surface, Undo& undo);
+  // What lights and surfaces have in common (document_edits.cpp).
+  template <typename T>
+  Objects<T>& objects() {
+    if constexpr (std::is_same_v<T, Light>) {
+      return lights_;
+    } else {
+      return surfaces_;
+    }
+  }
+  template <typename T>
+  void put(const std::string& name, std::shared_ptr<const T> object, Undo& undo);
+  template <typename T>
+  Expected<std::string> create(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo);
+  template <typename T>
+  Expected<std::string> update(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo);
+  template <typename T>
+  Expected<std::string> remove(const std::string& name, Undo& undo);
+  template <typename T>
+  void deform(const std::string& name, const MeshPtr& mesh, Undo& undo);
+
+  Expected<std::vector<std::string>> applyAll(const Edit& edit, const Blobs& blobs, Undo& undo);
   void takeBack(Undo& undo);
   Status checkTotals() const;
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always);
+  void restage(const Undo& undo);
+  bool leftStage(const Undo& undo) const;
   void recount();
 
   Limits limits_;
@@ -142,9 +182,11 @@ class Document {
   std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
   std::int64_t triangles_ = 0;
   ScenePtr snapshot_;
+  ScenePtr staged_;
+  Bounds stage_;  ///< world, metres: the content of staged_ and its surroundings
 };
 
 /// Does the part of SetVertices that takes time. Call outside locks, with `base` = Document::meshOf(object).
-Status prepareVertices(SetVertices& op, MeshPtr base, const MeshHasher& hasher);
+Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& hasher);
 
 }  // namespace lpv

@@ -2,6 +2,7 @@
 // What a session hands out, and who waits for it.
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -36,7 +37,7 @@ struct Result {
 /// Why a session's streams end.
 enum class Closing { kDeleted, kDraining };
 
-/// The camera of a frame subscriber or call: given, or a camera of the session by name, or a view of everything.
+/// The camera of a frame subscriber or call: given, or a camera of the session by name, or the default view.
 struct CameraChoice {
   std::optional<Camera> camera;
   std::string name;
@@ -68,6 +69,12 @@ class ResultSink {
   virtual void close(Closing why) = 0;
 };
 
+/// A result on its way to a subscriber.
+struct Sent {
+  std::uint64_t resultId = 0;
+  Clock::time_point at{};
+};
+
 /// A live subscriber. Its fields belong to the session's lock.
 struct Subscriber {
   std::uint64_t key = 0;
@@ -75,14 +82,12 @@ struct Subscriber {
   Wish wish;
   std::weak_ptr<ResultSink> sink;
 
-  int inFlight = 0;                    ///< results sent and not acknowledged
-  std::uint64_t lastSent = 0;          ///< result id
+  std::deque<Sent> inFlight;           ///< sent and not acknowledged, oldest first
   std::uint64_t shownRevision = 0;     ///< of the last result sent
   bool shownAny = false;
   bool wishChanged = false;            ///< camera, size or exposure since the last frame asked for
   bool inTick = false;                 ///< the tick under way makes its frame
   Clock::time_point notBefore{};       ///< rate limit
-  Clock::time_point sentAt{};
   double roundTrip = 0.0;              ///< seconds, smoothed
 };
 

@@ -93,13 +93,14 @@ EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
   if (before && *before) return **before;
-  outcome.status = before ? why : before.status();
+  outcome.status = before ? why : before.status().within("edit");
   if (before) clients_.record(client.id, outcome);
   return outcome;
 }
 
 Status Session::closedStatus(const char* field) const {
-  return {Code::kNotFound, "session \"" + id_ + "\" is closed", field};
+  if (closed_ == Closing::kDraining) return {Code::kUnavailable, "the server is draining"};
+  return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
 }
 
 EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit) {
@@ -115,7 +116,7 @@ EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit)
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, edit.sequence);
   if (!before) {
-    outcome.status = before.status();
+    outcome.status = before.status().within("edit");
     return outcome;
   }
   if (*before) return **before;
@@ -150,8 +151,9 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
   return blobs_.add(blob, Clock::now());
 }
 
-BlobPtr Session::findBlob(const BlobHash& hash) const {
+BlobPtr Session::findBlob(const BlobHash& hash) {
   const std::lock_guard lock(mutex_);
+  blobs_.touch(hash, Clock::now());
   return blobs_.find(hash);
 }
 
@@ -191,7 +193,7 @@ std::uint64_t Session::watch(std::function<void()> changed, std::function<void(C
   const std::lock_guard lock(mutex_);
   const std::uint64_t key = nextKey_++;
   if (closed_) {
-    workshop_.pool->post([closed = std::move(closed)] { closed(Closing::kDeleted); });
+    workshop_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
   } else {
     watchers_[key] = {std::move(changed), std::move(closed)};
   }
@@ -233,21 +235,20 @@ void Session::close(Closing why) {
   std::vector<std::shared_ptr<ResultSink>> sinks;
   std::map<std::uint64_t, Watcher> watchers;
   std::list<std::shared_ptr<WaitingCall>> calls;
+  Status gone;
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
-    closed_ = true;
+    closed_ = why;
     for (const auto& [id, subscriber] : subscribers_) {
       if (auto sink = subscriber->sink.lock()) sinks.push_back(std::move(sink));
     }
     watchers.swap(watchers_);
     calls.swap(calls_);
+    gone = closedStatus("session");
   }
   for (const auto& sink : sinks) sink->close(why);
   for (const auto& [key, watcher] : watchers) watcher.closed(why);
-  const Status gone = why == Closing::kDeleted
-                          ? Status(Code::kNotFound, "session \"" + id_ + "\" was deleted", "session")
-                          : Status(Code::kUnavailable, "the server is draining");
   for (const auto& call : calls) {
     if (call->done) call->done(gone);
   }

@@ -8,11 +8,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "lpv/engine.h"
+#include "scene/default_view.h"
 #include "session/blobs.h"
 #include "session/clients.h"
 #include "session/document.h"
@@ -92,7 +94,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Blobs.
   Expected<bool> addBlob(const BlobPtr& blob);
-  BlobPtr findBlob(const BlobHash& hash) const;
+  /// Counts as use of the blob: whoever finds it may name it in an edit soon.
+  BlobPtr findBlob(const BlobHash& hash);
   MeshPtr findMeshInUse(const BlobHash& hash) const;
 
   // Reading the scene.
@@ -121,8 +124,11 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Answers from a result at or after call.minRevision; forget() takes the call back.
   std::shared_ptr<WaitingCall> ask(WaitingCall call);
   void forget(const std::shared_ptr<WaitingCall>& call);
-  /// The camera that a choice means now. NOT_FOUND for an unknown name.
-  Expected<Camera> cameraFor(const CameraChoice& choice) const;
+  /// NOT_FOUND for the name of a camera that is not there.
+  Status checkCamera(const CameraChoice& choice) const;
+  /// The camera that a choice means now, for pictures of that size. NOT_FOUND for an unknown name. May take as long as
+  /// a DefaultView takes.
+  Expected<Camera> cameraFor(const CameraChoice& choice, const glm::ivec2& size) const;
 
   // Life.
   void touch();
@@ -161,7 +167,13 @@ class Session : public std::enable_shared_from_this<Session> {
   EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
   Status closedStatus(const char* field) const;
   void tellWatchers();
-  Camera cameraOrDefault(const CameraChoice& choice);
+
+  // Cameras (session_views.cpp).
+  std::optional<Camera> chosenCamera(const CameraChoice& choice) const;
+  bool hasView(const FrameWish& wish, std::uint64_t minRevision);
+  void chooseView();
+  void viewChosen(const ScenePtr& scene, const DefaultView& view);
+  FrameRequest frameRequest(const FrameWish& wish, std::uint64_t view) const;
 
   // Planning (session_results.cpp).
   void kick();
@@ -172,7 +184,6 @@ class Session : public std::enable_shared_from_this<Session> {
   void planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next);
   void planCalls(Planned& plan);
   void addVolume(TickRequest& request, VolumeStage stage);
-  FrameRequest frameRequest(const FrameWish& wish, std::uint64_t view);
   void tickDone(const Planned& plan, Expected<TickResult> result);
   std::vector<Delivery> settle(const Planned& plan, TickResult& tick);
   void settleVolume(const Planned& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
@@ -199,10 +210,13 @@ class Session : public std::enable_shared_from_this<Session> {
   std::map<std::string, std::shared_ptr<Subscriber>> subscribers_;
   std::list<std::shared_ptr<WaitingCall>> calls_;
   std::map<VolumeStage, Result> latest_;  ///< newest volume of each stage that was read back
+  DefaultView view_;  ///< what those see who gave no camera ...
+  ScenePtr viewScene_;  ///< ... chosen from this state; null until somebody asks
+  bool choosingView_ = false;
   std::uint64_t nextKey_ = 1;
   std::uint64_t nextResult_ = 1;
   bool tickUnderWay_ = false;
-  bool closed_ = false;
+  std::optional<Closing> closed_;  ///< why, once it is
   Clock::time_point nextTick_{};
   std::optional<Clock::time_point> kickAt_;
   std::chrono::system_clock::time_point lastUsed_;

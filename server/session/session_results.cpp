@@ -56,10 +56,15 @@ std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const
 
 void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId) {
   const std::lock_guard lock(mutex_);
-  if (subscriber->inFlight == 0 || resultId > subscriber->lastSent) return;
-  // An acknowledgement covers everything before it, so the newest one leaves nothing in flight.
-  subscriber->inFlight = resultId == subscriber->lastSent ? 0 : subscriber->inFlight - 1;
-  const double seconds = std::chrono::duration<double>(Clock::now() - subscriber->sentAt).count();
+  std::deque<Sent>& inFlight = subscriber->inFlight;
+  if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) return;
+  // An acknowledgement covers everything before it.
+  Clock::time_point sentAt;
+  while (!inFlight.empty() && inFlight.front().resultId <= resultId) {
+    sentAt = inFlight.front().at;
+    inFlight.pop_front();
+  }
+  const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
   subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
   kick();
 }
@@ -109,27 +114,15 @@ void Session::forget(const std::shared_ptr<WaitingCall>& call) {
   calls_.remove(call);
 }
 
-Expected<Camera> Session::cameraFor(const CameraChoice& choice) const {
-  const std::lock_guard lock(mutex_);
-  if (choice.camera) return *choice.camera;
-  for (const auto& [name, camera] : document_.cameras()) {
-    if (!choice.name.empty() && name == choice.name) return camera;
-  }
-  if (!choice.name.empty()) {
-    return Status(Code::kNotFound, "there is no camera \"" + choice.name + "\" in this session", "camera_name");
-  }
-  return defaultCamera(document_.content());
-}
-
 /// Newer state, or a changed wish, that the subscriber has not been sent.
 bool Session::wants(const Subscriber& subscriber) const {
   return !subscriber.shownAny || subscriber.shownRevision < document_.revision() || subscriber.wishChanged;
 }
 
 bool Session::hasCredit(const Subscriber& subscriber) const {
-  if (subscriber.inFlight == 0) return true;
+  if (subscriber.inFlight.empty()) return true;
   const double rate = subscriber.wish.maxRate > 0.0 ? subscriber.wish.maxRate : workshop_.limits.maxTickRate;
-  return subscriber.wish.twoCredits && subscriber.inFlight == 1 && subscriber.roundTrip > 1.0 / rate;
+  return subscriber.wish.twoCredits && subscriber.inFlight.size() == 1 && subscriber.roundTrip > 1.0 / rate;
 }
 
 void Session::kickLater(Clock::time_point when) {
@@ -193,6 +186,7 @@ void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_
       next = std::min(next, subscriber->notBefore);
       continue;
     }
+    if (subscriber->wish.frame && !hasView(*subscriber->wish.frame, 0)) continue;
     if (subscriber->wish.volume) {
       addVolume(plan.request, *subscriber->wish.volume);
       plan.volumeReaders.push_back(subscriber);
@@ -207,7 +201,8 @@ void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_
 void Session::planCalls(Planned& plan) {
   for (auto it = calls_.begin(); it != calls_.end();) {
     const std::shared_ptr<WaitingCall> call = *it;
-    if (call->minRevision > document_.revision()) {
+    const bool early = call->minRevision > document_.revision();
+    if (early || (call->frame && !hasView(*call->frame, call->minRevision))) {
       ++it;
       continue;
     }
@@ -226,24 +221,6 @@ void Session::planCalls(Planned& plan) {
 
 void Session::addVolume(TickRequest& request, VolumeStage stage) {
   (stage == VolumeStage::kInjected ? request.injected : request.transported) = true;
-}
-
-FrameRequest Session::frameRequest(const FrameWish& wish, std::uint64_t view) {
-  FrameRequest request;
-  request.view = view;
-  request.camera = cameraOrDefault(wish.camera);
-  request.size = wish.size;
-  request.exposure = wish.exposure;
-  request.format = wish.format;
-  return request;
-}
-
-/// A camera that was deleted since it was chosen shows the whole scene rather than ending the stream.
-Camera Session::cameraOrDefault(const CameraChoice& choice) {
-  if (choice.camera) return *choice.camera;
-  const ScenePtr scene = document_.snapshot();
-  const auto named = scene->cameras.find(choice.name);
-  return named != scene->cameras.end() ? named->second : defaultCamera(document_.content());
 }
 
 std::optional<Result> Session::cachedVolume(VolumeStage stage, std::uint64_t minRevision) const {
@@ -325,11 +302,9 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
 }
 
 void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
-  ++subscriber.inFlight;
-  subscriber.lastSent = result.meta.resultId;
+  subscriber.inFlight.push_back({result.meta.resultId, now});
   subscriber.shownRevision = result.meta.revision;
   subscriber.shownAny = true;
-  subscriber.sentAt = now;
   if (subscriber.wish.maxRate > 0.0) subscriber.notBefore = now + interval(subscriber.wish.maxRate);
 }
 

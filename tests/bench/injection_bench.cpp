@@ -2,7 +2,7 @@
 // triangle and for exact voxelization, by the compute and the raster injector, COUNT and FLUX. Programs are compiled
 // beforehand; nothing is reused from one injection to the next. Ratios are of times of the same run.
 //
-//   injection_bench [--grids 32,64,128] [--repeats N] [--csv FILE]
+//   injection_bench [--grids 32,64,128] [--mesh NAME] [--repeats N] [--csv FILE]
 //
 // LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
 
@@ -158,7 +158,8 @@ void printRow(const std::string& mesh, int cells, const std::vector<Cost>& costs
             << number(count.inject) << " |" << std::endl;
 }
 
-int run(const std::vector<int>& grids, int repeats, const std::string& csvPath, gpu::Context& context) {
+int run(const std::vector<int>& grids, const std::string& only, int repeats, const std::string& csvPath,
+        gpu::Context& context) {
   std::ofstream file;
   std::ostringstream nowhere;
   if (!csvPath.empty()) file.open(csvPath);
@@ -172,6 +173,7 @@ int run(const std::vector<int>& grids, int repeats, const std::string& csvPath, 
   std::cout << "\n";
   Table table(repeats);
   for (const Named& mesh : meshes()) {
+    if (!only.empty() && mesh.name.find(only) == std::string::npos) continue;
     for (const int cells : grids) {
       std::vector<Cost> costs;
       for (const Way& way : ways()) costs.push_back(table.measure(mesh.mesh, cells, way.method));
@@ -187,14 +189,15 @@ int main(int argc, char** argv) {
   CLI::App app{"The paper's Table 1: dense sampling against exact voxelization"};
   std::vector<int> grids = {32, 64, 128};
   int repeats = 9;
-  std::string csv;
+  std::string csv, only;
   app.add_option("--grids", grids, "Cells along an edge")->delimiter(',');
   app.add_option("--repeats", repeats, "Injections that are timed, at least")->check(CLI::Range(1, 1000));
   app.add_option("--csv", csv, "Every figure, a line each");
+  app.add_option("--mesh", only, "Only meshes with this in their name");
   CLI11_PARSE(app, argc, argv);
   for (const gpu::Device& device : gpu::preferredOrder(gpu::listDevices())) {
     Expected<gpu::Context> context = gpu::Context::make(device);
-    if (context.ok()) return run(grids, repeats, csv, *context);
+    if (context.ok()) return run(grids, only, repeats, csv, *context);
   }
   std::cerr << "no OpenGL 4.5 here\n";
   return 1;

@@ -15,9 +15,16 @@ namespace {
 using lpv::bench::Load;
 using lpv::bench::Measured;
 
+nlohmann::json latencyJson(const lpv::client::LatencySummary& latency) {
+  return {
+      {"p50", latency.p50 * 1e3}, {"p95", latency.p95 * 1e3}, {"p99", latency.p99 * 1e3}, {"max", latency.max * 1e3}};
+}
+
 nlohmann::json asJson(const Load& load, const Measured& m) {
-  nlohmann::json stages;
+  nlohmann::json stages = nlohmann::json::object();
   for (const auto& [stage, seconds] : m.stageSeconds) stages[stage] = seconds * 1e3;
+  nlohmann::json first = nlohmann::json::object();
+  for (const auto& [stage, seconds] : m.firstFrameSeconds) first[stage] = seconds * 1e3;
   return {{"mode", load.deform ? "deform" : "move"},
           {"device", m.device},
           {"version", m.version},
@@ -32,9 +39,19 @@ nlohmann::json asJson(const Load& load, const Measured& m) {
           {"frames_per_s", m.frames / m.seconds},
           {"volumes_per_s", m.volumes / m.seconds},
           {"frame_kb", m.frames > 0 ? m.frameBytes / m.frames / 1e3 : 0.0},
-          {"latency_ms", {{"p50", m.latency.p50 * 1e3}, {"p95", m.latency.p95 * 1e3}, {"p99", m.latency.p99 * 1e3}}},
+          {"latency_ms", latencyJson(m.latency)},
+          {"warm_up",
+           {{"seconds", load.warmUpSeconds},
+            {"latency_ms", latencyJson(m.warmUpLatency)},
+            {"first_frame_stage_ms", first}}},
           {"revisions_behind_p50", m.revisionsBehind},
           {"stage_ms_median", stages}};
+}
+
+void printStages(const char* title, const nlohmann::json& stages) {
+  std::printf("%s", title);
+  for (const auto& [stage, ms] : stages.items()) std::printf(" %s %.1f", stage.c_str(), ms.get<double>());
+  std::printf("\n");
 }
 
 void print(const nlohmann::json& j) {
@@ -49,26 +66,42 @@ void print(const nlohmann::json& j) {
   std::printf("  edit to frame, ms: p50 %.0f  p95 %.0f  p99 %.0f;  revisions behind when a frame arrives: %.0f\n",
               j["latency_ms"]["p50"].get<double>(), j["latency_ms"]["p95"].get<double>(),
               j["latency_ms"]["p99"].get<double>(), j["revisions_behind_p50"].get<double>());
-  std::printf("  stages, ms (median):");
-  for (const auto& [stage, ms] : j["stage_ms_median"].items()) std::printf(" %s %.1f", stage.c_str(), ms.get<double>());
-  std::printf("\n");
+  std::printf("  not counted: %.1f s of warm-up, whose slowest edit took %.0f ms\n",
+              j["warm_up"]["seconds"].get<double>(), j["warm_up"]["latency_ms"]["max"].get<double>());
+  printStages("  its first frame, ms:", j["warm_up"]["first_frame_stage_ms"]);
+  printStages("  stages, ms (median):", j["stage_ms_median"]);
 }
 
-/// A row of tests/bench/MEASURED.md.
-std::string tableRow(const std::string& name, const nlohmann::json& j) {
-  char row[512];
-  std::snprintf(row, sizeof row, "| %s | %lld | %lld | %.0f | %.1f | %.1f | %.1f | %.0f | %.0f | %.0f |", name.c_str(),
-                j["surface_triangles"].get<long long>(), j["light_triangles"].get<long long>(),
-                j["edits_per_s"].get<double>(), j["ticks_per_s"].get<double>(), j["frames_per_s"].get<double>(),
-                j["volumes_per_s"].get<double>(), j["latency_ms"]["p50"].get<double>(),
-                j["latency_ms"]["p95"].get<double>(), j["latency_ms"]["p99"].get<double>());
-  std::string out(row);
-  for (const char* stage : {"voxelize", "propagate", "emitters", "shade"}) {
-    const auto& stages = j["stage_ms_median"];
-    std::snprintf(row, sizeof row, " %.1f |", stages.contains(stage) ? stages[stage].get<double>() : 0.0);
-    out += row;
+/// "edit,counted,ms" lines, the warm-up first.
+void writeSamples(const std::string& path, const Measured& m) {
+  std::ofstream file(path);
+  file << "edit,counted,ms\n";
+  for (std::size_t i = 0; i < m.samples.size(); ++i) {
+    file << i << "," << (i < m.warmUpSamples ? 0 : 1) << "," << m.samples[i] * 1e3 << "\n";
   }
-  return out;
+}
+
+/// Columns of a table file, tab-separated with a header; tests/bench/measure makes its tables of them.
+void appendRow(const std::string& path, const std::string& name, const nlohmann::json& j) {
+  const bool isNew = !std::ifstream(path).good();
+  std::ofstream file(path, std::ios::app);
+  std::string header = "session";
+  std::string row = name;
+  const auto column = [&](const std::string& title, const nlohmann::json& value) {
+    header += "\t" + title;
+    row += "\t" + value.dump();
+  };
+  for (const char* key :
+       {"surface_triangles", "light_triangles", "edits_per_s", "ticks_per_s", "frames_per_s", "volumes_per_s"}) {
+    column(key, j[key]);
+  }
+  for (const char* key : {"p50", "p95", "p99", "max"}) column(std::string("latency_") + key, j["latency_ms"][key]);
+  column("warm_up_max", j["warm_up"]["latency_ms"]["max"]);
+  for (const char* stage : {"voxelize", "propagate", "emitters", "shade"}) {
+    column(stage, j["stage_ms_median"].value(stage, 0.0));
+  }
+  if (isNew) file << header << "\n";
+  file << row << "\n";
 }
 
 }  // namespace
@@ -76,6 +109,8 @@ std::string tableRow(const std::string& name, const nlohmann::json& j) {
 int main(int argc, char** argv) {
   Load load;
   std::string jsonFile;
+  std::string samplesFile;
+  std::string tableFile;
   std::string rowName;
   CLI::App app("Measures a running session over the loopback; starts an lpvd of its own unless --server names one");
   app.add_option("--server", load.server, "HOST:PORT of a running lpvd");
@@ -91,11 +126,15 @@ int main(int argc, char** argv) {
   app.add_option("--width", load.width)->capture_default_str();
   app.add_option("--height", load.height)->capture_default_str();
   app.add_option("--rate", load.rate, "edits per second")->capture_default_str();
-  app.add_option("--seconds", load.seconds)->capture_default_str();
+  app.add_option("--warm-up", load.warmUpSeconds, "seconds of the same load before anything is counted")
+      ->capture_default_str();
+  app.add_option("--seconds", load.seconds, "that are counted")->capture_default_str();
   app.add_flag("--deform", load.deform, "new vertices each time instead of a new place");
   app.add_flag("--volume", load.watchVolume, "a second client watches the volume");
   app.add_option("--json", jsonFile, "also write the numbers here");
-  app.add_option("--row", rowName, "print one row of a Markdown table with this name instead");
+  auto* table = app.add_option("--table", tableFile, "append a row of tab-separated numbers to this file");
+  app.add_option("--row", rowName, "name of that row")->needs(table);
+  app.add_option("--samples", samplesFile, "write the time from edit to frame of every edit here, as CSV");
   CLI11_PARSE(app, argc, argv);
 
   const lpv::Expected<Measured> measured = lpv::bench::run(load);
@@ -104,11 +143,9 @@ int main(int argc, char** argv) {
     return 1;
   }
   const nlohmann::json j = asJson(load, *measured);
-  if (rowName.empty()) {
-    print(j);
-  } else {
-    std::printf("%s\n", tableRow(rowName, j).c_str());
-  }
+  print(j);
   if (!jsonFile.empty()) std::ofstream(jsonFile) << j.dump(2) << "\n";
+  if (!tableFile.empty()) appendRow(tableFile, rowName, j);
+  if (!samplesFile.empty()) writeSamples(samplesFile, *measured);
   return 0;
 }

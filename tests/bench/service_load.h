@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -19,12 +20,13 @@ struct Load {
   int lightTriangles = 720;
   std::vector<double> place{0.0, 0.8, 0.0};    ///< metres
   double radiance = 8.0;
-  std::vector<double> camera;                  ///< eye, target; empty: the server's view of everything
+  std::vector<double> camera;                  ///< eye, target; empty: the server's choice
   int grid = 32;
   int iterations = 32;
   int width = 640;
   int height = 360;
   double rate = 30.0;                          ///< edits per second
+  double warmUpSeconds = 3.0;  ///< of the same load before anything is counted, and until a frame has come
   double seconds = 20.0;
   bool deform = false;
   bool watchVolume = false;
@@ -42,8 +44,12 @@ struct Measured {
   double frames = 0.0;
   double frameBytes = 0.0;
   double volumes = 0.0;
-  double revisionsBehind = 0.0;                ///< median of (last revision acknowledged - revision shown)
-  client::LatencySummary latency;              ///< seconds, edit sent to first frame that contains it
+  double revisionsBehind = 0.0;  ///< median of (last revision acknowledged - revision shown)
+  client::LatencySummary latency;  ///< seconds, edit sent to first frame that contains it
+  client::LatencySummary warmUpLatency;  ///< likewise, of the edits before
+  std::map<std::string, double> firstFrameSeconds;  ///< stages of the very first frame
+  std::vector<double> samples;  ///< seconds, of every edit seen, in order; those of the warm-up first
+  std::size_t warmUpSamples = 0;
   std::map<std::string, double> stageSeconds;  ///< medians
 };
 

@@ -109,6 +109,8 @@ PairRig::PairRig()
       cells_(bufferOfWords(16)),
       positions_(bufferOfWords(9 * kPiece)),
       order_(bufferOf(upTo(3 * kPiece))),
+      positionTexels_("positions", positions_, gpu::BufferTexel::kVec3),
+      orderTexels_("triangles", order_, gpu::BufferTexel::kUvec3),
       items_(bufferOfWords(std::size_t(layout::kListHeaderWords) + kPiece * std::size_t(layout::kMaxSlices))),
       params_("params", sizeof(layout::VoxelizeParams), gpu::BufferUse::kDynamic) {}
 
@@ -119,8 +121,8 @@ std::vector<PairRig::Pair> PairRig::gpuPairs(std::span<const Triangle> triangles
   params_.update(0, gpu::bytesOfValue(params));
   items_.update(0, gpu::bytesOfValue(glm::uvec4(0, 1, 1, 0)));
   recorded_.update(0, gpu::bytesOfValue(glm::uvec2(0)));
-  positions_.bindStorage(layout::kPositions);
-  order_.bindStorage(layout::kTriangles);
+  positionTexels_.bind(layout::kPositions);
+  orderTexels_.bind(layout::kTriangles);
   recorded_.bindStorage(layout::kRecordedPairs);
   cells_.bindStorage(layout::kVoxelCells);
   items_.bindStorage(layout::kLargeTriangles);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "gpu/buffer_texture.h"
 #include "gpu/gl_test.h"
 
 namespace lpv::test {
@@ -38,7 +39,9 @@ class PairRig {
                              const glm::dmat4& gridFromObject);
 
   gpu::Program small_, large_;
-  gpu::Buffer recorded_, cells_, positions_, order_, items_, params_;
+  gpu::Buffer recorded_, cells_, positions_, order_;
+  gpu::BufferTexture positionTexels_, orderTexels_;
+  gpu::Buffer items_, params_;
 };
 
 }  // namespace lpv::test

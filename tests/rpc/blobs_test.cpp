@@ -138,6 +138,7 @@ TEST_F(Blobs, ADeformedMeshCanBeReadByItsHash) {
   EXPECT_EQ(mesh.indices(), quad().indices());
 }
 
+// Seen to fail when the bytes are not counted at the end, and when they are not counted on the way.
 TEST_F(Blobs, OfAnotherFormThanAnnouncedAreRefused) {
   const std::string mesh = quad().SerializeAsString();
   const auto size = std::int64_t(mesh.size());

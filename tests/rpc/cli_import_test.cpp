@@ -13,7 +13,6 @@
 #endif
 
 #include "cli_files.h"
-#include "default_view.h"
 #include "import/file_check.h"
 #include "import/image.h"
 #include "import/names.h"
@@ -300,52 +299,6 @@ TEST(Npy, HeaderIsPaddedAndNamesTheShape) {
   EXPECT_EQ(file.substr(0, 8), std::string("\x93NUMPY\x01\0", 8));
   EXPECT_EQ((file.size() - 24) % 64, 0U);
   EXPECT_THAT(file, HasSubstr("'descr': '<f4', 'fortran_order': False, 'shape': (2,3)"));
-}
-
-/// A box with walls on the sides named, and something in its middle.
-ImportedScene box(const glm::dvec3& size, bool front, bool content = true) {
-  ImportedScene scene;
-  const auto add = [&](const glm::dvec3& at, const glm::dvec3& u, const glm::dvec3& v) {
-    Mesh mesh;
-    mesh.positions = {at, at + u, at + u + v, at + v};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    EXPECT_TRUE(finishMesh(mesh).ok());
-    Surface surface;
-    surface.mesh = std::make_shared<const Mesh>(std::move(mesh));
-    scene.surfaces.push_back(surface);
-  };
-  const glm::dvec3 x(size.x, 0, 0);
-  const glm::dvec3 y(0, size.y, 0);
-  const glm::dvec3 z(0, 0, size.z);
-  add({}, x, z);
-  add(y, x, z);
-  add({}, y, z);
-  add(x, y, z);
-  add({}, x, y);
-  if (front) add(z, x, y);
-  if (content) add(size * 0.45, x * 0.1, y * 0.1);
-  return scene;
-}
-
-TEST(DefaultView, IsInsideARoomAlongItsLongestAxis) {
-  const Camera camera = defaultView(box({4, 3, 9}, true), 16.0 / 9.0);
-  EXPECT_TRUE(checkCamera(camera).ok());
-  EXPECT_TRUE(glm::all(glm::greaterThan(camera.eye, glm::dvec3(0))) &&
-              glm::all(glm::lessThan(camera.eye, glm::dvec3(4, 3, 9))));
-  const glm::dvec3 view = glm::normalize(camera.target - camera.eye);
-  EXPECT_GT(std::abs(view.z), 0.9);
-}
-
-TEST(DefaultView, LooksThroughAnOpenSide) {
-  const Camera camera = defaultView(box({2, 2, 2}, false), 4.0 / 3.0);
-  EXPECT_GT(camera.eye.z, 3.0);
-  EXPECT_TRUE(near(glm::normalize(camera.target - camera.eye), {0, 0, -1}));
-}
-
-TEST(DefaultView, LooksAtThingsFromOutside) {
-  const ImportedScene closed = box({1, 1, 1}, true, false);
-  const Camera camera = defaultView(closed, 1.0);
-  EXPECT_EQ(camera.eye, defaultCamera(boundsOf(closed)).eye);
 }
 
 }  // namespace

@@ -132,11 +132,11 @@ TEST(Door, RefusesMessagesAboveOneMebibyte) {
 /// on a connection of its own.
 TEST(Door, RefusesMetadataAboveEightKibibytes) {
   Stubs stubs(server().address()), bystander(server().address());
-  const auto withMetadata = [](Stubs& stubs, std::size_t bytes) {
+  const auto withMetadata = [](Stubs& caller, std::size_t bytes) {
     Call call;
     call->AddMetadata("x-ballast", std::string(bytes, 'b'));
     pb::ListSessionsResponse response;
-    return stubs.session->ListSessions(call, pb::ListSessionsRequest(), &response);
+    return caller.session->ListSessions(call, pb::ListSessionsRequest(), &response);
   };
   EXPECT_THAT(withMetadata(stubs, 7'000), IsOk());
   EXPECT_THAT(withMetadata(stubs, 9'000), HasCode(StatusCode::RESOURCE_EXHAUSTED));

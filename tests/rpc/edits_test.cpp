@@ -140,6 +140,7 @@ TEST_F(Edits, AbortWhereTheRevisionIsAnother) {
   EXPECT_EQ(revision(), 2U);
 }
 
+// Seen to fail when a sequence is not looked up, and when an outcome is not recorded.
 TEST_F(Edits, ARepeatedSequenceReturnsItsFirstOutcome) {
   const pb::ClientIdentity me = join(stubs_, session_);
   pb::Edit create = client::editOf({client::createLight(light("Lamp"))});
@@ -303,17 +304,9 @@ TEST_F(Edits, PowerFollowsTheArea) {
 
 TEST_F(Edits, OfLaterVersionsAreRefusedByName) {
   const std::string place = "edit.operations[0].create_light.";
-  pb::Light textured = light("Lamp");
-  textured.set_texture(std::string(64, '0'));
-  EXPECT_THAT(edit({client::createLight(textured)}), Refused(StatusCode::UNIMPLEMENTED, place + "texture", "texture"));
   pb::Light grouped = light("Lamp");
   grouped.set_group("ceiling");
   EXPECT_THAT(edit({client::createLight(grouped)}), Refused(StatusCode::UNIMPLEMENTED, place + "group", "ceiling"));
-  pb::Light directed = light("Lamp");
-  directed.mutable_inline_mesh()->set_directions(directed.inline_mesh().positions());
-  const grpc::Status status = edit({client::createLight(directed)});
-  EXPECT_THAT(status, HasCode(StatusCode::UNIMPLEMENTED));
-  EXPECT_THAT(status.error_message(), HasSubstr("directions"));
   EXPECT_EQ(revision(), 0U);
 }
 

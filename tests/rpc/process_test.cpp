@@ -1,5 +1,7 @@
 // lpvd as a process: its exit codes, clients that are killed, and its own end.
 
+#include <google/protobuf/wrappers.pb.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -115,7 +117,105 @@ TEST_F(KilledClients, MidWatchAreNoSubscribersAnyMore) {
   EXPECT_GT(probe(stubs_, session_, {{{0, 0, 0.4}, {0, 0, -1}}})[0].x, 0.0);
 }
 
-/// SIGTERM with streams open: health says so first, every stream gets its notice, then the process ends with 0.
+/// grpc.health.v1.Health/Watch: its messages are, on the wire, a StringValue and an Int32Value.
+class HealthWatch {
+ public:
+  explicit HealthWatch(Stubs& stubs) : stub_(stubs.channel) {
+    stream_ = stub_.PrepareCall(call_, "/grpc.health.v1.Health/Watch", &queue_);
+    stream_->StartCall(nullptr);
+    if (!wait()) return;
+    stream_->WriteLast({}, grpc::WriteOptions(), nullptr);  // of everything, the service ""
+    (void)wait();
+  }
+  ~HealthWatch() {
+    call_->TryCancel();
+    grpc::Status status;
+    stream_->Finish(&status, nullptr);
+    (void)wait();
+    queue_.Shutdown();
+    while (wait()) {
+    }
+  }
+  HealthWatch(const HealthWatch&) = delete;
+  HealthWatch& operator=(const HealthWatch&) = delete;
+
+  /// The next state: 1 = SERVING, 2 = NOT_SERVING; -1 at the end.
+  int next() {
+    google::protobuf::Int32Value state;
+    stream_->Read(&state, nullptr);
+    return wait() ? state.value() : -1;
+  }
+
+ private:
+  using Text = google::protobuf::StringValue;
+  using Number = google::protobuf::Int32Value;
+
+  bool wait() {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue_.Next(&tag, &ok) && ok;
+  }
+
+  grpc::TemplatedGenericStub<Text, Number> stub_;
+  grpc::CompletionQueue queue_;
+  Call call_;
+  std::unique_ptr<grpc::ClientAsyncReaderWriter<Text, Number>> stream_;
+};
+
+/// A watcher of a scene, its snapshot read.
+struct SceneWatcher {
+  SceneWatcher(Stubs& stubs, const std::string& session) {
+    pb::WatchSceneRequest request;
+    request.set_session(session);
+    reader = stubs.scene->WatchScene(call, request);
+    EXPECT_TRUE(reader->Read(&event));
+  }
+  /// Reads on to the notice.
+  void readNotice() {
+    while (!event.has_notice() && reader->Read(&event)) {
+    }
+    EXPECT_EQ(event.notice().kind(), pb::Notice::KIND_DRAINING);
+  }
+  Call call;
+  pb::WatchSceneResponse event;
+  std::unique_ptr<grpc::ClientReader<pb::WatchSceneResponse>> reader;
+};
+
+/// Who has its notice and asks for health at once must not be sent here again. Many watchers keep the server busy
+/// with notices meanwhile. Seen to fail when the streams are told before the health service.
+TEST(Termination, SaysThatItDoesNotServeBeforeItTellsItsStreams) {
+  constexpr int kConnections = 5;
+  constexpr int kWatchersEach = 80;  // of at most 100 streams on a connection
+  ServerProcess leaving;
+  Stubs stubs(leaving.address());
+  pb::CreateSessionRequest first;
+  first.set_session_id("a");  // sessions end in the order of their ids
+  pb::CreateSessionResponse created;
+  ASSERT_THAT(stubs.session->CreateSession(Call(), first, &created), IsOk());
+  const std::string others = makeSession(stubs);
+  std::vector<std::unique_ptr<Stubs>> connections;
+  std::vector<std::unique_ptr<SceneWatcher>> crowd;
+  for (int c = 0; c < kConnections; ++c) {
+    connections.push_back(std::make_unique<Stubs>(leaving.address()));
+    for (int w = 0; w < kWatchersEach; ++w) crowd.push_back(std::make_unique<SceneWatcher>(*connections[c], others));
+  }
+  SceneWatcher watcher(stubs, "sessions/a");
+  auto health = std::make_unique<HealthWatch>(stubs);
+  ASSERT_EQ(health->next(), 1);
+  client::Client asking = clientOf(leaving.address());
+  ASSERT_TRUE(asking.healthy().ok());
+
+  leaving.process().signal(SIGTERM);
+  watcher.readNotice();
+  const Expected<bool> healthy = asking.healthy();
+  EXPECT_FALSE(healthy.ok() && *healthy) << "its notice came first";
+  EXPECT_EQ(health->next(), 2);
+  health.reset();
+  for (const auto& each : crowd) each->readNotice();
+  EXPECT_EQ(leaving.process().wait(std::chrono::seconds(30)), 0);
+}
+
+/// SIGTERM with streams open: every stream gets its notice, then the process ends with 0.
 TEST(Termination, DrainsItsStreams) {
   ServerProcess leaving;
   Stubs stubs(leaving.address());

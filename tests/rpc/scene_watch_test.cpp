@@ -112,6 +112,7 @@ TEST_F(SceneWatch, AnEmptySessionIsASnapshotToo) {
   EXPECT_TRUE(reader.event().has_heartbeat()) << "and then nothing but heartbeats";
 }
 
+// Seen to fail when one revision's objects are left out, and when deletions are not told.
 TEST_F(SceneWatch, MissesNothingInAStormOfEdits) {
   constexpr int kEach = 150;
   apply(stubs_, session_, {client::createLight(light("A")), client::createLight(light("B"))});

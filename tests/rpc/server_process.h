@@ -1,7 +1,5 @@
 #pragma once
-// A real lpvd on a free port of the loopback, started and ended by the test.
-
-#include <sys/types.h>
+// A real lpvd on a free port of the loopback, started and ended by the test or bench.
 
 #include <chrono>
 #include <cstdint>
@@ -9,6 +7,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "rpc/child_process.h"
 
 namespace lpv::rpc {
 
@@ -21,30 +21,6 @@ inline constexpr bool kSanitized = false;
 
 inline constexpr std::int64_t kMiB = 1024 * 1024;
 
-/// A child process. Dies with its owner, and with the test however that ends.
-class ChildProcess {
- public:
-  ChildProcess(const std::string& program, const std::vector<std::string>& arguments);
-  ~ChildProcess();
-  ChildProcess(const ChildProcess&) = delete;
-  ChildProcess& operator=(const ChildProcess&) = delete;
-
-  pid_t pid() const { return pid_; }
-  void signal(int number) const;
-  /// The exit status, or minus the signal that ended it; nothing while it runs after `patience`.
-  std::optional<int> wait(std::chrono::milliseconds patience);
-  /// What it has written so far.
-  std::string output() const;
-  std::string errors() const;
-  /// A folder that lives as long as this.
-  const std::string& directory() const { return directory_; }
-
- private:
-  std::string directory_;  // of its own, with the files "out" and "err"
-  pid_t pid_ = -1;
-  std::optional<int> ended_;
-};
-
 /// lpvd, listening. The constructor throws std::runtime_error with the log where it does not come up.
 class ServerProcess {
  public:
@@ -52,6 +28,9 @@ class ServerProcess {
   ~ServerProcess();
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
+
+  /// Those that are there now.
+  static const std::vector<const ServerProcess*>& live();
 
   int port() const { return port_; }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }

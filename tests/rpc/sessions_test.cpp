@@ -205,6 +205,7 @@ TEST_F(Sessions, TheGridIsFittedToItsContent) {
   EXPECT_THAT(stubs_.session->FitSession(Call(), fit, &response), HasCode(StatusCode::FAILED_PRECONDITION));
 }
 
+// Seen to fail when the time to live is not looked at, and when a reader is no use.
 TEST_F(Sessions, ExpireWhenNobodyUsesThem) {
   pb::SessionSettings brief = settings();
   brief.mutable_ttl()->set_seconds(1);

@@ -63,16 +63,15 @@ TEST(CheckFields, NamesLightFeaturesOfLaterVersions) {
   expectRefused(checkFields(grouped), "group", "65");
   grouped.group = "";
   EXPECT_TRUE(checkFields(grouped).ok());
-  LightFields textured;
-  textured.texture = std::string(64, 'a');
-  EXPECT_EQ(checkFields(textured).code(), Code::kUnimplemented);
-  EXPECT_EQ(checkFields(textured).field(), "texture");
+}
+
+TEST(CheckFields, TakesTexturesAndDirections) {
+  LightFields fields;
+  fields.texture = std::string(64, 'a');
   Mesh mesh = *reference::quad();
   mesh.directions.resize(mesh.positions.size(), {0, 0, 1});
-  LightFields directed;
-  directed.mesh = MeshReference{"", std::make_shared<const Mesh>(mesh)};
-  EXPECT_EQ(checkFields(directed).code(), Code::kUnimplemented);
-  EXPECT_EQ(checkFields(directed).field(), "directions");
+  fields.mesh = MeshReference{"", std::make_shared<const Mesh>(mesh)};
+  EXPECT_TRUE(checkFields(fields).ok());
 }
 
 TEST(CheckFields, KeepsReflectanceBetweenZeroAndOne) {

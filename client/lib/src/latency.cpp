@@ -13,6 +13,12 @@ double quantile(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
+LatencySummary summarize(std::vector<double> seconds) {
+  if (seconds.empty()) return {};
+  std::sort(seconds.begin(), seconds.end());
+  return {seconds.size(), quantile(seconds, 0.5), quantile(seconds, 0.95), quantile(seconds, 0.99), seconds.back()};
+}
+
 void LatencyLog::sent(std::uint64_t sequence) {
   const std::lock_guard lock(mutex_);
   waiting_.emplace_back(sequence, Clock::now());
@@ -30,13 +36,6 @@ void LatencyLog::seen(std::uint64_t sequence) {
 std::vector<double> LatencyLog::seconds() const {
   const std::lock_guard lock(mutex_);
   return seconds_;
-}
-
-LatencySummary LatencyLog::summary() const {
-  std::vector<double> sorted = seconds();
-  if (sorted.empty()) return {};
-  std::sort(sorted.begin(), sorted.end());
-  return {sorted.size(), quantile(sorted, 0.5), quantile(sorted, 0.95), quantile(sorted, 0.99), sorted.back()};
 }
 
 }  // namespace lpv::client

@@ -20,6 +20,8 @@ struct LatencySummary {
   double max = 0.0;
 };
 
+LatencySummary summarize(std::vector<double> seconds);
+
 /// Joins the times at which edits were sent with the client_sequence that results echo. Safe to share between threads.
 class LatencyLog {
  public:
@@ -27,7 +29,7 @@ class LatencyLog {
   void sent(std::uint64_t sequence);
   /// A result that contains all edits up to `sequence` is here now.
   void seen(std::uint64_t sequence);
-  LatencySummary summary() const;
+  LatencySummary summary() const { return summarize(seconds()); }
   /// Seconds of each edit seen so far, in order of sequence.
   std::vector<double> seconds() const;
 

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "scene/camera.h"
+#include "scene/scene.h"
+
+namespace lpv {
+
+/// Where to look at a scene from when nobody gives a camera.
+///
+/// Inside a closed room with something in it: from near one end along its longest horizontal axis, at half its height,
+/// where the view is widest. A room with one open side: through that side, from outside. Anything else: defaultCamera.
+class DefaultView {
+ public:
+  /// Of nothing.
+  DefaultView() = default;
+  /// Reads every triangle: tens of milliseconds for 100,000 of them. Not under a lock.
+  explicit DefaultView(const Scene& scene);
+
+  /// `aspect`: width / height of the picture. Only how far away the eye is before an open side depends on it.
+  Camera camera(double aspect) const;
+
+ private:
+  enum class Kind { kOutside, kInside, kThroughOpening };
+
+  Kind kind_ = Kind::kOutside;
+  Bounds bounds_;
+  Camera inside_;           ///< kInside
+  int openAxis_ = 0;        ///< kThroughOpening: 0 or 2 ...
+  bool openUpper_ = false;  ///< ... and whether it is the side at that axis's maximum
+};
+
+}  // namespace lpv
