@@ -34,13 +34,14 @@ layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHea
 
 #ifndef LPV_RECORD_PAIRS
 
-/// The first VPL of a cell appends it to the list, and every kCellGroup-th one adds a group to later dispatches.
+/// The first VPL of a cell appends it to the list, and every kCellGroup-th one adds a group to later dispatches; the first
+/// group is always there, since it also counts triangles without area.
 int touchedCell(ivec3 position, uint lobes) {
   const int cell = (position.z * params.dims.y + position.y) * params.dims.x + position.x;
   if (atomicAdd(words[cell * kAccumulatorWords], lobes) == 0u) {
     const uint slot = atomicAdd(voxelHeader[3], 1u);
     voxels[slot].x = uint(cell);
-    if (slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
+    if (slot > 0u && slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
   }
   return cell * kAccumulatorWords + 1;
 }

@@ -139,7 +139,7 @@ void Voxelizer::collect(const VoxelizeJob& job, const LightVoxels& voxels) {
 
 Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
                       Pacing pacing) {
-  constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmpty = {0, 1, 1};
+  constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmpty = {1, 1, 1};
   voxels.cells.update(0, gpu::bytesOfValue(kEmpty));
   VoxelizeJob job = jobOf(voxels, mesh, texture);
   TriangleInjector& injector = injectorFor(voxels.source.method.method);
