@@ -7,10 +7,10 @@
 namespace lpv::api {
 namespace {
 
-constexpr const char* kFeatures[] = {
-    "injection.count", "injection.flux", "injection.textures", "injection.directions", "method.compute",
-    "method.raster",   "method.dense",   "transport.propagate", "lookup.sh2",          "lookup.nearest",
-    "frames.jpeg",     "frames.png",     "frames.exr",          "volume.half",         "volume.float"};
+constexpr const char* kFeatures[] = {"injection.count", "injection.flux", "injection.textures", "injection.directions",
+                                     "method.compute",  "method.raster",  "method.dense",       "transport.propagate",
+                                     "lookup.sh2",      "lookup.nearest", "frames.jpeg",        "frames.png",
+                                     "frames.exr",      "volume.half",    "volume.float"};
 
 void toProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);

@@ -26,7 +26,8 @@ void addLimits(CLI::App& app, Limits& limits) {
   limit("--max-edits-per-second", limits.maxEditsPerSecond, "edits of one client", 1, 100000);
   limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
   const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what) {
-    app.add_option_function<int>(flag, [&value](const int& given) { value = std::chrono::seconds(given); }, what)
+    app.add_option_function<int>(
+           flag, [&value](const int& given) { value = std::chrono::seconds(given); }, what)
         ->check(CLI::Range(1, 86400))
         ->default_str(std::to_string(value.count()))
         ->group("Limits");

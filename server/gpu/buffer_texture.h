@@ -14,8 +14,8 @@ enum class BufferTexel {
   kUvec3,  ///< 3 unsigned integers
 };
 
-/// A view of a whole buffer as one row of texels, to be read with texelFetch: on llvmpipe two to three times faster than
-/// storage reads. The buffer outlives it. Move-only; empty (id 0) after move.
+/// A view of a whole buffer as one row of texels, to be read with texelFetch: on llvmpipe two to three times faster
+/// than storage reads. The buffer outlives it. Move-only; empty (id 0) after move.
 class BufferTexture {
  public:
   BufferTexture() = default;

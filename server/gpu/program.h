@@ -9,13 +9,14 @@
 
 namespace lpv::gpu {
 
-/// A linked program: one compute stage, or a vertex, perhaps a geometry and a fragment stage. Everything it reads comes through bindings
-/// of shaders/layout.h, so there are no uniforms to set by name. Labelled; move-only; empty (id 0) after move.
+/// A linked program: one compute stage, or a vertex, perhaps a geometry and a fragment stage. Everything it reads comes
+/// through bindings of shaders/layout.h, so there are no uniforms to set by name. Labelled; move-only; empty (id 0)
+/// after move.
 class Program {
  public:
   Program() = default;
-  /// Compiles and links shaders/`files` (stage from the ending: .comp, .vert, .geom, .frag) with `defines`. Throws Failure
-  /// (INTERNAL) with the compiler's messages.
+  /// Compiles and links shaders/`files` (stage from the ending: .comp, .vert, .geom, .frag) with `defines`. Throws
+  /// Failure (INTERNAL) with the compiler's messages.
   Program(std::vector<std::string> files, Defines defines);
   /// A compute program of a text that no file holds (tests); it may #include shaders/.
   static Program computeOfText(const std::string& name, const std::string& text, const Defines& defines);

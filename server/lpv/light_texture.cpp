@@ -43,7 +43,9 @@ void appendIntegrals(const Picture& picture, int row, std::vector<double>& out) 
   }
 }
 
-int rowsAtOnce(const Picture& picture) { return int(std::max<std::size_t>(1, kPieceTexels / std::size_t(picture.size.x))); }
+int rowsAtOnce(const Picture& picture) {
+  return int(std::max<std::size_t>(1, kPieceTexels / std::size_t(picture.size.x)));
+}
 
 Pieces uploadTexels(const Picture& picture, GpuLightTexture& out) {
   const int step = rowsAtOnce(picture);
@@ -58,8 +60,7 @@ Pieces uploadTexels(const Picture& picture, GpuLightTexture& out) {
 
 Pieces uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
   const std::size_t rowBytes = (std::size_t(picture.size.x) + 1) * 3 * sizeof(double);
-  out.rowIntegrals =
-      gpu::Buffer("row integrals", rowBytes * std::size_t(picture.size.y), gpu::BufferUse::kDynamic);
+  out.rowIntegrals = gpu::Buffer("row integrals", rowBytes * std::size_t(picture.size.y), gpu::BufferUse::kDynamic);
   const int step = rowsAtOnce(picture);
   std::vector<double> integrals;
   for (int row = 0; row < picture.size.y; row += step) {

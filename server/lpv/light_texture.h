@@ -17,8 +17,8 @@ struct GpuLightTexture {
   glm::ivec2 size{0};
   int levels = 0;             ///< of the mip chain
   gpu::Texture radiance;      ///< RGBA32F with mip levels
-  gpu::Buffer rowIntegrals;   ///< double x 3: integral along the row from texel centre 0 (shaders/texture_integral.glsl)
-  double brightest = 1.0;     ///< largest component of any texel; 1 for an all-black texture
+  gpu::Buffer rowIntegrals;  ///< double x 3: integral along the row from texel centre 0 (shaders/texture_integral.glsl)
+  double brightest = 1.0;  ///< largest component of any texel; 1 for an all-black texture
   glm::dvec3 mean{0.0};
 };
 

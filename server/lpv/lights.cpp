@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace lpv {
 
 namespace {
@@ -11,8 +10,12 @@ namespace {
 double brightest(const glm::dvec3& c) { return std::max({c.r, c.g, c.b}); }
 
 EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, const glm::dvec3& radiance) {
-  return {light,    light->mesh,     gridFromWorld * light->transform.worldFromObject(),
-          radiance, light->twoSided, light->transform.mirrors(),
+  return {light,
+          light->mesh,
+          gridFromWorld * light->transform.worldFromObject(),
+          radiance,
+          light->twoSided,
+          light->transform.mirrors(),
           light->mesh->uvs.empty() ? nullptr : light->texture};
 }
 

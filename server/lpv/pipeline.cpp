@@ -121,7 +121,8 @@ Pieces Pipeline::inject(SessionState& s, TickReport& report) {
     LightVoxels& voxels = *s.voxels[i];
     if (voxels.made) continue;
     const EmittingLight& light = s.lights[i];
-    const GpuLightTexture* texture = light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
+    const GpuLightTexture* texture =
+        light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
     co_await voxelizer_.run(*s.field, *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
     voxels.made = true;
     report.lightsVoxelized++;

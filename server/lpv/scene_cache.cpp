@@ -85,8 +85,8 @@ GpuMeshPtr SceneCache::meshFor(const MeshPtr& mesh, GpuMeshPtr previous) {
     made->positions = rewritten("positions", std::move(old.positions), mesh->positions);
     made->normals = rewritten("normals", std::move(old.normals), mesh->normals);
     made->uvs = old.source->uvs == mesh->uvs ? old.uvs : newArray("uvs", mesh->uvs);
-    made->directions = old.source->directions == mesh->directions ? old.directions
-                                                                  : newArray("directions", mesh->directions);
+    made->directions =
+        old.source->directions == mesh->directions ? old.directions : newArray("directions", mesh->directions);
   } else {
     made->positions = newArray("positions", mesh->positions);
     made->normals = newArray("normals", mesh->normals);

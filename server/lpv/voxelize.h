@@ -79,8 +79,8 @@ class Voxelizer {
  public:
   Voxelizer();
 
-  /// Fills `voxels`, whose source says from what, a bounded number of triangles at a time. `texture` is null for a light
-  /// without. Throws gpu::Failure (RESOURCE_EXHAUSTED) for a mesh that the accumulators cannot hold.
+  /// Fills `voxels`, whose source says from what, a bounded number of triangles at a time. `texture` is null for a
+  /// light without. Throws gpu::Failure (RESOURCE_EXHAUSTED) for a mesh that the accumulators cannot hold.
   Pieces run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
              Pacing pacing);
 

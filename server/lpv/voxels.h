@@ -39,14 +39,14 @@ struct LightVoxels {
   LightVoxels(const CellBox& box, int sets);
 
   VoxelSource source;
-  bool made = false;          ///< `cells` and `moments` are what follows from `source`
-  int sets = 1;               ///< moments per cell: 1, or 3 with a texture (shaders/deposit.glsl)
-  std::size_t capacity = 0;   ///< cells
-  gpu::Buffer cells;          ///< header and (cell, lobes) entries (layout::kVoxelCells)
-  gpu::Buffer moments;        ///< vec4 per cell and set
-  double unit = 1.0;          ///< FLUX: area that a moment of 1 stands for, cell^2; COUNT: 1
-  double brightest = 1.0;     ///< radiance factor that a colour of 1 stands for
-  double roundingError = 0.0; ///< bound for one coefficient, relative to the largest possible
+  bool made = false;  ///< `cells` and `moments` are what follows from `source`
+  int sets = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/deposit.glsl)
+  std::size_t capacity = 0;  ///< cells
+  gpu::Buffer cells;  ///< header and (cell, lobes) entries (layout::kVoxelCells)
+  gpu::Buffer moments;  ///< vec4 per cell and set
+  double unit = 1.0;  ///< FLUX: area that a moment of 1 stands for, cell^2; COUNT: 1
+  double brightest = 1.0;  ///< radiance factor that a colour of 1 stands for
+  double roundingError = 0.0;  ///< bound for one coefficient, relative to the largest possible
 
   /// Whether the voxels of a light in this box fit.
   bool fits(const CellBox& box, int wantedSets) const;

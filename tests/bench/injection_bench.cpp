@@ -1,6 +1,6 @@
-// The paper's Table 1: the time to put one area light into the grid, for dense sampling with 1, 100 and 1000 samples per
-// triangle and for exact voxelization, by the compute and the raster injector, COUNT and FLUX. Programs are compiled
-// beforehand; nothing is reused from one injection to the next. Ratios are of times of the same run.
+// The paper's Table 1: the time to put one area light into the grid, for dense sampling with 1, 100 and 1000 samples
+// per triangle and for exact voxelization, by the compute and the raster injector, COUNT and FLUX. Programs are
+// compiled beforehand; nothing is reused from one injection to the next. Ratios are of times of the same run.
 //
 //   injection_bench [--grids 32,64,128] [--mesh NAME] [--repeats N] [--csv FILE]
 //
@@ -55,7 +55,7 @@ std::vector<Named> meshes() {
 
 std::vector<Way> ways() {
   using enum InjectionMethod;
-  return {{"dense 1", {Injection::kCount, kDense, 1}},      {"dense 100", {Injection::kCount, kDense, 100}},
+  return {{"dense 1", {Injection::kCount, kDense, 1}},       {"dense 100", {Injection::kCount, kDense, 100}},
           {"dense 1000", {Injection::kCount, kDense, 1000}}, {"raster COUNT", {Injection::kCount, kRaster, 0}},
           {"raster FLUX", {Injection::kFlux, kRaster, 0}},   {"COUNT", {Injection::kCount, kCompute, 0}},
           {"FLUX", {Injection::kFlux, kCompute, 0}}};
@@ -165,10 +165,12 @@ int run(const std::vector<int>& grids, const std::string& only, int repeats, con
   if (!csvPath.empty()) file.open(csvPath);
   std::ostream& csv = csvPath.empty() ? static_cast<std::ostream&>(nowhere) : file;
   csv << "mesh,grid,method,wall_ms,cpu_ms,inject_wall_ms\n";
-  std::cout << "device: " << context.capabilities().renderer << "\n\nMilliseconds, wall / CPU of all threads, medians of "
-            << repeats << " or more. Ratios are of CPU time.\n\n| mesh | grid |";
+  std::cout << "device: " << context.capabilities().renderer
+            << "\n\nMilliseconds, wall / CPU of all threads, medians of " << repeats
+            << " or more. Ratios are of CPU time.\n\n| mesh | grid |";
   for (const Way& way : ways()) std::cout << " " << way.name << " |";
-  std::cout << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field |\n|---|---|";
+  std::cout
+      << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field |\n|---|---|";
   for (std::size_t i = 0; i < ways().size() + 4; ++i) std::cout << "---|";
   std::cout << "\n";
   Table table(repeats);

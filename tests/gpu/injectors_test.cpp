@@ -22,7 +22,8 @@ Cells cellsOf(const LightVoxels& voxels) {
   for (std::size_t i = 0; i < list[3]; ++i) {
     const std::size_t entry = std::size_t(layout::kVoxelHeaderWords) + 2 * i;
     const auto first = moments.begin() + std::ptrdiff_t(i) * voxels.sets;
-    const bool fresh = cells.emplace(list[entry], std::pair(list[entry + 1], std::vector(first, first + voxels.sets))).second;
+    const bool fresh =
+        cells.emplace(list[entry], std::pair(list[entry + 1], std::vector(first, first + voxels.sets))).second;
     EXPECT_TRUE(fresh) << "cell " << list[entry] << " is listed twice";
   }
   return cells;
@@ -36,7 +37,8 @@ EmittingLight placed(const MeshPtr& mesh, const glm::dvec3& at, double size, dou
   return light;
 }
 
-// Broken by: no padding in movedOut(); kSharpest 0; columns of the box one too few; a quad for every triangle would pass.
+// Broken by: no padding in movedOut(); kSharpest 0; columns of the box one too few; a quad for every triangle would
+// pass.
 TEST_F(InjectorsTest, RasterAndComputeGiveTheSameBits) {
   for (const glm::ivec3 dims : {glm::ivec3(16, 12, 14), glm::ivec3(31, 9, 40)}) {
     for (const MeshPtr& mesh : {reference::quad(), reference::pyramid(), reference::tube(), reference::sphere(),

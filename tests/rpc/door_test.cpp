@@ -128,8 +128,8 @@ TEST(Door, RefusesMessagesAboveOneMebibyte) {
   EXPECT_EQ(getSession(stubs, session).revision(), 1U);
 }
 
-/// Metadata far beyond the limit costs the client its connection, which may take the next call with it: that one is made
-/// on a connection of its own.
+/// Metadata far beyond the limit costs the client its connection, which may take the next call with it: that one is
+/// made on a connection of its own.
 TEST(Door, RefusesMetadataAboveEightKibibytes) {
   Stubs stubs(server().address()), bystander(server().address());
   const auto withMetadata = [](Stubs& caller, std::size_t bytes) {

@@ -73,8 +73,7 @@ TEST_F(Injected, FluxHasTheLightsPower) {
 
 TEST_F(Injected, MethodsAgree) {
   std::vector<Volume> volumes;
-  for (const auto method :
-       {pb::INJECTION_METHOD_COMPUTE, pb::INJECTION_METHOD_RASTER, pb::INJECTION_METHOD_DENSE}) {
+  for (const auto method : {pb::INJECTION_METHOD_COMPUTE, pb::INJECTION_METHOD_RASTER, pb::INJECTION_METHOD_DENSE}) {
     const std::string session = makeSession(stubs_, settingsOf(pb::INJECTION_FLUX, method));
     apply(stubs_, session, {client::createLight(lampOf(quad(0.5F)))});
     volumes.push_back(injected(session));

@@ -278,8 +278,7 @@ TEST_P(LaterSettings, AreRefusedByName) {
   wanted.set_name(name);
   *wanted.mutable_settings() = request.settings();
   const std::string path = "settings." + std::string(later.field).substr(0, std::string(later.field).find('.'));
-  EXPECT_THAT(update(wanted, {path}),
-              Refused(StatusCode::UNIMPLEMENTED, field, later.text));
+  EXPECT_THAT(update(wanted, {path}), Refused(StatusCode::UNIMPLEMENTED, field, later.text));
   EXPECT_EQ(getSession(stubs_, name).revision(), 0U);
 }
 
