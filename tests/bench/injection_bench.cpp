@@ -143,9 +143,10 @@ std::string number(double value) {
   return text;
 }
 
-void printRow(const std::string& mesh, int cells, const std::vector<Cost>& costs, std::ostream& csv) {
+void printRow(const std::string& mesh, std::size_t triangles, int cells, const std::vector<Cost>& costs, std::ostream& csv) {
   const auto all = ways();
-  std::cout << "| " << mesh << " | " << cells << " |";
+  const auto samplesPerSecond = [&](const Cost& dense1000) { return 1000.0 * double(triangles) / dense1000.cpu / 1e3; };
+  std::cout << "| " << mesh << " (" << triangles << ") | " << cells << " |";
   for (std::size_t i = 0; i < all.size(); ++i) {
     std::cout << " " << number(costs[i].wall) << " / " << number(costs[i].cpu) << " |";
     csv << mesh << "," << cells << "," << all[i].name << "," << costs[i].wall << "," << costs[i].cpu << ","
@@ -155,7 +156,7 @@ void printRow(const std::string& mesh, int cells, const std::vector<Cost>& costs
   const Cost& flux = costs[6];
   std::cout << " " << number(costs[1].cpu / count.cpu) << "x / " << number(costs[2].cpu / count.cpu) << "x | "
             << number(flux.cpu / count.cpu) << "x | " << number(costs[3].cpu / count.cpu) << "x | "
-            << number(count.inject) << " |" << std::endl;
+            << number(count.inject) << " | " << number(samplesPerSecond(costs[2])) << " |" << std::endl;
 }
 
 int run(const std::vector<int>& grids, const std::string& only, int repeats, const std::string& csvPath,
@@ -167,11 +168,11 @@ int run(const std::vector<int>& grids, const std::string& only, int repeats, con
   csv << "mesh,grid,method,wall_ms,cpu_ms,inject_wall_ms\n";
   std::cout << "device: " << context.capabilities().renderer
             << "\n\nMilliseconds, wall / CPU of all threads, medians of " << repeats
-            << " or more. Ratios are of CPU time.\n\n| mesh | grid |";
+            << " or more. Ratios are of CPU time. Dense: samples per CPU second with 1000 per triangle, millions.\n\n| mesh | grid |";
   for (const Way& way : ways()) std::cout << " " << way.name << " |";
   std::cout
-      << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field |\n|---|---|";
-  for (std::size_t i = 0; i < ways().size() + 4; ++i) std::cout << "---|";
+      << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field | dense |\n|---|---|";
+  for (std::size_t i = 0; i < ways().size() + 5; ++i) std::cout << "---|";
   std::cout << "\n";
   Table table(repeats);
   for (const Named& mesh : meshes()) {
@@ -179,7 +180,7 @@ int run(const std::vector<int>& grids, const std::string& only, int repeats, con
     for (const int cells : grids) {
       std::vector<Cost> costs;
       for (const Way& way : ways()) costs.push_back(table.measure(mesh.mesh, cells, way.method));
-      printRow(mesh.name, cells, costs, csv);
+      printRow(mesh.name, mesh.mesh->triangles.size(), cells, costs, csv);
     }
   }
   return csv.good() ? 0 : 1;
