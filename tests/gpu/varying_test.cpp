@@ -186,7 +186,7 @@ TEST_F(VaryingTest, RasterAndComputeGiveTheSameBits) {
 }
 
 // The same random numbers on both sides: the same lobes in every cell (none of 600,000 samples is so near a face that
-// rounding decides). The sums differ by COUNT's fixed point.
+// rounding decides). The sums differ by COUNT's fixed point. Broken by: another hash.
 TEST_F(VaryingTest, DenseSamplesFallIntoTheReferencesCells) {
   constexpr int kSamples = 200;
   std::size_t moved = 0, samples = 0;
