@@ -67,9 +67,9 @@ Texture::~Texture() {
   if (id_ != 0) glDeleteTextures(1, &id_);
 }
 
-void Texture::uploadRows(int row, int rows, GLenum layout, GLenum type, const void* texels) {
+void Texture::uploadRows(int row, int rows, GLenum layout, GLenum type, const void* texels, int level) const {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage2D(id_, 0, 0, row, size_.x, rows, layout, type, texels);
+  glTextureSubImage2D(id_, level, 0, row, std::max(size_.x >> level, 1), rows, layout, type, texels);
 }
 
 void Texture::generateMipmaps() { glGenerateTextureMipmap(id_); }

@@ -31,8 +31,8 @@ class Texture {
   const glm::ivec3& size() const { return size_; }  ///< texels; z = 1 for 2D
   explicit operator bool() const { return id_ != 0; }
 
-  /// Rows [row, row + rows) of level 0 of a 2D texture from tightly packed client memory.
-  void uploadRows(int row, int rows, GLenum layout, GLenum type, const void* texels);
+  /// Rows [row, row + rows) of one level of a 2D texture from tightly packed client memory.
+  void uploadRows(int row, int rows, GLenum layout, GLenum type, const void* texels, int level = 0) const;
   void generateMipmaps();
 
   void bind(std::uint32_t unit) const;

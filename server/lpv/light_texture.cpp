@@ -1,6 +1,8 @@
 #include "lpv/light_texture.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "gpu/gl.h"
@@ -19,16 +21,40 @@ struct Picture {
   const glm::vec3& at(int x, int y) const { return texels[std::size_t(y) * std::size_t(size.x) + std::size_t(x)]; }
 };
 
-/// 2 x 2 means; an odd last row or column counts twice.
+/// What a texel of the next mip level covers along one axis: three texels from 2 i on, the last one only of an odd
+/// size.
+struct Footprint {
+  int first = 0;
+  std::array<float, 3> weights{};
+};
+
+Footprint footprintOf(int i, int size) {
+  if (size == 1) return {0, {1.0F, 0.0F, 0.0F}};
+  if (size % 2 == 0) return {2 * i, {0.5F, 0.5F, 0.0F}};
+  const double half = size / 2, whole = 2.0 + 1.0 / half;
+  return {2 * i, {float((1.0 - i / half) / whole), float(1.0 / whole), float((i + 1.0) / half / whole)}};
+}
+
+glm::vec3 covered(const Picture& from, const Footprint& x, const Footprint& y) {
+  glm::vec3 sum(0.0F);
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      const float weight = x.weights[std::size_t(i)] * y.weights[std::size_t(j)];
+      if (weight > 0.0F) sum += weight * from.at(x.first + i, y.first + j);
+    }
+  }
+  return sum;
+}
+
+/// The next mip level: sizes halved and rounded down, every texel the mean of what it covers. Not the driver's chain:
+/// for odd sizes each driver has its own.
 Picture halved(const Picture& from) {
   Picture out;
-  out.size = glm::max((from.size + 1) / 2, glm::ivec2(1));
+  out.size = glm::max(from.size / 2, glm::ivec2(1));
   out.texels.reserve(std::size_t(out.size.x) * std::size_t(out.size.y));
   for (int y = 0; y < out.size.y; ++y) {
-    for (int x = 0; x < out.size.x; ++x) {
-      const glm::ivec2 a(2 * x, 2 * y), b = glm::min(a + 1, from.size - 1);
-      out.texels.push_back(0.25F * (from.at(a.x, a.y) + from.at(b.x, a.y) + from.at(a.x, b.y) + from.at(b.x, b.y)));
-    }
+    for (int x = 0; x < out.size.x; ++x)
+      out.texels.push_back(covered(from, footprintOf(x, from.size.x), footprintOf(y, from.size.y)));
   }
   return out;
 }
@@ -47,15 +73,21 @@ int rowsAtOnce(const Picture& picture) {
   return int(std::max<std::size_t>(1, kPieceTexels / std::size_t(picture.size.x)));
 }
 
-Pieces uploadTexels(const Picture& picture, GpuLightTexture& out) {
+Pieces uploadTexels(const Picture& picture, int level, const gpu::Texture& texture) {
   const int step = rowsAtOnce(picture);
   for (int row = 0; row < picture.size.y; row += step) {
     const int rows = std::min(step, picture.size.y - row);
-    out.radiance.uploadRows(row, rows, GL_RGB, GL_FLOAT, &picture.at(0, row));
+    texture.uploadRows(row, rows, GL_RGB, GL_FLOAT, &picture.at(0, row), level);
     co_yield piece(Stage::kUpload, rows);
   }
-  out.radiance.generateMipmaps();
-  co_yield piece(Stage::kUpload);
+}
+
+Pieces uploadLevels(Picture picture, const GpuLightTexture& out) {
+  for (int level = 0; level < out.levels; ++level) {
+    co_await uploadTexels(picture, level, out.radiance);
+    picture = halved(picture);
+    co_yield piece(Stage::kUpload);
+  }
 }
 
 Pieces uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
@@ -94,8 +126,8 @@ Pieces uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out) {
   }
   out.mean /= double(picture.texels.size());
   out.brightest = brightest > 0.0F ? double(brightest) : 1.0;
-  co_await uploadTexels(picture, out);
   co_await uploadIntegrals(picture, out);
+  co_await uploadLevels(std::move(picture), out);
 }
 
 }  // namespace lpv

@@ -11,7 +11,7 @@
 
 namespace lpv {
 
-/// Linear texels, tiled. Pictures of more than 2^22 texels are halved (2 x 2 means) until they have fewer.
+/// Linear texels, tiled. Pictures of more than 2^22 texels are halved until they have fewer.
 struct GpuLightTexture {
   TexturePtr source;
   glm::ivec2 size{0};

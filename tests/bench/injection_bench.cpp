@@ -143,7 +143,8 @@ std::string number(double value) {
   return text;
 }
 
-void printRow(const std::string& mesh, std::size_t triangles, int cells, const std::vector<Cost>& costs, std::ostream& csv) {
+void printRow(const std::string& mesh, std::size_t triangles, int cells, const std::vector<Cost>& costs,
+              std::ostream& csv) {
   const auto all = ways();
   const auto samplesPerSecond = [&](const Cost& dense1000) { return 1000.0 * double(triangles) / dense1000.cpu / 1e3; };
   std::cout << "| " << mesh << " (" << triangles << ") | " << cells << " |";
@@ -168,10 +169,11 @@ int run(const std::vector<int>& grids, const std::string& only, int repeats, con
   csv << "mesh,grid,method,wall_ms,cpu_ms,inject_wall_ms\n";
   std::cout << "device: " << context.capabilities().renderer
             << "\n\nMilliseconds, wall / CPU of all threads, medians of " << repeats
-            << " or more. Ratios are of CPU time. Dense: samples per CPU second with 1000 per triangle, millions.\n\n| mesh | grid |";
+            << " or more. Ratios are of CPU time. Dense: samples per CPU second with 1000 per triangle, millions.\n\n| "
+               "mesh | grid |";
   for (const Way& way : ways()) std::cout << " " << way.name << " |";
-  std::cout
-      << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field | dense |\n|---|---|";
+  std::cout << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field | dense "
+               "|\n|---|---|";
   for (std::size_t i = 0; i < ways().size() + 5; ++i) std::cout << "---|";
   std::cout << "\n";
   Table table(repeats);

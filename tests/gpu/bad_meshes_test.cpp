@@ -96,6 +96,7 @@ TEST_F(BadMeshesTest, NormalsThatAreNotNumbersDoNotEmit) {
 }
 
 // Vertices a million units from the mesh's origin, brought back by the transform: what floats have left of them.
+// Broken by: gridPoint() in float.
 TEST_F(BadMeshesTest, FarOffsets) {
   const glm::dvec3 far(1e6, -1e6, 1e6);
   Mesh mesh = *reference::sphere();
@@ -107,6 +108,7 @@ TEST_F(BadMeshesTest, FarOffsets) {
 }
 
 // Triangles of 1e-9 units: by themselves in a cell, and blown up to many cells by their transform.
+// Broken by: an absolute smallest area in loadTriangle().
 TEST_F(BadMeshesTest, TinyTriangles) {
   Mesh tiny = *reference::sphere();
   for (glm::vec3& p : tiny.positions) p *= 1e-9F;

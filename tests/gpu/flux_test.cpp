@@ -3,50 +3,21 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
-#include "gpu/stage_rig.h"
-#include "reference/compare.h"
+#include "gpu/light_rig.h"
 #include "reference/inject.h"
 #include "reference/meshes.h"
 
 namespace lpv {
 namespace {
 
-class FluxTest : public test::GlTest {};
-
-const VoxelMethod kFlux = {Injection::kFlux, InjectionMethod::kCompute, 0};
-
-std::vector<reference::Emitter> emittersOf(const Grid& grid, const std::vector<EmittingLight>& lights) {
-  std::vector<reference::Emitter> out;
-  for (const EmittingLight& light : lights) {
-    const reference::Emitters e =
-        reference::emittersOf(grid, *light.mesh, light.gridFromObject, light.radiance, light.twoSided);
-    out.insert(out.end(), e.triangles.begin(), e.triangles.end());
+class FluxTest : public test::LightTest {
+ protected:
+  /// Largest difference as a share of the brightest cell's zeroth coefficient.
+  static double error(const Grid& grid, const EmittingLight& light) {
+    const test::InjectRig& rig = injected(grid, {light}, test::kFluxMethod);
+    return test::relativeError(test::injectedOf(rig), reference::injectFlux(grid, test::emittersOf(grid, rig.lights)));
   }
-  return out;
-}
-
-double largest(const reference::Field& field) {
-  double most = 0.0;
-  for (const auto& cell : field.cells) {
-    for (const reference::Coefficients& c : cell) most = std::max(most, c.x);
-  }
-  return most;
-}
-
-/// Largest difference as a share of the brightest cell's zeroth coefficient.
-double error(const Grid& grid, const test::InjectRig& rig) {
-  const reference::Field want = reference::injectFlux(grid, emittersOf(grid, rig.lights));
-  return reference::largestDifference(test::fieldOf(rig.field.injected, rig.field, rig.palette), want) / largest(want);
-}
-
-EmittingLight placed(const MeshPtr& mesh, const glm::dvec3& at, double size, const glm::dvec3& radiance,
-                     bool twoSided = false) {
-  EmittingLight light = test::lightOf(mesh, radiance, twoSided);
-  light.gridFromObject = glm::translate(glm::dmat4(1.0), at) *
-                         glm::rotate(glm::dmat4(1.0), 0.7, glm::normalize(glm::dvec3(1, 2, 3))) *
-                         glm::scale(glm::dmat4(1.0), glm::dvec3(size));
-  return light;
-}
+};
 
 std::vector<MeshPtr> meshes() {
   return {reference::quad(), reference::pyramid(), reference::tube(), reference::sphere(),
@@ -56,8 +27,8 @@ std::vector<MeshPtr> meshes() {
 TEST_F(FluxTest, SumsAreTheReferences) {
   const Grid grid = test::unitGrid({16, 12, 14});
   for (const MeshPtr& mesh : meshes()) {
-    const test::InjectRig rig(grid, {placed(mesh, {7.1, 6.3, 6.9}, 5.0, {3.0, 2.0, 1.0})}, kFlux);
-    EXPECT_LE(error(grid, rig), 1e-6) << mesh->triangles.size() << " triangles";
+    const EmittingLight light = test::placed(mesh, test::poseOf({7.1, 6.3, 6.9}, glm::dvec3(5.0)), {3.0, 2.0, 1.0});
+    EXPECT_LE(error(grid, light), 1e-6) << mesh->triangles.size() << " triangles";
   }
 }
 
@@ -71,8 +42,7 @@ TEST_F(FluxTest, TiesAreClippedOnce) {
         light.gridFromObject = glm::translate(glm::dmat4(1.0), glm::dvec3(4.0)) *
                                glm::rotate(glm::dmat4(1.0), eighths * 0.78539816339744831, axis) *
                                glm::scale(glm::dmat4(1.0), glm::dvec3(size));
-        const test::InjectRig rig(grid, {light}, kFlux);
-        EXPECT_LE(error(grid, rig), 1e-6) << axis.x << axis.y << axis.z << " turned " << eighths << ", size " << size;
+        EXPECT_LE(error(grid, light), 1e-6) << axis.x << axis.y << axis.z << " turned " << eighths << ", size " << size;
       }
     }
   }
@@ -95,8 +65,8 @@ TEST_F(FluxTest, RandomTrianglesOnLattices) {
     for (std::size_t first = 0; first < triangles.size(); first += 10) {
       const std::vector<std::array<glm::vec3, 3>> some(triangles.begin() + std::ptrdiff_t(first),
                                                        triangles.begin() + std::ptrdiff_t(first + 10));
-      const test::InjectRig rig(grid, {test::lightOf(test::meshOf(some), glm::dvec3(1.0))}, kFlux);
-      EXPECT_LE(error(grid, rig), 1e-6) << "lattice " << lattice << ", from triangle " << first;
+      EXPECT_LE(error(grid, test::lightOf(test::meshOf(some), glm::dvec3(1.0))), 1e-6)
+          << "lattice " << lattice << ", from triangle " << first;
     }
   }
 }

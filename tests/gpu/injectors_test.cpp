@@ -1,40 +1,17 @@
 // Three injectors behind one interface: compute and raster give the same pairs and the same sums, bit for bit; dense
 // sampling tends to the truth.
 
-#include <glm/gtc/matrix_transform.hpp>
-#include <map>
-
-#include "gpu/stage_rig.h"
+#include "gpu/light_rig.h"
 #include "reference/compare.h"
 #include "reference/meshes.h"
 
 namespace lpv {
 namespace {
 
-class InjectorsTest : public test::GlTest {};
-
-using Cells = std::map<std::uint32_t, std::pair<std::uint32_t, std::vector<glm::vec4>>>;  // cell: lobes, moments
-
-Cells cellsOf(const LightVoxels& voxels) {
-  const std::vector<std::uint32_t> list = test::read<std::uint32_t>(voxels.cells);
-  const std::vector<glm::vec4> moments = test::read<glm::vec4>(voxels.moments);
-  Cells cells;
-  for (std::size_t i = 0; i < list[3]; ++i) {
-    const std::size_t entry = std::size_t(layout::kVoxelHeaderWords) + 2 * i;
-    const auto first = moments.begin() + std::ptrdiff_t(i) * voxels.sets;
-    const bool fresh =
-        cells.emplace(list[entry], std::pair(list[entry + 1], std::vector(first, first + voxels.sets))).second;
-    EXPECT_TRUE(fresh) << "cell " << list[entry] << " is listed twice";
-  }
-  return cells;
-}
+class InjectorsTest : public test::LightTest {};
 
 EmittingLight placed(const MeshPtr& mesh, const glm::dvec3& at, double size, double angle) {
-  EmittingLight light = test::lightOf(mesh, glm::dvec3(1.0));
-  light.gridFromObject = glm::translate(glm::dmat4(1.0), at) *
-                         glm::rotate(glm::dmat4(1.0), angle, glm::normalize(glm::dvec3(1, 2, 3))) *
-                         glm::scale(glm::dmat4(1.0), glm::dvec3(size));
-  return light;
+  return test::placed(mesh, test::poseOf(at, glm::dvec3(size), angle), glm::dvec3(1.0));
 }
 
 // Broken by: no padding in movedOut(); kSharpest 0; columns of the box one too few; a quad for every triangle would
@@ -47,9 +24,10 @@ TEST_F(InjectorsTest, RasterAndComputeGiveTheSameBits) {
         for (const double size : {0.01, 7.0, 60.0}) {
           const EmittingLight light = placed(mesh, 0.5 * glm::dvec3(dims), size, angle);
           for (const Injection injection : {Injection::kCount, Injection::kFlux}) {
-            const test::InjectRig compute(test::unitGrid(dims), {light}, {injection, InjectionMethod::kCompute, 0});
-            const test::InjectRig raster(test::unitGrid(dims), {light}, {injection, InjectionMethod::kRaster, 0});
-            EXPECT_EQ(cellsOf(*compute.voxels[0]), cellsOf(*raster.voxels[0]))
+            const auto bits = [&](InjectionMethod method) {
+              return test::voxelsOf(*injected(test::unitGrid(dims), {light}, {injection, method, 0}).voxels[0]);
+            };
+            EXPECT_EQ(bits(InjectionMethod::kCompute), bits(InjectionMethod::kRaster))
                 << mesh->triangles.size() << " triangles, angle " << angle << ", size " << size;
           }
         }
@@ -75,10 +53,7 @@ double l2(const reference::Field& a, const reference::Field& b) {
 TEST_F(InjectorsTest, DenseSamplesConvergeToFlux) {
   const Grid grid = test::unitGrid({10, 10, 10});
   const EmittingLight light = placed(reference::sphere(), {5.1, 4.9, 5.3}, 6.0, 0.4);
-  const auto fieldWith = [&](const VoxelMethod& method) {
-    const test::InjectRig rig(grid, {light}, method);
-    return test::fieldOf(rig.field.injected, rig.field, rig.palette);
-  };
+  const auto fieldWith = [&](const VoxelMethod& method) { return test::injectedOf(injected(grid, {light}, method)); };
   const reference::Field exact = fieldWith({Injection::kFlux, InjectionMethod::kCompute, 0});
   double before = 1.0;
   for (const int samples : {10, 100, 1000}) {
