@@ -117,23 +117,13 @@ void takeBack(client::Editor& editor, const UploadedScene& made) {
   }
 }
 
-Status explained(const Status& refused, const ImportedScene& scene) {
-  bool textured = false;
-  for (const Light& light : scene.lights) textured = textured || light.texture != nullptr;
-  if (refused.code() != Code::kUnimplemented || !textured) return refused;
-  return Status(refused.code(),
-                refused.message() + "; --ignore-emissive-textures loads the file with the textures' mean colours",
-                refused.field());
-}
-
-Expected<UploadedScene> applyAll(client::Editor& editor, const std::vector<v1::Edit>& edits,
-                                 const ImportedScene& scene) {
+Expected<UploadedScene> applyAll(client::Editor& editor, const std::vector<v1::Edit>& edits) {
   UploadedScene made;
   for (const v1::Edit& edit : edits) {
     const Expected<v1::EditAck> ack = editor.apply(edit);
     if (!ack) {
       takeBack(editor, made);
-      return explained(ack.status(), scene);
+      return ack.status();
     }
     collect(edit, *ack, made);
   }
@@ -152,7 +142,7 @@ Expected<UploadedScene> uploadScene(client::Client& client, const std::string& s
     sent = client::uploadMissing(client, session, blobs.all(), [&](auto done, auto total) { bar.show(done, total); });
   }
   Expected<UploadedScene> made(sent);
-  if (sent.ok()) made = applyAll(*editor, editsFor(scene, blobs), scene);
+  if (sent.ok()) made = applyAll(*editor, editsFor(scene, blobs));
   (void)editor->leave();
   return made;
 }
