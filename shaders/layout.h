@@ -59,7 +59,7 @@ LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
-LPV_CONST int kColumnGroup = 16;       // large triangles: columns of one work item at a time
+LPV_CONST int kColumnGroup = 16;        // large triangles: columns of one work item at a time
 LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes
@@ -76,7 +76,8 @@ LPV_CONST int kUvAttribute = 2;         // vec2
 LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
 LPV_CONST int kSmallColumns = 32;       // triangles with more columns are split
 LPV_CONST int kMaxSlices = 8;           // work items of one split triangle
-LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends the loops of a thread after 2^16 rounds in all
+LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends a thread's loops after 2^16
+                                        // rounds in all, without a word
 LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
 LPV_CONST int kFluxBits = 50;           // FLUX: the light's whole area is 2^50 in fixed point, its sums 64 bits wide
 LPV_CONST int kSamplesPerThread = 32;   // dense sampling

@@ -73,11 +73,10 @@ void chooseScales(layout::VoxelizeParams& params, LightVoxels& voxels) {
   voxels.roundingError = fixedPoint->error;
 }
 
-VoxelizeJob jobOf(LightVoxels& voxels, const GpuMesh& mesh, const GpuLightTexture* texture) {
+VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
   const VoxelSource& source = voxels.source;
   VoxelizeJob job;
   job.variant = variantOf(source);
-  job.triangles = mesh.triangleCount;
   job.varying = source.textured() || source.directed();
   job.params.gridFromObject = source.gridFromObject;
   job.params.areaFromObject = 0.5 * outwardFromObject(source.gridFromObject);
@@ -141,7 +140,7 @@ Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightText
                       Pacing pacing) {
   constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmpty = {1, 1, 1};
   voxels.cells.update(0, gpu::bytesOfValue(kEmpty));
-  VoxelizeJob job = jobOf(voxels, mesh, texture);
+  VoxelizeJob job = jobOf(voxels, texture);
   TriangleInjector& injector = injectorFor(voxels.source.method.method);
   for (std::uint32_t first = 0; first < mesh.triangleCount;) {
     const auto wanted = std::uint32_t(pacing.unitsFor(Stage::kVoxelize, kFirstTriangles));

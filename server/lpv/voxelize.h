@@ -22,8 +22,6 @@ namespace lpv {
 struct VoxelizeJob {
   gpu::Defines variant;
   layout::VoxelizeParams params{};
-  const gpu::Buffer* paramsBuffer = nullptr;
-  std::uint32_t triangles = 0;
   bool varying = false;  ///< with texture or directions
 };
 
