@@ -74,7 +74,7 @@ TEST_F(EngineContractTest, EveryPropertyThatEmitsRevoxelizes) {
   EXPECT_THAT(stagesOf(run(request)), Contains("voxelize"));
 }
 
-// Broken by: comparing radiance in keepVoxels(); taking the voxels of the light with the same number.
+// Broken by: never keeping voxels in keepVoxels(); keeping any that were made.
 TEST_F(EngineContractTest, OnlyLightsWhoseGeometryChangedAreVoxelized) {
   for (const Injection injection : {Injection::kCount, Injection::kFlux}) {
     Scene scene = test::smallScene();

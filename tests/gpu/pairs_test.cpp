@@ -1,9 +1,8 @@
 // The GPU's set of (triangle, cell) pairs = the exact integer oracle's (MATHS.md 6.8). Together at least 10^7
 // decisions; pairs_long_test.cpp has 10^9.
 //
-// Seen to fail when broken on purpose in pairs.glsl: `<=` in overlaps() (touching counts); a float instead of double
-// snap; no upper face of the grid in cellRange(); 0.501 for 1.001 in depthRange(); the centroid of two corners; the
-// edge axes of a face plane not left out.
+// Seen to fail when broken on purpose in pairs.glsl: `<=` in overlaps() (touching counts); 0.501 for 1.001 in
+// depthRange(); depth asked of a triangle in one layer.
 
 #include <cmath>
 #include <random>
