@@ -31,6 +31,23 @@ ColourCoefficients trilinear(const VolumeLayer& layer, const Grid& grid, const g
   return sum;
 }
 
+/// What a cap that the horizon cuts gives beyond D max(0, cos tilt), as a share of |D|: nothing where it is all above
+/// or all below. With a its half-angle, m = |cos tilt| / sin a and q = sqrt(1 - m^2), MATHS.md 4 becomes, for both
+/// signs of cos tilt, ((atan2(q sin a, cos a) - q sin a cos a) / sin^2 a - |cos tilt| atan2(q, m cos a)) / pi: neither
+/// the tilt's sine nor an arc cosine, which lose digits where little light is left.
+double shareAcrossHorizon(double sine2, double cosine, double cosTilt) {
+  if (sine2 < 1e-6 || cosTilt * cosTilt >= sine2) return 0.0;
+  const double sine = std::sqrt(sine2);
+  const double m = std::abs(cosTilt) / sine;
+  const double q = std::sqrt((1.0 - m) * (1.0 + m));
+  const double segment = (std::atan2(q * sine, cosine) - q * sine * cosine) / sine2;
+  return std::max(0.0, segment - std::abs(cosTilt) * std::atan2(q, m * cosine)) / sh::kPi;
+}
+
+double irradiance(Lookup lookup, const sh::Coefficients& incident, const glm::dvec3& n) {
+  return lookup == Lookup::kCap ? irradianceCap(incident, n) : irradianceSh2(incident, n);
+}
+
 }  // namespace
 
 sh::Coefficients Volume::at(const VolumeLayer& layer, const Grid& grid, const glm::ivec3& cell, int colour) {
@@ -40,6 +57,18 @@ sh::Coefficients Volume::at(const VolumeLayer& layer, const Grid& grid, const gl
 
 double irradianceSh2(const sh::Coefficients& incident, const glm::dvec3& n) {
   return std::max(0.0, sh::fluence(incident) / 4.0 + glm::dot(sh::vectorIrradiance(incident), n) / 2.0);
+}
+
+double irradianceCap(const sh::Coefficients& incident, const glm::dvec3& n) {
+  const double phi = sh::fluence(incident);
+  if (!(phi > 0.0)) return 0.0;
+  const glm::dvec3 d = sh::vectorIrradiance(incident);
+  const double length = glm::length(d);
+  // A hemisphere about D and the rest from everywhere: (|D| + D.n)/2 + (phi - 2 |D|)/4.
+  if (length < 0.5 * phi) return irradianceSh2(incident, n);
+  const double rho = length / phi;  // above 1: as 1, a point
+  const double along = glm::dot(d, n);
+  return std::max(0.0, along) + length * shareAcrossHorizon(4.0 * rho * (1.0 - rho), 2.0 * rho - 1.0, along / length);
 }
 
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
@@ -52,7 +81,7 @@ Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p
   for (const VolumeLayer& layer : volume.layers) {
     const ColourCoefficients c =
         lookup == Lookup::kNearest ? cellAt(layer, volume.grid, nearest) : trilinear(layer, volume.grid, g);
-    for (int colour = 0; colour < 3; ++colour) out.rgb[colour] += irradianceSh2(c[std::size_t(colour)], n);
+    for (int colour = 0; colour < 3; ++colour) out.rgb[colour] += irradiance(lookup, c[std::size_t(colour)], n);
   }
   return out;
 }

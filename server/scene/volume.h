@@ -43,11 +43,16 @@ struct Irradiance {
 };
 
 /// Irradiance at world position p on a surface with unit normal n: trilinear (kNearest: nearest cell), clamped to the
-/// outermost cell centres within half a cell outside the grid; then kSh2: E = phi/4 + D.n/2, at least 0 (MATHS.md 4).
-/// The GLSL twin is shaders/lookup.glsl.
+/// outermost cell centres within half a cell outside the grid; then kCap, or phi/4 + D.n/2 (MATHS.md 4). Layers are
+/// looked up one by one and summed. The GLSL twin is shaders/lookup.glsl.
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
 /// E = max(0, phi/4 + D.n/2) of one colour.
 double irradianceSh2(const sh::Coefficients& incident, const glm::dvec3& n);
+
+/// E of one colour from the uniform cap of light about D with the same phi and |D| (MATHS.md 4), n a unit vector. Exact
+/// where the light and that cap are above the horizon; finite and at least 0 for any finite coefficients, |D| > phi
+/// too.
+double irradianceCap(const sh::Coefficients& incident, const glm::dvec3& n);
 
 }  // namespace lpv
