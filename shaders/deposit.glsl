@@ -5,11 +5,16 @@
 //   plain COUNT     sum of lobe directions (x, y, z); the zeroth moment is N itself         1 + 3 words
 //   plain FLUX      area, area x direction (x, y, z), 64 bits each: low word, high word     1 + 8
 //   textured        (C, C x direction) per colour: 4 moments for each of red, green, blue  1 + 12, 1 + 24
+// LPV_VPLS: FLUX for GATHER has a table of VPLs instead, shaders/vpl_table.glsl.
 #ifndef LPV_FLUX
 #error "LPV_FLUX: 0 (COUNT) or 1"
 #endif
 #ifndef LPV_TEXTURED
 #error "LPV_TEXTURED: 0 or 1"
+#endif
+
+#ifndef LPV_VPLS
+#define LPV_VPLS 0
 #endif
 
 #if LPV_TEXTURED
@@ -25,26 +30,37 @@ const int kAccumulatorWords = 13;
 const int kAccumulatorWords = 4;
 #endif
 
+#if LPV_VPLS
+#include "vpl_table.glsl"
+#else
 #ifdef LPV_RECORD_PAIRS
 layout(std430, binding = kRecordedPairs) buffer Recorded { uint recordedCount; uint recordedPad; uvec2 recorded[]; };
 #else
 layout(std430, binding = kAccumulators) buffer Accumulators { uint words[]; };
 #endif
 layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHeaderWords]; uvec2 voxels[]; };
+#endif
 
 #ifndef LPV_RECORD_PAIRS
 
-/// The first VPL of a cell appends it to the list, and every kCellGroup-th one adds a group to later dispatches; the first
-/// group is always there, since it also counts triangles without area.
+/// One more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
+/// since it also counts triangles without area.
+uint nextInList() {
+  const uint slot = atomicAdd(voxelHeader[3], 1u);
+  if (slot > 0u && slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
+  return slot;
+}
+
+#if !LPV_VPLS
+/// The first VPL of a cell appends it to the list.
 int touchedCell(ivec3 position, uint lobes) {
   const int cell = (position.z * params.dims.y + position.y) * params.dims.x + position.x;
   if (atomicAdd(words[cell * kAccumulatorWords], lobes) == 0u) {
-    const uint slot = atomicAdd(voxelHeader[3], 1u);
-    voxels[slot].x = uint(cell);
-    if (slot > 0u && slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
+    voxels[nextInList()].x = uint(cell);
   }
   return cell * kAccumulatorWords + 1;
 }
+#endif
 
 void addWord(int at, float value) { atomicAdd(words[at], uint(int(roundEven(value)))); }
 
@@ -57,7 +73,30 @@ void addWide(int at, double value) {
   if (carried != 0u) atomicAdd(words[at + 1], carried);
 }
 
-#if LPV_FLUX
+#if LPV_VPLS
+
+void addWide3(int at, dvec3 value) {
+  for (int i = 0; i < 3; ++i) addWide(at + 2 * i, value[i]);
+}
+
+/// `area` of emitter, as a share of what the light's scale was made for, about `offset` from the cell's lower corner.
+void addVpl(ivec3 cell, double area, vec3 offset, dvec3 direction, dvec3 colour) {
+  const int at = vplPlace(cell, normalBin(vec3(direction)));
+  if (at < 0) return;
+  const double zeroth = params.scale.x * area;
+  addWide(at + 1, zeroth);
+  addWide3(at + 3, zeroth * direction);
+#if LPV_TEXTURED
+  const double weight = zeroth * max(colour.r, max(colour.g, colour.b));
+  addWide3(at + 15, zeroth * colour);
+  addWide(at + 21, weight);
+#else
+  const double weight = zeroth;
+#endif
+  addWide3(at + 9, weight * dvec3(offset));
+}
+
+#elif LPV_FLUX
 /// `area` x (colour, colour x direction), a direction for each colour, area as a share of what the light's scale was made for.
 void addMoments(ivec3 cell, double area, dmat3 direction, dvec3 colour) {
   const int base = touchedCell(cell, 1u);

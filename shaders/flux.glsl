@@ -10,8 +10,19 @@ struct Flux {
 
 dmat3 sameForAll(dvec3 direction) { return dmat3(direction, direction, direction); }
 
-#if LPV_DIRECTIONS || LPV_TEXTURED
+#if LPV_VPLS
+/// One direction for all colours: unit but where directions spread.
+dvec3 meanDirection(Flux flux) {
+#if LPV_DIRECTIONS && LPV_TEXTURED
+  const double sum = flux.colour.r + flux.colour.g + flux.colour.b;
+  return sum > 0.0lf ? flux.direction * flux.colour / sum : flux.direction[0];
+#else
+  return flux.direction[0];
+#endif
+}
+#endif
 
+/// In the boundary's own coordinates.
 dvec2 centroidOf(Boundary b) {
   double area = 0.0lf;
   dvec2 moment = dvec2(0.0lf);
@@ -22,6 +33,8 @@ dvec2 centroidOf(Boundary b) {
   }
   return area > 0.0lf ? moment / (3.0lf * area) : dvec2(1.0lf / 3.0lf);
 }
+
+#if LPV_DIRECTIONS || LPV_TEXTURED
 
 // Six points of degree 4 on a triangle (Strang & Fix): two orbits of three.
 const dvec2 kOrbit = dvec2(0.44594849091596488632lf, 0.09157621350977074346lf);

@@ -21,6 +21,9 @@ layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 layout(std430, binding = kLobeCounts) buffer LobeCounts { float lobeCounts[]; };
 layout(std430, binding = kCounters) buffer CounterBlock { Counters counters; };
 
+int firstChannel() { return params.dims.w * LPV_CHANNELS; }
+int countOf(int cell) { return params.dims.w * params.dims.x * params.dims.y * params.dims.z + cell; }
+
 #ifdef LPV_ADD
 vec4 lobesOf(vec4 moment) {
   return vec4(kLobe0 * params.lobe.x * moment.x, kLobe1 * params.lobe.y * moment.zwy);
@@ -34,10 +37,10 @@ void addLight(uint slot, int cell, ivec3 position) {
 #else
     const vec4 moment = moments[slot];
 #endif
-    field[haloIndex(position, params.dims.xyz, k)] += params.weight[k] * lobesOf(moment);
+    field[haloIndex(position, params.dims.xyz, firstChannel() + k)] += params.weight[k] * lobesOf(moment);
   }
-  if (lobeCounts[cell] == 0.0) atomicAdd(counters.touched, 1u);
-  lobeCounts[cell] += params.lobe.x * float(voxels[slot].y);
+  if (lobeCounts[countOf(cell)] == 0.0) atomicAdd(counters.touched, 1u);
+  lobeCounts[countOf(cell)] += params.lobe.x * float(voxels[slot].y);
 }
 #endif
 
@@ -50,14 +53,14 @@ void main() {
   const int cell = int(voxels[slot].x);
   const ivec3 position = cellOfIndex(cell, params.dims.xyz);
 #if defined(LPV_RETIRE)
-  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims.xyz, k)] = vec4(0.0);
-  lobeCounts[cell] = 0.0;
+  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims.xyz, firstChannel() + k)] = vec4(0.0);
+  lobeCounts[countOf(cell)] = 0.0;
 #elif defined(LPV_ADD)
   addLight(slot, cell, position);
 #else
-  const float n = lobeCounts[cell];
+  const float n = lobeCounts[countOf(cell)];
   if (n < 0.0) return;  // divided: another light's dispatch was here
-  lobeCounts[cell] = -n;
-  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims.xyz, k)] /= n;
+  lobeCounts[countOf(cell)] = -n;
+  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims.xyz, firstChannel() + k)] /= n;
 #endif
 }

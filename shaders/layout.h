@@ -36,6 +36,10 @@ LPV_CONST int kLobeCounts = 14;    // float per cell: N of eq. 1, all lights tog
 LPV_CONST int kUvs = 15;           // float, 2 per vertex
 LPV_CONST int kDirections = 16;    // float, 3 per vertex, object space
 LPV_CONST int kRowIntegrals = 17;  // double, 3 per texel and one more texel per row (shaders/texture_integral.glsl)
+LPV_CONST int kTreeNodes = 18;     // uvec4 per node of every level of a light's tree (shaders/tree.glsl)
+LPV_CONST int kTreeRecords = 19;   // vec4, LPV_RECORD per record of a light's tree (shaders/vpls.glsl)
+LPV_CONST int kReceiverBlocks = 20; // uint per block of cells: x | y << 8 | z << 16, in blocks
+LPV_CONST int kCursors = 21;       // uint per block: where its walk through the tree stands
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;     // one struct below per stage
@@ -54,6 +58,7 @@ LPV_CONST int kRadiance = 10;
 LPV_CONST int kLightTexture = 11;  // radiance factor of the light that is voxelized
 LPV_CONST int kPositions = 12;     // samplerBuffer: vec3 per vertex, object space
 LPV_CONST int kTriangles = 13;     // usamplerBuffer: uvec3 per triangle
+LPV_CONST int kTree = 14;          // samplerBuffer over the records of a light's tree
 // --- image units
 LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
 
@@ -64,6 +69,10 @@ LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes
 LPV_CONST int kFieldMarch = 4;          // cells along z per thread, so that the slab behind is still in registers
+LPV_CONST int kNodeGroup = 64;          // nodes of a tree: a thread each
+LPV_CONST int kBlockX = 8;              // a block of receivers: cells along x, y and z; a work-group each
+LPV_CONST int kBlockY = 4;
+LPV_CONST int kBlockZ = 4;              // all of a column by one thread: what it reads of the tree serves them all
 LPV_CONST int kExposureGroup = 64;      // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;   // pixels per group of its first pass
 
@@ -84,8 +93,16 @@ LPV_CONST int kSamplesPerThread = 32;   // dense sampling
 
 // A list whose length also is an indirect dispatch: one group per work item.
 LPV_CONST int kListHeaderWords = 4;     // groups x, y, z, count; the entries follow
-// The same for one light's cells, kCellGroup of them a group.
-LPV_CONST int kVoxelHeaderWords = 8;    // groups x, y, z, count, triangles of zero area, 3 unused; the entries follow
+// The same for one light's cells (or VPLs), kCellGroup of them a group.
+LPV_CONST int kVoxelHeaderWords = 8;    // groups x, y, z, count, triangles of zero area; VPLs that found no room, records
+                                        // of the tree, cells that hold VPLs; the entries follow
+
+// --- VPLs and their tree (MATHS.md 3b)
+LPV_CONST int kNormalBins = 54;         // per cell: 3 x 3 on each face of a cube
+LPV_CONST int kMaxLevels = 9;           // of a tree: blocks of 1, 2, 4 .. 256 cells
+LPV_CONST int kMostProbes = 64;         // places of the table that a VPL is looked for in
+LPV_CONST int kMaxRounds = 32768;       // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
+                                        // 2^16 rounds in all, without a word
 
 struct Counters {
   uint degenerate;  // light triangles of zero area
@@ -102,12 +119,32 @@ struct VoxelizeParams {
   uvec4 triangles;         // x first, y how many; z: samples of each, w: threads of each (dense sampling)
   ivec4 texture;           // width, height, mip levels
   vec4 textureMean;        // rgb mean of all texels
+  ivec4 boxLower;          // VPLs: first cell of the light's box
+  ivec4 boxSize;           // VPLs: its cells along x, y, z; w: entries of the table, a power of two
+};
+
+struct TreeParams {
+  ivec4 lower;             // first cell of the light's box; w: levels
+  ivec4 upper;             // one past its last cell; w: the level of this pass
+  uvec4 offsets[3];        // nodes before each level
+  vec4 scale;              // x: area that a moment of 1 stands for, cell^2
+  dvec4 unit;              // x: what one fixed-point unit stands for, as a share of it
+};
+
+struct GatherParams {
+  ivec4 dims;              // cells; w: blocks before this piece's first
+  vec4 weight;             // per channel: radiance of a colour of 1, in units of the channel's palette radiance
+  vec4 rule;               // x: k of the distance rule, y: 1 for lights that emit from both sides, else 0
+  ivec4 tree;              // x: records; y: 1 for the first piece of the first light (writes, else adds); z: first
+                           // channel of the light's group; w: 1 to go on where the last piece stopped
 };
 
 struct InjectParams {
-  ivec4 dims;
+  ivec4 dims;              // cells; w: the light's group
   vec4 weight;             // per channel: intensity of a moment of 1, W/sr per unit of the channel's palette radiance
   vec4 lobe;               // x: sides that emit (band 0), y: 1 for one side, 0 for two (band 1 cancels)
+  ivec4 boxLower;          // VPLs: first cell of the light's box
+  ivec4 boxSize;           // VPLs: its cells along x, y, z
 };
 
 struct PropagateParams {
@@ -120,6 +157,7 @@ struct VolumeParams {
   ivec4 dims;              // w: first z of this piece
   vec4 palette[3];         // rgb radiance of each channel
   vec4 factors;            // x: factor of band 0, y: factor of band 1
+  ivec4 group;             // x: which group of lights, y: its first channel
 };
 
 struct FrameParams {
@@ -143,10 +181,13 @@ struct DrawParams {
 
 #ifdef __cplusplus
 static_assert(sizeof(Counters) == 16);
-static_assert(sizeof(VoxelizeParams) == 352 && offsetof(VoxelizeParams, dims) == 288);
-static_assert(sizeof(InjectParams) == 48);
+static_assert(sizeof(VoxelizeParams) == 384 && offsetof(VoxelizeParams, dims) == 288);
+static_assert(sizeof(TreeParams) == 128 && offsetof(TreeParams, unit) == 96);
+static_assert(sizeof(GatherParams) == 64);
+static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4
+static_assert(sizeof(InjectParams) == 80);
 static_assert(sizeof(PropagateParams) == 48);
-static_assert(sizeof(VolumeParams) == 80 && offsetof(VolumeParams, factors) == 64);
+static_assert(sizeof(VolumeParams) == 96 && offsetof(VolumeParams, factors) == 64);
 static_assert(sizeof(FrameParams) == 192 && offsetof(FrameParams, dims) == 176);
 static_assert(sizeof(DrawParams) == 160 && offsetof(DrawParams, colour) == 128);
 }  // namespace lpv::layout

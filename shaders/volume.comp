@@ -2,7 +2,7 @@
 // towards the light, cut back to phi >= 0 and |D| <= phi. LPV_INJECTED: the injected field as it is, with its colours.
 //
 // LPV_TEXTURES: into 3D textures for frames; a field of one channel stays one texture, its colour is applied on
-// reading. LPV_BUFFER: into the buffer that is read back, 3 colours x 4 coefficients per cell.
+// reading, and the groups of lights lie one behind the other along z. LPV_BUFFER: into the buffer that is read back, 3 colours x 4 coefficients per cell.
 #include "layout.h"
 #include "sh.glsl"
 #include "field.glsl"
@@ -48,11 +48,15 @@ vec4 productOf(vec4 u, inout bool cut) {
 #endif
 }
 
-vec4 channelOf(ivec3 cell, int k) { return texelFetch(fieldIn, haloIndex(cell, params.dims.xyz, k)); }
+vec4 channelOf(ivec3 cell, int k) {
+  return texelFetch(fieldIn, haloIndex(cell, params.dims.xyz, params.group.y + k));
+}
 
 #if LPV_BUFFER
+int cells() { return params.dims.x * params.dims.y * params.dims.z; }
+
 void store(ivec3 cell, int colour, vec4 c) {
-  const int base = (cellIndex(cell, params.dims.xyz) * 3 + colour) * 4;
+  const int base = ((cellIndex(cell, params.dims.xyz) + params.group.x * cells()) * 3 + colour) * 4;
   for (int j = 0; j < 4; ++j) product[base + j] = c[j];
 }
 #endif
@@ -60,11 +64,12 @@ void store(ivec3 cell, int colour, vec4 c) {
 void main() {
   const ivec3 cell = ivec3(gl_GlobalInvocationID.xy, params.dims.w + int(gl_WorkGroupID.z));
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
+  const ivec3 texel = cell + ivec3(0, 0, params.group.x * params.dims.z);
   bool cut = false;
 #if LPV_CHANNELS == 1
   const vec4 c = productOf(channelOf(cell, 0), cut);
 #if LPV_TEXTURES
-  imageStore(incident, cell, c);
+  imageStore(incident, texel, c);
 #endif
   mat3x4 colours = mat3x4(c * params.palette[0].r, c * params.palette[0].g, c * params.palette[0].b);
 #else
@@ -72,9 +77,9 @@ void main() {
   for (int k = 0; k < LPV_CHANNELS; ++k) colours += outerProduct(channelOf(cell, k), params.palette[k].rgb);
   for (int i = 0; i < 3; ++i) colours[i] = productOf(colours[i], cut);
 #if LPV_TEXTURES
-  imageStore(incidentRed, cell, colours[0]);
-  imageStore(incidentGreen, cell, colours[1]);
-  imageStore(incidentBlue, cell, colours[2]);
+  imageStore(incidentRed, texel, colours[0]);
+  imageStore(incidentGreen, texel, colours[1]);
+  imageStore(incidentBlue, texel, colours[2]);
 #endif
 #endif
 #if LPV_BUFFER

@@ -6,6 +6,8 @@ layout(std140, binding = kParams) uniform Block { VoxelizeParams params; };
 layout(binding = kPositions) uniform samplerBuffer positions;
 layout(binding = kTriangles) uniform usamplerBuffer triangles;
 
+#include "normal_bins.glsl"
+#define LPV_DEPOSIT
 #include "deposit.glsl"
 #include "pairs.glsl"
 #include "clip.glsl"
@@ -26,6 +28,9 @@ struct EmittingTriangle {
   LatticeTriangle lattice;
   dvec3 a, b, c;       // corners on the lattice
   double area;         // as a share of what the light's scale was made for
+#if LPV_VPLS
+  vec3 p, q, r;        // corners as they are
+#endif
   Varying varying_;
 };
 
@@ -56,9 +61,15 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   e.index = index;
   e.area = length_ * size;
   e.varying_ = varyingOf(e.corners, vec3(direction / length_));
-  e.a = snapToLattice(gridPoint(p));
-  e.b = snapToLattice(gridPoint(q));
-  e.c = snapToLattice(gridPoint(r));
+  const dvec3 gridP = gridPoint(p), gridQ = gridPoint(q), gridR = gridPoint(r);
+  e.a = snapToLattice(gridP);
+  e.b = snapToLattice(gridQ);
+  e.c = snapToLattice(gridR);
+#if LPV_VPLS
+  e.p = vec3(gridP);
+  e.q = vec3(gridQ);
+  e.r = vec3(gridR);
+#endif
   e.lattice = latticeTriangle(e.a, e.b, e.c, params.dims.xyz);
   return true;
 }
@@ -73,13 +84,26 @@ void record(EmittingTriangle e, ivec3 cell) {
 /// Whether a triangle inside one cell can be taken as a whole. Only COUNT looks at where in its column a part lies.
 const bool kWholeTriangles = LPV_FLUX == 1 || (LPV_DIRECTIONS == 0 && LPV_TEXTURED == 0);
 
+#if LPV_VPLS
+/// `lambda`: the part's centroid, barycentric.
+void depositVpl(EmittingTriangle e, ivec3 cell, dvec2 lambda, Flux flux) {
+  const vec2 at = vec2(lambda);
+  const vec3 middle = e.p + at.x * (e.q - e.p) + at.y * (e.r - e.p);
+  addVpl(cell, e.area * flux.share, clamp(middle - vec3(cell), 0.0, 1.0), meanDirection(flux), flux.colour);
+}
+#endif
+
 /// The whole triangle into one cell.
 void depositWhole(EmittingTriangle e, ivec3 cell) {
 #ifdef LPV_RECORD_PAIRS
   record(e, cell);
 #elif LPV_FLUX
   const Flux flux = fluxOf(e.varying_, wholeTriangle(), 1.0lf);
+#if LPV_VPLS
+  depositVpl(e, cell, dvec2(1.0lf / 3.0lf), flux);
+#else
   addMoments(cell, e.area, flux.direction, flux.colour);
+#endif
 #else
   const Lobes lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
   addLobes(cell, lobes.count, lobes.directions, lobes.colour);
@@ -95,7 +119,13 @@ void depositPart(EmittingTriangle e, ivec3 cell) {
 #else
   const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
 #endif
-  addMoments(turnedBack(cell, e.lattice.axis), e.area * flux.share, flux.direction, flux.colour);
+  const ivec3 position = turnedBack(cell, e.lattice.axis);
+#if LPV_VPLS
+  const dvec2 centre = (dvec2(cell.xy) + 0.5lf) * double(kLatticeUnits);
+  depositVpl(e, position, clamp(barycentric(e.lattice, centre, centroidOf(part)), 0.0lf, 1.0lf), flux);
+#else
+  addMoments(position, e.area * flux.share, flux.direction, flux.colour);
+#endif
 }
 #endif
 

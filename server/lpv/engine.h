@@ -61,7 +61,7 @@ struct TickRequest {
 
 struct StageTime {
   std::string
-      stage;  ///< "upload", "voxelize", "inject", "propagate", "volume", "gbuffer", "emitters", "shade", "readback"
+      stage;  ///< "upload", "voxelize", "inject", "propagate", "gather", "volume", "gbuffer", "emitters", "shade", "readback"
   double seconds = 0.0;  ///< wall clock from the stage's first piece to its fence, other sessions' pieces left out
 };
 
@@ -71,7 +71,8 @@ struct TickReport {
   std::vector<std::string> features;  ///< compiled variants that ran, e.g. "count", "propagate", "two-sided"
   std::uint64_t trianglesSkipped = 0;  ///< degenerate light triangles
   std::uint64_t lightsVoxelized = 0;  ///< lights whose geometry was not in the grid yet
-  std::uint64_t touchedCells = 0;  ///< cells that hold emitted light
+  std::uint64_t touchedCells = 0;  ///< cells that hold emitted light, counted per light without PROPAGATE
+  std::uint64_t vpls = 0;          ///< GATHER: VPLs that the lights are made of
   std::uint64_t clampedCells = 0;  ///< output cells clamped to phi >= 0, |D| <= phi (MATHS.md 3a)
   double fixedPointError =
       0.0;  ///< bound of the rounding of one injected coefficient, relative to the largest possible

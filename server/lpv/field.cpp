@@ -15,12 +15,21 @@ std::size_t haloCells(const glm::ivec3& dims) {
 FieldBuffer::FieldBuffer(const std::string& label, const glm::ivec3& dims, int channels)
     : buffer(label, haloCells(dims) * std::size_t(channels) * sizeof(glm::vec4)), texels(label, buffer) {}
 
-LightField::LightField(const Grid& g, int c)
+LightField::LightField(const Grid& g, int c, int n, Transport t)
     : grid(g),
       channels(c),
-      lobeCounts("lobe counts", g.cells() * sizeof(float)),
+      groups(n),
       counters("counters", sizeof(layout::Counters), gpu::BufferUse::kDynamic),
-      injected("injected field", g.dims, c),
-      steps{FieldBuffer("field, even steps", g.dims, c), FieldBuffer("field, odd steps", g.dims, c)} {}
+      transport(t) {
+  steps[0] = FieldBuffer("field, even steps", grid.dims, allChannels());
+  if (transport != Transport::kPropagate) return;
+  steps[1] = FieldBuffer("field, odd steps", grid.dims, allChannels());
+  lobeCounts = gpu::Buffer("lobe counts", grid.cells() * std::size_t(groups) * sizeof(float));
+  makeInjected();
+}
+
+void LightField::makeInjected() {
+  if (!injected.buffer) injected = FieldBuffer("injected field", grid.dims, allChannels());
+}
 
 }  // namespace lpv

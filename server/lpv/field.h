@@ -7,8 +7,10 @@
 
 #include "gpu/buffer.h"
 #include "gpu/buffer_texture.h"
+#include "gpu/readback.h"
 #include "lpv/lights.h"
 #include "scene/grid.h"
+#include "scene/options.h"
 
 namespace lpv {
 
@@ -20,20 +22,32 @@ struct FieldBuffer {
   gpu::BufferTexture texels;
 };
 
-/// Everything whose size follows from grid and channels. Made anew when either changes.
+/// Everything whose size follows from grid, channels and groups. Made anew when one of them or the transport changes.
 struct LightField {
-  LightField(const Grid& grid, int channels);
+  /// With what `transport` needs from the start.
+  LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate);
 
   Grid grid;
-  int channels;                            ///< 1..3 (lights.h, Palette)
-  gpu::Buffer accumulators;                ///< words per cell (shaders/deposit.glsl); all zero between lights
+  int channels;  ///< 1..3 (lights.h, Palette)
+  int groups;    ///< of lights: each has channels of its own, one group after the other
+  gpu::Buffer accumulators;  ///< words per cell (shaders/deposit.glsl), or a table of VPLs; all zero between lights
+  gpu::Buffer vplList;       ///< header and used entries of that table (layout::kVoxelCells)
+  gpu::Readback vplHeader;
   gpu::Buffer lobeCounts;                  ///< float per cell: N of eq. 1, negative once divided by
   gpu::Buffer counters;                    ///< layout::Counters
+  Transport transport;
   FieldBuffer injected;                    ///< emitted intensity of unit palette radiance, W/sr per W/(sr m^2)
-  std::array<FieldBuffer, 2> steps;        ///< propagation goes back and forth between them
+  std::array<FieldBuffer, 2> steps;        ///< propagation goes back and forth between them; GATHER sums in one
   std::optional<FieldBuffer> sum;          ///< clamped form only
-  int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does)
+  int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does):
+                                           ///< PROPAGATE flux through cells, else SH of incident radiance
   bool clamped = false;                    ///< the transported field is in `sum`
+  gpu::Buffer receivers, cursors;          ///< GATHER: blocks under way, and how far each has come
+
+  /// The injected field, for transports that do not start from one.
+  void makeInjected();
+
+  int allChannels() const { return channels * groups; }
 
   const FieldBuffer& transported() const { return clamped ? *sum : steps[std::size_t(result)]; }
 };

@@ -8,10 +8,16 @@ namespace {
 
 constexpr int kLightsAtOnce = 64;  // small dispatches, queued together
 
+layout::InjectParams whereOf(const LightField& field, const LightVoxels& voxels) {
+  layout::InjectParams params{};
+  params.dims = glm::ivec4(field.grid.dims, voxels.group);
+  return params;
+}
+
 layout::InjectParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
                               const glm::dvec3& weight) {
   layout::InjectParams params{};
-  params.dims = glm::ivec4(field.grid.dims, 0);
+  params.dims = glm::ivec4(field.grid.dims, light.group);
   const double face = field.grid.cell * field.grid.cell;  // m^2
   params.weight = glm::vec4(weight * (face * voxels.unit * voxels.brightest), 0.0);
   params.lobe = light.twoSided ? glm::vec4(2.0F, 0.0F, 0.0F, 0.0F) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
@@ -39,10 +45,10 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const char
 }
 
 Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels) {
-  layout::InjectParams params{};
-  params.dims = glm::ivec4(field.grid.dims, 0);
-  params_.update(0, gpu::bytesOfValue(params));
-  for (const LightVoxelsPtr& light : voxels) dispatch(field, *light, "LPV_RETIRE");
+  for (const LightVoxelsPtr& light : voxels) {
+    params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
+    dispatch(field, *light, "LPV_RETIRE");
+  }
   co_yield piece(Stage::kInject);
 }
 
@@ -51,14 +57,42 @@ Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights
   field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
   int queued = 0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
+    voxels[i]->group = lights[i].group;
     params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
     dispatch(field, *voxels[i], "LPV_ADD");
     if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
   }
   for (const LightVoxelsPtr& light : voxels) {
     if (light->source.method.injection != Injection::kCount) continue;
+    params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, "LPV_DIVIDE");
     if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
+  }
+  co_yield piece(Stage::kInject);
+}
+
+Pieces Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
+                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette) {
+  field.makeInjected();
+  field.injected.buffer.clear();
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const VplTree& tree = *voxels[i]->tree;
+    if (tree.recordCount == 0) continue;
+    layout::InjectParams params = paramsOf(field, lights[i], *voxels[i], palette.weights[i]);
+    params.weight /= float(voxels[i]->unit);  // VPLs have areas, not shares of one
+    const glm::ivec3 size = tree.box.upper - tree.box.lower;
+    params.boxLower = glm::ivec4(tree.box.lower, 0);
+    params.boxSize = glm::ivec4(size, 0);
+    params_.update(0, gpu::bytesOfValue(params));
+    params_.bindUniform(layout::kParams);
+    tree.nodes.bindStorage(layout::kTreeNodes);
+    tree.records.bindStorage(layout::kTreeRecords);
+    field.injected.buffer.bindStorage(layout::kFieldOut);
+    vplPrograms_
+        .get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_TEXTURED", voxels[i]->sets > 1 ? "1" : "0"}})
+        .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
+    gpu::memoryBarrier();
+    if (i % kLightsAtOnce == kLightsAtOnce - 1) co_yield piece(Stage::kInject);
   }
   co_yield piece(Stage::kInject);
 }

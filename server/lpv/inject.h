@@ -19,11 +19,15 @@ class Injector {
   /// Puts the lights in, in order. `voxels` and `palette.weights` are per light.
   Pieces add(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
              const Palette& palette);
+  /// The same for lights that are trees of VPLs, into a field that held something else.
+  Pieces show(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+              const Palette& palette);
 
  private:
   void dispatch(LightField& field, const LightVoxels& voxels, const char* pass);
 
   gpu::ProgramVariants programs_{{"inject.comp"}};
+  gpu::ProgramVariants vplPrograms_{{"inject_vpls.comp"}};
   gpu::Buffer params_;
 };
 

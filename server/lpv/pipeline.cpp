@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "gpu/failure.h"
@@ -27,6 +28,18 @@ const char* nameOf(InjectionMethod method) {
   return "compute";
 }
 
+const char* transportName(Transport transport) {
+  switch (transport) {
+    case Transport::kGather:
+      return "gather";
+    case Transport::kDirect:
+      return "direct";
+    case Transport::kPropagate:
+      break;
+  }
+  return "propagate";
+}
+
 /// Compiled variants that the lights needed.
 std::set<std::string> lightFeatures(const SessionState& session) {
   std::set<std::string> features;
@@ -40,11 +53,17 @@ std::set<std::string> lightFeatures(const SessionState& session) {
 
 void fillReport(const SessionState& session, TickReport& report) {
   report.features = {session.method.injection == Injection::kFlux ? "flux" : "count", nameOf(session.method.method),
-                     "propagate", session.palette.channels == 1 ? "monochrome" : "colour"};
+                     transportName(session.field->transport), session.palette.channels == 1 ? "monochrome" : "colour"};
   if (session.clampFaces) report.features.emplace_back("clamp-faces");
   for (const std::string& feature : lightFeatures(session)) report.features.push_back(feature);
   report.trianglesSkipped = session.trianglesSkipped;
   report.touchedCells = session.touchedCells;
+  for (const LightVoxelsPtr& voxels : session.voxels) {
+    if (voxels->tree == nullptr) continue;
+    report.trianglesSkipped += voxels->tree->degenerate;
+    report.touchedCells += voxels->tree->cellCount;
+    report.vpls += voxels->tree->vplCount;
+  }
   report.clampedCells = session.clampedCells;
   for (const LightVoxelsPtr& voxels : session.voxels)
     report.fixedPointError = std::max(report.fixedPointError, voxels->roundingError);
@@ -79,13 +98,14 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 
   VolumeCopies copies;
   if (!s.injected) {
-    co_await inject(s, result.report);
+    co_await voxelize(s, result.report);
     s.injected = copies.counters = true;
   }
-  if (!s.transported) {
+  if (scene.options.transport == Transport::kPropagate && !s.transported) {
     co_await propagator_.run(*s.field, s.box, s.iterations, s.clampFaces, pacing(s));
     s.transported = true;
   }
+  if (scene.options.transport != Transport::kPropagate) co_await gather(s, request);
   co_await makeVolumes(s, request, copies);
   FrameViews views(s, request);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
@@ -114,8 +134,8 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 }
 
 /// Lights that did not change are added again, not voxelized again.
-Pieces Pipeline::inject(SessionState& s, TickReport& report) {
-  co_await injector_.retire(*s.field, s.injectedVoxels);
+Pieces Pipeline::voxelize(SessionState& s, TickReport& report) {
+  if (!s.method.vpls) co_await injector_.retire(*s.field, s.injectedVoxels);
   s.injectedVoxels.clear();
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
     LightVoxels& voxels = *s.voxels[i];
@@ -127,15 +147,41 @@ Pieces Pipeline::inject(SessionState& s, TickReport& report) {
     voxels.made = true;
     report.lightsVoxelized++;
   }
+  if (s.method.vpls) {
+    s.field->counters.update(0, gpu::bytesOfValue(layout::Counters{}));
+    co_return;
+  }
   co_await injector_.add(*s.field, s.lights, s.voxels, s.palette);
   s.injectedVoxels = s.voxels;
 }
 
+/// Where the result is read, and not yet there: everywhere for volumes, around surfaces for frames.
+Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
+  if (!s.transported) s.field->steps[0].buffer.clear();
+  s.transported = true;
+  ReceiverBlocks wanted;
+  if (request.transported) {
+    wanted = allBlocks(s.field->grid.dims);
+  } else if (!request.frames.empty()) {
+    if (s.surfaceBlocks.empty()) s.surfaceBlocks = blocksOfSurfaces(*request.scene);
+    wanted = s.surfaceBlocks;
+  }
+  ReceiverBlocks missing;
+  std::set_difference(wanted.begin(), wanted.end(), s.gathered.begin(), s.gathered.end(), std::back_inserter(missing));
+  if (missing.empty()) co_return;
+  co_await gatherer_.run(*s.field, s.lights, s.voxels, s.palette, s.k, missing, pacing(s));
+  ReceiverBlocks all;
+  std::set_union(s.gathered.begin(), s.gathered.end(), missing.begin(), missing.end(), std::back_inserter(all));
+  s.gathered = std::move(all);
+  s.textured = false;
+  s.transportedVolume.reset();
+}
+
 /// Only what somebody asked for and nothing has since made out of date.
 Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
-  const std::size_t productBytes = s.field->grid.cells() * 12 * sizeof(float);
+  const std::size_t productBytes = s.field->grid.cells() * s.groups.size() * 12 * sizeof(float);
   if (!request.frames.empty() && !s.textured) {
-    if (!s.textures) s.textures.emplace(s.field->grid.dims, s.field->channels);
+    if (!s.textures) s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups);
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kTextures, &*s.textures, nullptr, pacing(s));
     s.textured = copies.counters = true;
   }
@@ -148,6 +194,7 @@ Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, Volume
     copies.transported = copies.counters = true;
   }
   if (injected) {
+    if (s.method.vpls) co_await injector_.show(*s.field, s.lights, s.voxels, s.palette);
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kInjected, nullptr, &s.product, pacing(s));
     queueVolumeCopy(s, VolumeStage::kInjected);
     copies.injected = copies.counters = true;

@@ -4,6 +4,7 @@
 #include "lpv/clock.h"
 #include "lpv/draw.h"
 #include "lpv/emitters.h"
+#include "lpv/gather.h"
 #include "lpv/engine.h"
 #include "lpv/gbuffer.h"
 #include "lpv/inject.h"
@@ -28,7 +29,8 @@ class Pipeline {
   Pieces tick(SessionState& session, const TickRequest& request, TickResult& result);
 
  private:
-  Pieces inject(SessionState& session, TickReport& report);
+  Pieces voxelize(SessionState& session, TickReport& report);
+  Pieces gather(SessionState& session, const TickRequest& request);
   Pieces makeVolumes(SessionState& session, const TickRequest& request, VolumeCopies& copies);
   Pieces drawFrame(SessionState& session, const TickRequest& request, const FrameRequest& frame, View& view);
   Pacing pacing(const SessionState& session) const;
@@ -38,6 +40,7 @@ class Pipeline {
   Voxelizer voxelizer_;
   Injector injector_;
   Propagator propagator_;
+  Gatherer gatherer_;
   VolumeMaker volumeMaker_;
   MeshDrawer drawer_;
   GbufferRenderer gbufferRenderer_;

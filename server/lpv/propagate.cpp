@@ -25,7 +25,7 @@ void prepare(LightField& field, bool clampFaces) {
   field.clamped = clampFaces;
   for (FieldBuffer& step : field.steps) step.buffer.clear();
   if (!clampFaces) return;
-  if (!field.sum) field.sum.emplace("field, sum", field.grid.dims, field.channels);
+  if (!field.sum) field.sum.emplace("field, sum", field.grid.dims, field.allChannels());
   copy(field.injected, *field.sum);
 }
 
@@ -46,7 +46,7 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
   field.steps[std::size_t(field.result)].buffer.bindStorage(layout::kFieldOut);
   if (clampFaces) field.sum->buffer.bindStorage(layout::kFieldSum);
   programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_CLAMP_FACES", clampFaces ? "1" : "0"}})
-      .dispatch(std::uint32_t(groupsOf(size.x, layout::kFieldGroupX)), std::uint32_t(groupsY * field.channels),
+      .dispatch(std::uint32_t(groupsOf(size.x, layout::kFieldGroupX)), std::uint32_t(groupsY * field.allChannels()),
                 std::uint32_t(groupsOf(size.z, layout::kFieldMarch)));
   gpu::memoryBarrier();
 }
@@ -56,7 +56,7 @@ Pieces Propagator::run(LightField& field, CellBox box, int iterations, bool clam
   double queued = 0.0;  // cells x channels since the last pause
   for (int i = 1; i <= iterations && !box.empty(); ++i) {
     box = box.grown(field.grid.dims);
-    const double cells = cellsOf(box) * field.channels;
+    const double cells = cellsOf(box) * field.allChannels();
     if (queued > 0.0 && queued + cells > pacing.unitsFor(Stage::kPropagate, 65536.0)) {
       co_yield piece(Stage::kPropagate, queued);
       queued = 0.0;

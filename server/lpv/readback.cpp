@@ -12,14 +12,19 @@ namespace {
 /// Where the exposure follows a frame's pixels.
 std::size_t exposureOffset(std::size_t pixelBytes) { return (pixelBytes + 15) / 16 * 16; }
 
-VolumePtr volumeFrom(const gpu::Readback& readback, const Grid& grid, VolumeStage stage) {
+VolumePtr volumeFrom(const gpu::Readback& readback, const SessionState& session, VolumeStage stage) {
+  const Grid& grid = session.field->grid;
   auto volume = std::make_shared<Volume>();
   volume->grid = grid;
   volume->stage = stage;
-  volume->layers.resize(1);
-  std::vector<float>& coefficients = volume->layers.front().coefficients;
-  coefficients.resize(grid.cells() * 12);
-  std::memcpy(coefficients.data(), readback.bytes().data(), coefficients.size() * sizeof(float));
+  const std::byte* from = readback.bytes().data();
+  for (const std::string& group : session.groups) {
+    VolumeLayer& layer = volume->layers.emplace_back();
+    layer.group = group;
+    layer.coefficients.resize(grid.cells() * 12);
+    std::memcpy(layer.coefficients.data(), from, layer.coefficients.size() * sizeof(float));
+    from += layer.coefficients.size() * sizeof(float);
+  }
   return volume;
 }
 
@@ -43,10 +48,9 @@ void queueCounterCopy(SessionState& session) {
 }
 
 void takeCopies(SessionState& session, const VolumeCopies& copies) {
-  const Grid& grid = session.field->grid;
   if (copies.transported)
-    session.transportedVolume = volumeFrom(session.volumeReadback, grid, VolumeStage::kTransported);
-  if (copies.injected) session.injectedVolume = volumeFrom(session.injectedReadback, grid, VolumeStage::kInjected);
+    session.transportedVolume = volumeFrom(session.volumeReadback, session, VolumeStage::kTransported);
+  if (copies.injected) session.injectedVolume = volumeFrom(session.injectedReadback, session, VolumeStage::kInjected);
   if (!copies.counters) return;
   layout::Counters counts;
   std::memcpy(&counts, session.countersReadback.bytes().data(), sizeof counts);

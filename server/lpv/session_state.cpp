@@ -15,33 +15,42 @@ bool emitAlike(const std::vector<EmittingLight>& a, const std::vector<EmittingLi
 
 void SessionState::adopt(const Scene& scene) {
   std::vector<EmittingLight> now = emittingLights(scene, lights);
-  const bool sameGrid = field != nullptr && field->grid == scene.grid;
-  const VoxelMethod wantedMethod = {scene.options.injection, scene.options.method, scene.options.denseSamples};
+  const SessionOptions& options = scene.options;
+  const VoxelMethod wantedMethod = {options.injection, options.method, options.denseSamples,
+                                    options.transport != Transport::kPropagate};
+  const bool sameField = field != nullptr && field->grid == scene.grid && field->transport == options.transport;
   const bool sameMethod = method == wantedMethod;
   method = wantedMethod;
-  if (!sameGrid || !sameMethod || !injected || !emitAlike(now, lights)) {
+  if (!sameField || !sameMethod || !injected || !emitAlike(now, lights)) {
     adoptLights(scene, std::move(now));
   } else {
     lights = std::move(now);
   }
-  const int wanted = scene.options.iterationsFor(scene.grid);
-  if (!transported || iterations != wanted || clampFaces != scene.options.clampFaces) {
-    iterations = wanted;
-    clampFaces = scene.options.clampFaces;
-    transported = textured = false;
-    transportedVolume.reset();
+  const int wantedIterations = options.iterationsFor(scene.grid);
+  if (!transported || iterations != wantedIterations || clampFaces != options.clampFaces || k != options.distanceRule()) {
+    iterations = wantedIterations;
+    clampFaces = options.clampFaces;
+    k = options.distanceRule();
+    forgetTransported();
+  }
+  if (blockSurfaces != scene.surfaces || !sameField) {
+    blockSurfaces = scene.surfaces;
+    surfaceBlocks.clear();
   }
 }
 
 void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> now) {
   lights = std::move(now);
   palette = choosePalette(lights);
+  groups = groupsOf(scene, lights);
   keepVoxels(scene.grid.dims);
   box = cellsAround(lights, scene.grid.dims);
-  injected = transported = textured = false;
-  transportedVolume.reset();
+  injected = false;
   injectedVolume.reset();
-  if (field != nullptr && field->grid.dims == scene.grid.dims && field->channels == palette.channels) {
+  forgetTransported();
+  const Transport transport = scene.options.transport;
+  if (field != nullptr && field->grid.dims == scene.grid.dims && field->channels == palette.channels &&
+      field->groups == int(groups.size()) && field->transport == transport) {
     field->grid = scene.grid;
     return;
   }
@@ -49,7 +58,13 @@ void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> no
   field.reset();  // first the old memory, then the new
   textures.reset();
   product = {};
-  field = std::make_unique<LightField>(scene.grid, palette.channels);
+  field = std::make_unique<LightField>(scene.grid, palette.channels, int(groups.size()), transport);
+}
+
+void SessionState::forgetTransported() {
+  transported = textured = false;
+  gathered.clear();
+  transportedVolume.reset();
 }
 
 /// A light whose geometry stayed keeps its voxels; one that changed makes them anew in the memory of one that is gone.
@@ -73,8 +88,8 @@ void SessionState::keepVoxels(const glm::ivec3& dims) {
     if (voxels[i] != nullptr) continue;
     const CellBox cells = cellsAround({lights[i]}, dims);
     const int sets = sources[i].textured() ? 3 : 1;
-    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->fits(cells, sets); });
-    if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, sets);
+    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(cells, sets, method.vpls); });
+    if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, sets, method.vpls);
     voxels[i]->made = false;
     voxels[i]->source = sources[i];
   }
@@ -88,9 +103,9 @@ void SessionState::invalidate() {
   resources = {};
   views.clear();
   product = {};
-  injected = transported = textured = false;
-  transportedVolume.reset();
+  injected = false;
   injectedVolume.reset();
+  forgetTransported();
 }
 
 }  // namespace lpv

@@ -10,6 +10,7 @@
 #include "lpv/clock.h"
 #include "lpv/engine.h"
 #include "lpv/field.h"
+#include "lpv/gather.h"
 #include "lpv/lights.h"
 #include "lpv/scene_cache.h"
 #include "lpv/shade.h"
@@ -36,14 +37,19 @@ struct SessionState {
   std::vector<LightVoxelsPtr> injectedVoxels;///< what the injected field holds
   Palette palette;
   CellBox box;                      ///< holds every cell that emits
-  int iterations = 0;
-  bool clampFaces = false;
+  int iterations = 0;               ///< PROPAGATE
+  bool clampFaces = false;          ///< PROPAGATE
+  double k = 0.0;                   ///< GATHER
+  std::vector<std::string> groups;  ///< of lights, by name, in the order of the field's
   std::unique_ptr<LightField> field;
 
   // What of it is up to date.
   bool injected = false;
   bool transported = false;
   bool textured = false;
+  ReceiverBlocks gathered;          ///< GATHER: the blocks that are
+  ReceiverBlocks surfaceBlocks;     ///< those that frames read,
+  std::map<std::string, SurfacePtr> blockSurfaces;  ///< with these surfaces
   std::optional<IncidentTextures> textures;
   VolumePtr transportedVolume;      ///< null: not read back since the field changed
   VolumePtr injectedVolume;
@@ -66,6 +72,7 @@ struct SessionState {
  private:
   void adoptLights(const Scene& scene, std::vector<EmittingLight> now);
   void keepVoxels(const glm::ivec3& dims);
+  void forgetTransported();
 };
 
 }  // namespace lpv

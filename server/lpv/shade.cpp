@@ -103,6 +103,7 @@ Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const In
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
   gpu::Program& program = shade_.get({{"LPV_CHANNELS", volume.channels == 1 ? "1" : "3"},
+                                      {"LPV_GROUPS", std::to_string(volume.groups)},
                                       {"LPV_LOOKUP", std::to_string(int(lookup))},
                                       {"LPV_DISPLAY", direct ? "1" : "0"}});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &volume, pacing);

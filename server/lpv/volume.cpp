@@ -14,7 +14,8 @@ layout::VolumeParams paramsOf(const LightField& field, const Palette& palette) {
   layout::VolumeParams params{};
   for (std::size_t k = 0; k < 3; ++k) params.palette[k] = glm::vec4(palette.radiance[k], 0.0);
   const double factor = 1.0 / (1.5 * field.grid.cell * field.grid.cell);
-  params.factors = glm::vec4(factor, -factor, 0.0, 0.0);
+  const bool flux = field.transport == Transport::kPropagate;
+  params.factors = flux ? glm::vec4(factor, -factor, 0.0, 0.0) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
   return params;
 }
 
@@ -32,10 +33,11 @@ std::uint32_t groups(int cells, int perGroup) { return std::uint32_t((cells + pe
 
 }  // namespace
 
-IncidentTextures::IncidentTextures(const glm::ivec3& d, int c) : dims(d), channels(c) {
+IncidentTextures::IncidentTextures(const glm::ivec3& d, int c, int g) : dims(d), channels(c), groups(g) {
+  const glm::ivec3 size(dims.x, dims.y, dims.z * groups);
   const std::size_t count = channels == 1 ? 1 : 3;
   for (std::size_t i = 0; i < count; ++i)
-    colours[i] = gpu::Texture::make3d("incident radiance", dims, GL_RGBA32F, gpu::Sampling::kLinearClamp);
+    colours[i] = gpu::Texture::make3d("incident radiance", size, GL_RGBA32F, gpu::Sampling::kLinearClamp);
 }
 
 VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
@@ -50,9 +52,11 @@ Pieces VolumeMaker::run(const LightField& field, const Palette& palette, VolumeT
                                          {"LPV_BUFFER", toTextures ? "0" : "1"},
                                          {"LPV_INJECTED", injected ? "1" : "0"}});
   const double slabCells = double(dims.x) * double(dims.y);
-  for (int z = 0; z < dims.z;) {
+  for (int slab = 0; slab < dims.z * field.groups;) {
+    const int group = slab / dims.z, z = slab % dims.z;
     const int slabs = std::clamp(int(pacing.unitsFor(Stage::kVolume, 65536.0) / slabCells), 1, dims.z - z);
     params.dims = glm::ivec4(dims, z);
+    params.group = glm::ivec4(group, group * field.channels, 0, 0);
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
     (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);
@@ -60,7 +64,7 @@ Pieces VolumeMaker::run(const LightField& field, const Palette& palette, VolumeT
     bindOutputs(target, textures, product);
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();
-    z += slabs;
+    slab += slabs;
     co_yield piece(Stage::kVolume, slabCells * slabs);
   }
 }

@@ -1,6 +1,8 @@
 #include "lpv/voxelize.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "gpu/failure.h"
@@ -37,10 +39,43 @@ std::uint64_t lobesPerTriangle(const VoxelSource& source) {
 
 gpu::Defines variantOf(const VoxelSource& source) {
   const bool flux = source.method.injection == Injection::kFlux;
-  return {{"LPV_FLUX", flux ? "1" : "0"},
-          {"LPV_TEXTURED", source.textured() ? "1" : "0"},
-          {"LPV_DIRECTIONS", source.directed() ? "1" : "0"}};
+  gpu::Defines variant = {{"LPV_FLUX", flux ? "1" : "0"},
+                          {"LPV_TEXTURED", source.textured() ? "1" : "0"},
+                          {"LPV_DIRECTIONS", source.directed() ? "1" : "0"}};
+  if (source.method.vpls) variant.emplace_back("LPV_VPLS", "1");
+  return variant;
 }
+
+gpu::Defines treeVariantOf(const VoxelSource& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
+
+/// Words of a table's entry, as shaders/vpl_table.glsl has them.
+std::size_t vplWords(const VoxelSource& source) { return source.textured() ? 23 : 15; }
+
+constexpr double kMostEntries = 1 << 23;
+
+/// Entries of the table: twice the VPLs there were last time, or that there may be. A power of two.
+std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
+  const double triangles = double(voxels.source.mesh->triangles.size());
+  const double guess = voxels.tree->vplCount > 0 ? voxels.tree->vplCount : 3.0 * triangles + 3.0 * area;
+  return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
+}
+
+void makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
+  const std::size_t bytes = entries * vplWords(source) * sizeof(std::uint32_t);
+  if (field.accumulators.size() < bytes) {
+    field.accumulators = {};  // first the old memory, then the new
+    field.accumulators = gpu::Buffer("VPL table", bytes);
+  }
+  const std::size_t listBytes = layout::kVoxelHeaderWords * sizeof(std::uint32_t) + entries * sizeof(glm::uvec2);
+  if (field.vplList.size() < listBytes) {
+    field.vplList = {};
+    field.vplList = gpu::Buffer("VPL list", listBytes, gpu::BufferUse::kDynamic);
+  }
+  if (field.vplHeader.size() == 0)
+    field.vplHeader = gpu::Readback("VPL header", layout::kVoxelHeaderWords * sizeof(std::uint32_t));
+}
+
+constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmptyList = {1, 1, 1};
 
 /// Area of all triangles in the grid's unit, cell^2: what the largest moment can be.
 double gridArea(const Mesh& mesh, const glm::dmat4& areaFromObject) {
@@ -112,14 +147,14 @@ TriangleInjector& Voxelizer::injectorFor(InjectionMethod method) {
 
 void Voxelizer::bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
                      const LightVoxels& voxels) {
-  const std::size_t bytes = field.grid.cells() * accumulatorWords(voxels.source) * sizeof(std::uint32_t);
-  if (field.accumulators.size() < bytes) {
-    field.accumulators = {};  // first the old memory, then the new
-    field.accumulators = gpu::Buffer("accumulators", bytes);
-  }
   field.accumulators.bindStorage(layout::kAccumulators);
-  voxels.cells.bindStorage(layout::kVoxelCells);
-  voxels.moments.bindStorage(layout::kVoxelMoments);
+  if (voxels.tree != nullptr) {
+    field.vplList.bindStorage(layout::kVoxelCells);
+    voxels.tree->nodes.bindStorage(layout::kTreeNodes);
+  } else {
+    voxels.cells.bindStorage(layout::kVoxelCells);
+    voxels.moments.bindStorage(layout::kVoxelMoments);
+  }
   mesh.positionTexels->bind(layout::kPositions);
   mesh.triangleTexels->bind(layout::kTriangles);
   if (voxels.source.directed()) mesh.directions->bindStorage(layout::kDirections);
@@ -131,16 +166,14 @@ void Voxelizer::bind(LightField& field, const GpuMesh& mesh, const GpuLightTextu
 }
 
 void Voxelizer::collect(const VoxelizeJob& job, const LightVoxels& voxels) {
+  params_.update(0, gpu::bytesOfValue(job.params));
   voxels.cells.bindAsDispatchArguments();
   collect_.get(job.variant).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
-Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                      Pacing pacing) {
-  constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmpty = {1, 1, 1};
-  voxels.cells.update(0, gpu::bytesOfValue(kEmpty));
-  VoxelizeJob job = jobOf(voxels, texture);
+Pieces Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
+                          const LightVoxels& voxels, VoxelizeJob& job, Pacing pacing) {
   TriangleInjector& injector = injectorFor(voxels.source.method.method);
   for (std::uint32_t first = 0; first < mesh.triangleCount;) {
     const auto wanted = std::uint32_t(pacing.unitsFor(Stage::kVoxelize, kFirstTriangles));
@@ -151,9 +184,56 @@ Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightText
     bind(field, mesh, texture, voxels);
     injector.dispatch(job);
     first += count;
-    if (first == mesh.triangleCount) collect(job, voxels);
     co_yield piece(Stage::kVoxelize, double(count));
   }
+}
+
+/// Again with a larger table while VPLs found no room in it.
+Pieces Voxelizer::plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                            VoxelizeJob& job, Pacing pacing) {
+  VplTree& tree = *voxels.tree;
+  const gpu::Defines variant = treeVariantOf(voxels.source);
+  job.params.boxLower = glm::ivec4(tree.box.lower, 0);
+  for (std::uint32_t entries = entriesFor(voxels, voxels.unit);; entries *= 2) {
+    job.params.boxSize = glm::ivec4(tree.box.upper - tree.box.lower, entries);
+    makeTable(field, voxels.source, entries);
+    field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
+    trees_.prepare(tree);
+    co_await deposit(field, mesh, texture, voxels, job, pacing);
+    bind(field, mesh, texture, voxels);
+    trees_.count(tree, variant);
+    field.vplHeader.copyFrom(field.vplList, 0, 0, sizeof kEmptyList);
+    const gpu::Fence counted = gpu::Fence::insert();
+    co_yield piece(Stage::kVoxelize, 0.0);
+    co_yield until(counted);
+    const VplCounts counts = TreeBuilder::read(field.vplHeader);
+    if (counts.lost == 0) {
+      bind(field, mesh, texture, voxels);
+      trees_.build(tree, counts, variant, voxels.unit, job.params.scale.x);
+      co_yield piece(Stage::kVoxelize, 0.0);
+      co_return;
+    }
+    field.accumulators.clear();
+  }
+}
+
+Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                      Pacing pacing) {
+  VoxelizeJob job = jobOf(voxels, texture);
+  if (voxels.tree != nullptr) {
+    co_await plantTree(field, mesh, texture, voxels, job, pacing);
+    co_return;
+  }
+  const std::size_t bytes = field.grid.cells() * accumulatorWords(voxels.source) * sizeof(std::uint32_t);
+  if (field.accumulators.size() < bytes) {
+    field.accumulators = {};  // first the old memory, then the new
+    field.accumulators = gpu::Buffer("accumulators", bytes);
+  }
+  voxels.cells.update(0, gpu::bytesOfValue(kEmptyList));
+  co_await deposit(field, mesh, texture, voxels, job, pacing);
+  bind(field, mesh, texture, voxels);
+  collect(job, voxels);
+  co_yield piece(Stage::kVoxelize, 0.0);
 }
 
 }  // namespace lpv

@@ -13,6 +13,7 @@
 #include "lpv/light_texture.h"
 #include "lpv/lights.h"
 #include "lpv/scene_cache.h"
+#include "lpv/tree.h"
 #include "lpv/voxels.h"
 #include "shaders/layout.h"
 
@@ -84,6 +85,10 @@ class Voxelizer {
 
  private:
   TriangleInjector& injectorFor(InjectionMethod method);
+  Pieces deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
+                 VoxelizeJob& job, Pacing pacing);
+  Pieces plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                   VoxelizeJob& job, Pacing pacing);
   void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
   void collect(const VoxelizeJob& job, const LightVoxels& voxels);
 
@@ -92,6 +97,7 @@ class Voxelizer {
   RasterInjector raster_;
   DenseInjector dense_;
   gpu::ProgramVariants collect_{{"collect.comp"}};
+  TreeBuilder trees_;
 };
 
 }  // namespace lpv

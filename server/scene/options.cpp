@@ -37,20 +37,48 @@ Status checkRanges(const SessionOptions& o) {
   return checkRange("haze", o.haze, 0.0, 100.0);
 }
 
+Status checkTogether(const SessionOptions& o) {
+  if (o.transport == Transport::kPropagate) return {};
+  const std::string transport = o.transport == Transport::kGather ? "GATHER" : "DIRECT";
+  if (o.injection == Injection::kCount) {
+    return invalid("injection", "injection is COUNT, which transport " + transport +
+                                    " cannot take: it needs areas; use injection FLUX, or transport PROPAGATE");
+  }
+  if (o.method == InjectionMethod::kDense) {
+    return invalid("method", "method is DENSE, which transport " + transport +
+                                 " cannot take: it needs areas; use COMPUTE or RASTER, or transport PROPAGATE");
+  }
+  return {};
+}
+
 }  // namespace
+
+SessionOptions SessionOptions::paper() {
+  SessionOptions options;
+  options.transport = Transport::kPropagate;
+  options.followTransport();
+  return options;
+}
+
+void SessionOptions::followTransport() {
+  const bool propagate = transport == Transport::kPropagate;
+  injection = propagate ? Injection::kCount : Injection::kFlux;
+  lookup = propagate ? Lookup::kSh2 : Lookup::kCap;
+}
 
 int SessionOptions::iterationsFor(const Grid& g) const {
   return iterations > 0 ? iterations : std::max({g.dims.x, g.dims.y, g.dims.z});
 }
 
+double SessionOptions::distanceRule() const {
+  if (k > 0.0) return k;
+  return quality == Quality::kAccurate ? kAccurateRule : kFastRule;
+}
+
 Status checkOptions(const SessionOptions& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
+  if (Status s = checkTogether(o); !s.ok()) return s;
   if (o.grid.automatic) return later("grid.automatic", "on", "grid.longest or grid.dims");
-  if (o.transport == Transport::kGather) return later("transport", "GATHER", "PROPAGATE");
-  if (o.transport == Transport::kDirect) return later("transport", "DIRECT", "PROPAGATE");
-  if (o.quality == Quality::kAccurate) return later("quality", "ACCURATE", "FAST");
-  if (o.k != 0.0) return later("k", std::to_string(o.k), "0 (it belongs to transport GATHER)");
-  if (o.lookup == Lookup::kCap) return later("lookup", "CAP", "SH2 or NEAREST");
   if (o.maxError != 0.0) return later("max_error", std::to_string(o.maxError), "0 and choose the settings yourself");
   if (o.visibility == Visibility::kOn) return later("visibility", "ON", "AUTO or OFF");
   if (o.bounces != 0) return later("bounces", std::to_string(o.bounces), "0");

@@ -16,20 +16,23 @@ enum class Lookup { kSh2, kCap, kNearest };
 enum class Visibility { kAuto, kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
+/// k of GATHER's distance rule by quality (MATHS.md 3b.3).
+inline constexpr double kFastRule = 2.0;
+inline constexpr double kAccurateRule = 6.0;
 
 /// Everything a session may ask of its light transport. Values whose feature is not in this version are refused by
 /// checkOptions with UNIMPLEMENTED, by name.
 struct SessionOptions {
   GridOptions grid;
-  Injection injection = Injection::kCount;
+  Injection injection = Injection::kFlux;
   InjectionMethod method = InjectionMethod::kCompute;
   int denseSamples = 0;                 ///< samples per triangle of kDense
-  Transport transport = Transport::kPropagate;
+  Transport transport = Transport::kGather;
   bool clampFaces = false;              ///< PROPAGATE: K&D's clamp of face intensities at 0 (adds energy)
   Quality quality = Quality::kFast;
   int iterations = 0;                   ///< PROPAGATE: 0 = the grid's longest dimension; 1..kMaxIterations
-  double k = 0.0;                       ///< GATHER distance rule; 0 = from quality
-  Lookup lookup = Lookup::kSh2;
+  double k = 0.0;                       ///< GATHER, DIRECT: distance rule of the tree; 0 = from quality
+  Lookup lookup = Lookup::kCap;
   double maxError = 0.0;                ///< wanted raw relative L2; 0 = not asked
   Visibility visibility = Visibility::kAuto;
   int bounces = 0;
@@ -37,10 +40,17 @@ struct SessionOptions {
 
   bool operator==(const SessionOptions&) const = default;
 
+  /// What the paper does: COUNT, PROPAGATE, SH2.
+  static SessionOptions paper();
+  /// Injection and lookup that belong to a transport when nothing else is said.
+  void followTransport();
+
   int iterationsFor(const Grid& g) const;
+  /// k of GATHER's distance rule.
+  double distanceRule() const;
 };
 
-/// INVALID_ARGUMENT for values out of range, UNIMPLEMENTED for values of later versions, both by field.
+/// INVALID_ARGUMENT for values out of range or that do not go together, UNIMPLEMENTED for values of later versions, both by field.
 Status checkOptions(const SessionOptions& options);
 
 }  // namespace lpv

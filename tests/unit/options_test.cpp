@@ -32,7 +32,14 @@ void expectCode(const std::vector<Refusal>& refusals, Code code) {
 
 TEST(CheckOptions, TakesWhatThisVersionDoes) {
   EXPECT_TRUE(checkOptions({}).ok());
-  SessionOptions options;
+  SessionOptions gather;
+  gather.quality = Quality::kAccurate;
+  gather.k = 2.0;
+  gather.method = InjectionMethod::kRaster;
+  EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
+  gather.transport = Transport::kDirect;
+  EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
+  SessionOptions options = SessionOptions::paper();
   options.lookup = Lookup::kNearest;
   options.iterations = kMaxIterations;
   options.clampFaces = true;
@@ -49,17 +56,32 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
 
 // When a feature is built, its line here moves to the test above.
 TEST(CheckOptions, NamesFeaturesOfLaterVersions) {
-  expectCode({{"transport", "GATHER", [](SessionOptions& o) { o.transport = Transport::kGather; }},
-              {"transport", "DIRECT", [](SessionOptions& o) { o.transport = Transport::kDirect; }},
-              {"quality", "ACCURATE", [](SessionOptions& o) { o.quality = Quality::kAccurate; }},
-              {"k", "GATHER", [](SessionOptions& o) { o.k = 2.0; }},
-              {"lookup", "CAP", [](SessionOptions& o) { o.lookup = Lookup::kCap; }},
-              {"max_error", "max_error", [](SessionOptions& o) { o.maxError = 0.01; }},
+  expectCode({{"max_error", "max_error", [](SessionOptions& o) { o.maxError = 0.01; }},
               {"visibility", "ON", [](SessionOptions& o) { o.visibility = Visibility::kOn; }},
               {"bounces", "2", [](SessionOptions& o) { o.bounces = 2; }},
               {"haze", "haze", [](SessionOptions& o) { o.haze = 0.1; }},
               {"grid.automatic", "automatic", [](SessionOptions& o) { o.grid.automatic = true; }}},
              Code::kUnimplemented);
+}
+
+TEST(CheckOptions, NamesWhatDoesNotGoTogether) {
+  expectCode({{"injection", "FLUX", [](SessionOptions& o) { o.injection = Injection::kCount; }},
+              {"method", "DENSE",
+               [](SessionOptions& o) {
+                 o.transport = Transport::kDirect;
+                 o.method = InjectionMethod::kDense;
+                 o.denseSamples = 10;
+               }}},
+             Code::kInvalidArgument);
+}
+
+TEST(DistanceRule, ComesFromQualityUnlessGiven) {
+  SessionOptions options;
+  EXPECT_EQ(options.distanceRule(), kFastRule);
+  options.quality = Quality::kAccurate;
+  EXPECT_EQ(options.distanceRule(), kAccurateRule);
+  options.k = 3.5;
+  EXPECT_EQ(options.distanceRule(), 3.5);
 }
 
 // A wrong value is wrong in every version: INVALID_ARGUMENT comes before UNIMPLEMENTED.

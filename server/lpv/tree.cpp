@@ -1,0 +1,91 @@
+#include "lpv/tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "gpu/failure.h"
+
+namespace lpv {
+
+namespace {
+
+/// Records are numbered in floats.
+constexpr std::uint32_t kMostRecords = 1U << 24;
+
+gpu::Defines with(gpu::Defines variant, const char* name) {
+  variant.emplace_back(name, "1");
+  return variant;
+}
+
+std::size_t recordBytes(const gpu::Defines& variant) {
+  const bool textured = std::find(variant.begin(), variant.end(), gpu::Defines::value_type("LPV_TEXTURED", "1")) !=
+                        variant.end();
+  return (textured ? 3 : 2) * sizeof(glm::vec4);
+}
+
+/// Grows in powers of two: a light that moves has a few VPLs more or less every tick.
+void makeRoom(VplTree& tree, std::size_t bytes) {
+  if (tree.records.size() >= bytes) return;
+  tree.texels = {};
+  tree.records = {};  // first the old memory, then the new
+  tree.records = gpu::Buffer("tree records", std::bit_ceil(bytes));
+  tree.texels = gpu::BufferTexture("tree records", tree.records);
+}
+
+std::uint32_t nodesOf(const VplTree& tree, int level) {
+  return tree.offsets[std::size_t(level) + 1] - tree.offsets[std::size_t(level)];
+}
+
+}  // namespace
+
+TreeBuilder::TreeBuilder() : params_("tree params", sizeof(layout::TreeParams), gpu::BufferUse::kDynamic) {}
+
+void TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, const char* name, int level,
+                       std::uint32_t threads) {
+  shape_.lower = glm::ivec4(tree.box.lower, tree.levels);
+  shape_.upper = glm::ivec4(tree.box.upper, level);
+  for (int i = 0; i < tree.levels; ++i) shape_.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
+  params_.update(0, gpu::bytesOfValue(shape_));
+  params_.bindUniform(layout::kParams);
+  tree.nodes.bindStorage(layout::kTreeNodes);
+  gpu::Program& program = programs_.get(with(variant, name));
+  if (tree.records) tree.records.bindStorage(layout::kTreeRecords);
+  program.dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
+  gpu::memoryBarrier();
+}
+
+void TreeBuilder::prepare(VplTree& tree) { tree.nodes.clear(); }
+
+void TreeBuilder::count(VplTree& tree, const gpu::Defines& variant) {
+  for (int level = 0; level < tree.levels; ++level) pass(tree, variant, "LPV_UP", level, nodesOf(tree, level));
+}
+
+VplCounts TreeBuilder::read(const gpu::Readback& header) {
+  std::array<std::uint32_t, layout::kVoxelHeaderWords> words{};
+  std::memcpy(words.data(), header.bytes().data(), sizeof words);
+  return {words[3], words[4], words[5], words[6], words[7]};
+}
+
+void TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, double unit,
+                        double scale) {
+  if (counts.records > kMostRecords) {
+    throw gpu::Failure(exhausted("lights", "a light makes " + std::to_string(counts.records) +
+                                               " VPLs and nodes, more than the " + std::to_string(kMostRecords) +
+                                               " of its tree; use a coarser grid, or transport PROPAGATE"));
+  }
+  tree.recordCount = counts.records;
+  tree.vplCount = counts.vpls;
+  tree.cellCount = counts.cells;
+  tree.degenerate = counts.degenerate;
+  if (counts.records == 0) return;
+  makeRoom(tree, counts.records * recordBytes(variant));
+  shape_.scale.x = float(unit);
+  shape_.unit.x = 1.0 / scale;
+  for (int level = tree.levels - 1; level >= 0; --level) pass(tree, variant, "LPV_DOWN", level, nodesOf(tree, level));
+  pass(tree, variant, "LPV_LEAVES", 0, counts.vpls);
+  for (int level = 1; level < tree.levels; ++level) pass(tree, variant, "LPV_MERGE", level, nodesOf(tree, level));
+}
+
+}  // namespace lpv

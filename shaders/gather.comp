@@ -1,0 +1,107 @@
+// GATHER (MATHS.md 3b.3-4): what one light sends to a block of cells. The work-group walks the light's tree depth first;
+// a node that is far enough for its size is taken whole, else its children are. Each thread sums for a column of cells.
+//
+// LPV_TWO_SIDED: the light emits from both sides. LPV_TEXTURED: each VPL has a colour.
+#include "layout.h"
+#include "field.glsl"
+#include "sh.glsl"
+#include "vpls.glsl"
+
+#ifndef LPV_TWO_SIDED
+#error "LPV_TWO_SIDED: 0 or 1"
+#endif
+
+layout(local_size_x = kBlockX, local_size_y = kBlockY) in;
+
+layout(std140, binding = kParams) uniform Block { GatherParams params; };
+layout(binding = kTree) uniform samplerBuffer tree;
+layout(std430, binding = kReceiverBlocks) readonly buffer Blocks { uint blocks[]; };
+layout(std430, binding = kCursors) buffer Cursors { uint cursors[]; };
+layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
+
+/// Fluence and vector irradiance of the cells of a column, one per component (kBlockZ is 4).
+struct Column {
+  vec4 fluence, x, y, z;
+};
+
+#if LPV_TEXTURED
+const int kSums = 3;
+#else
+const int kSums = 1;
+#endif
+Column sums[kSums];
+
+const float kNearest = 1e-3;     // cells: where the direction towards a VPL is lost
+const float kMostFalloff = 4.0;  // 1 / r^2 is cut at half a cell
+
+void addVpl(int at, vec2 receiver, vec4 depth) {
+  const vec4 first = texelFetch(tree, at), second = texelFetch(tree, at + 1);
+  const vec2 across = first.xy - receiver;
+  const vec4 along = first.z - depth;
+  const vec4 inverse = inversesqrt(max(dot(across, across) + along * along, kNearest * kNearest));
+  const vec4 facing = -(dot(second.xy, across) + second.z * along) * inverse;
+#if LPV_TWO_SIDED
+  const vec4 intensity = abs(facing) + 2.0 * second.w;
+#else
+  const vec4 intensity = max(facing, 0.0) + second.w;
+#endif
+  const vec4 fluence = intensity * min(inverse * inverse, kMostFalloff);
+  const vec4 flux = fluence * inverse;
+#if LPV_TEXTURED
+  const vec3 colour = texelFetch(tree, at + 2).rgb;
+  for (int k = 0; k < 3; ++k) {
+    sums[k].fluence += colour[k] * fluence;
+    sums[k].x += colour[k] * flux * across.x;
+    sums[k].y += colour[k] * flux * across.y;
+    sums[k].z += colour[k] * flux * along;
+  }
+#else
+  sums[0].fluence += fluence;
+  sums[0].x += flux * across.x;
+  sums[0].y += flux * across.y;
+  sums[0].z += flux * along;
+#endif
+}
+
+/// From record `at` on; returns where the walk stands when it has done its share.
+int walk(int at, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
+  const int end = params.tree.x;
+  const float reach = params.rule.x * params.rule.x;
+  for (int rounds = 0; at < end && rounds < kMaxRounds;) {
+    const vec4 node = texelFetch(tree, at * kRecordTexels), next = texelFetch(tree, at * kRecordTexels + 1);
+    const int vpls = int(next.x), after = int(next.y);
+    const vec3 gap = max(max(lower - node.xyz, node.xyz - upper), 0.0);
+    const bool leaf = after == at + 1 + vpls;
+    const bool whole = leaf || dot(gap, gap) > reach * node.w * node.w;
+    const int last = whole ? at + vpls : at;
+    for (int i = at + 1; i <= last; ++i) addVpl(i * kRecordTexels, receiver, depth);
+    rounds += 1 + last - at;
+    at = whole ? after : at + 1 + vpls;
+  }
+  return at;
+}
+
+void store(ivec3 cell, int z) {
+  for (int k = 0; k < LPV_CHANNELS; ++k) {
+    if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
+    const int s = min(k, kSums - 1);
+    const vec3 flux = vec3(sums[s].x[z], sums[s].y[z], sums[s].z[z]);
+    field[haloIndex(cell, params.dims.xyz, params.tree.z + k)] +=
+        params.weight[k] * vec4(kY0 * sums[s].fluence[z], kY1 * flux.yzx);
+  }
+}
+
+void main() {
+  const uint block = uint(params.dims.w) + gl_WorkGroupID.x;
+  const uint corner = blocks[block];
+  const ivec3 first = ivec3(corner & 255u, (corner >> 8) & 255u, corner >> 16) * ivec3(kBlockX, kBlockY, kBlockZ);
+  const ivec3 cell = first + ivec3(gl_LocalInvocationID.xy, 0);
+  const vec3 lower = vec3(first) + 0.5;
+  const vec3 upper = min(lower + vec3(kBlockX, kBlockY, kBlockZ) - 1.0, vec3(params.dims.xyz) - 0.5);
+  for (int k = 0; k < kSums; ++k) sums[k] = Column(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  const int from = params.tree.w == 1 ? int(cursors[block]) : 0;
+  const int to = walk(from, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
+  if (params.tree.x > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block] = uint(to);
+  if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
+  for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) store(cell + ivec3(0, 0, z), z);
+}
