@@ -18,6 +18,7 @@ layout(binding = kTree) uniform samplerBuffer tree;
 layout(std430, binding = kReceiverBlocks) readonly buffer Blocks { uint blocks[]; };
 layout(std430, binding = kCursors) buffer Cursors { uint cursors[]; };
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
+layout(std430, binding = kNearestVpl) buffer NearestVpl { float nearestVpl[]; };
 
 /// Fluence and vector irradiance of the cells of a column, one per component (kBlockZ is 4).
 struct Column {
@@ -30,6 +31,7 @@ const int kSums = 3;
 const int kSums = 1;
 #endif
 Column sums[kSums];
+vec4 closest = vec4(0.0);  // 1 / distance of the nearest VPL
 
 const float kNearest = 1e-3;     // cells: where the direction towards a VPL is lost
 const float kMostFalloff = 4.0;  // 1 / r^2 is cut at half a cell
@@ -39,6 +41,7 @@ void addVpl(int at, vec2 receiver, vec4 depth) {
   const vec2 across = first.xy - receiver;
   const vec4 along = first.z - depth;
   const vec4 inverse = inversesqrt(max(dot(across, across) + along * along, kNearest * kNearest));
+  closest = max(closest, inverse);
   const vec4 facing = -(dot(second.xy, across) + second.z * along) * inverse;
 #if LPV_TWO_SIDED
   const vec4 intensity = abs(facing) + 2.0 * second.w;
@@ -103,5 +106,9 @@ void main() {
   const int to = walk(from, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
   if (params.tree.x > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block] = uint(to);
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
-  for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) store(cell + ivec3(0, 0, z), z);
+  for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
+    store(cell + ivec3(0, 0, z), z);
+    const int i = cellIndex(cell + ivec3(0, 0, z), params.dims.xyz);
+    if (closest[z] > 0.0) nearestVpl[i] = min(nearestVpl[i], 1.0 / closest[z]);
+  }
 }

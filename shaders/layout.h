@@ -40,6 +40,7 @@ LPV_CONST int kTreeNodes = 18;     // uvec4 per node of every level of a light's
 LPV_CONST int kTreeRecords = 19;   // vec4, LPV_RECORD per record of a light's tree (shaders/vpls.glsl)
 LPV_CONST int kReceiverBlocks = 20; // uint per block of cells: x | y << 8 | z << 16, in blocks
 LPV_CONST int kCursors = 21;       // uint per block: where its walk through the tree stands
+LPV_CONST int kNearestVpl = 22;    // float per cell: cells to the nearest VPL that was taken by itself
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;     // one struct below per stage
@@ -59,8 +60,11 @@ LPV_CONST int kLightTexture = 11;  // radiance factor of the light that is voxel
 LPV_CONST int kPositions = 12;     // samplerBuffer: vec3 per vertex, object space
 LPV_CONST int kTriangles = 13;     // usamplerBuffer: uvec3 per triangle
 LPV_CONST int kTree = 14;          // samplerBuffer over the records of a light's tree
+LPV_CONST int kDirect = 15;        // samplerBuffer: the lights as receivers look at them (shaders/direct.glsl)
+LPV_CONST int kProximity = 16;     // sampler3D: cells to the nearest VPL
 // --- image units
 LPV_CONST int kIncidentOut = 0;    // 0, 1, 2
+LPV_CONST int kProximityOut = 3;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
@@ -101,6 +105,9 @@ LPV_CONST int kVoxelHeaderWords = 8;    // groups x, y, z, count, triangles of z
 LPV_CONST int kNormalBins = 54;         // per cell: 3 x 3 on each face of a cube
 LPV_CONST int kMaxLevels = 9;           // of a tree: blocks of 1, 2, 4 .. 256 cells
 LPV_CONST int kMostProbes = 64;         // places of the table that a VPL is looked for in
+LPV_CONST float kFarFromVpls = 1e4;     // cells: nothing near
+LPV_CONST float kNearBegin = 2.0;       // cells from an emitter: up to here receivers look at the lights themselves,
+LPV_CONST float kNearEnd = 3.0;         // from here on at the volume (MATHS.md 3c)
 LPV_CONST int kMaxRounds = 32768;       // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
                                         // 2^16 rounds in all, without a word
 

@@ -2,6 +2,8 @@
 // tests/gpu/lookup_test.cpp compares the two. Light groups lie above one another in the same textures: group g has
 // slices [g dims.z, (g + 1) dims.z).
 
+#include "angles.glsl"
+
 // The values of lpv::Lookup.
 #define LPV_LOOKUP_SH2 0
 #define LPV_LOOKUP_CAP 1
@@ -38,19 +40,6 @@ vec4 incidentAt(sampler3D volume, int group, vec3 gridPosition, ivec3 dims) {
 /// SH2: E = phi/4 + D.n/2, at least 0.
 float irradianceSh2(vec4 c, vec3 n) {
   return max(0.0, 0.25 * shFluence(c) + 0.5 * dot(shVectorIrradiance(c), n));
-}
-
-/// (t - atan t) / t^3 for t in [0, 1], u = t^2, within 1.2e-7; built-in arc functions need not be as exact.
-float atanDeficit(float u) {
-  const float p = ((-0.00386673891 * u + 0.0200267476) * u - 0.0489143215) * u + 0.0800968172;
-  return (((p * u - 0.108657591) * u + 0.142570449) * u - 0.199986812) * u + 0.333333231;
-}
-
-/// Angle in [0, pi/2] of a vector (c, s), both >= 0 and not both 0.
-float angleOf(float s, float c) {
-  const float t = min(s, c) / max(s, c);
-  const float angle = t - t * t * t * atanDeficit(t * t);
-  return s <= c ? angle : 0.5 * kPi - angle;
 }
 
 /// (atan2(q sin a, cos a) - q sin a cos a) / sin^2 a. For a small cap the two terms agree in nearly all digits; there

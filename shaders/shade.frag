@@ -9,6 +9,16 @@
 #ifndef LPV_DISPLAY
 #error "LPV_DISPLAY: 0 or 1"
 #endif
+// LPV_DIRECT: what receivers look at: 0 the volume, 1 the lights themselves where they are near, 2 always.
+#ifndef LPV_DIRECT
+#error "LPV_DIRECT: 0, 1 or 2"
+#endif
+#if LPV_DIRECT
+#include "direct.glsl"
+#endif
+#if LPV_DIRECT == 1
+layout(binding = kProximity) uniform sampler3D proximity;
+#endif
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 layout(binding = kAlbedo) uniform sampler2D albedo;
@@ -26,9 +36,22 @@ vec3 gridPosition(float depth) {
   return frame.eye.xyz + frame.depth.x / (depth + frame.depth.y) * ray;
 }
 
+vec3 irradiance(vec3 p, vec3 n) {
+#if LPV_DIRECT == 2
+  return directIrradiance(p, n);
+#else
+  const vec3 e = irradianceAt(p, n, frame.dims.xyz, frame.palette.rgb);
+#if LPV_DIRECT == 1
+  const float far = smoothstep(kNearBegin, kNearEnd, textureLod(proximity, p / vec3(frame.dims.xyz), 0.0).x);
+  if (far < 1.0) return mix(directIrradiance(p, n), e, far);
+#endif
+  return e;
+#endif
+}
+
 vec3 reflected(ivec2 pixel, float depth) {
   const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
-  const vec3 e = irradianceAt(gridPosition(depth), n, frame.dims.xyz, frame.palette.rgb);
+  const vec3 e = irradiance(gridPosition(depth), n);
   return texelFetch(albedo, pixel, 0).rgb * e / kPi;
 }
 

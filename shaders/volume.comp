@@ -10,6 +10,9 @@
 #if !defined(LPV_TEXTURES) || !defined(LPV_BUFFER) || !defined(LPV_INJECTED)
 #error "LPV_TEXTURES, LPV_BUFFER, LPV_INJECTED: 0 or 1"
 #endif
+#ifndef LPV_PROXIMITY
+#error "LPV_PROXIMITY: 0, or 1 with LPV_TEXTURES: how near emitters are goes along"
+#endif
 
 layout(local_size_x = kFieldGroupX, local_size_y = kFieldGroupY) in;
 
@@ -24,6 +27,10 @@ layout(binding = kIncidentOut, rgba32f) uniform writeonly image3D incidentRed;
 layout(binding = kIncidentOut + 1, rgba32f) uniform writeonly image3D incidentGreen;
 layout(binding = kIncidentOut + 2, rgba32f) uniform writeonly image3D incidentBlue;
 #endif
+#endif
+#if LPV_PROXIMITY
+layout(std430, binding = kNearestVpl) readonly buffer NearestVpl { float nearestVpl[]; };
+layout(binding = kProximityOut, r32f) uniform writeonly image3D proximity;
 #endif
 #if LPV_BUFFER
 layout(std430, binding = kProduct) writeonly buffer Product { float product[]; };
@@ -65,6 +72,9 @@ void main() {
   const ivec3 cell = ivec3(gl_GlobalInvocationID.xy, params.dims.w + int(gl_WorkGroupID.z));
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
   const ivec3 texel = cell + ivec3(0, 0, params.group.x * params.dims.z);
+#if LPV_PROXIMITY
+  if (params.group.x == 0) imageStore(proximity, cell, vec4(nearestVpl[cellIndex(cell, params.dims.xyz)]));
+#endif
   bool cut = false;
 #if LPV_CHANNELS == 1
   const vec4 c = productOf(channelOf(cell, 0), cut);

@@ -77,6 +77,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     if (!session) return session.status();
     session_ = *session;
     asked_ = true;
+    volumeOnly_ = request.volume_only();
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
     call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
@@ -99,9 +100,9 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   void workLocked() {
     if (working_ || !result_ || waiting_.empty()) return;
     working_ = true;
-    context_.pool->post([self = me(), points = std::move(waiting_.front()), result = *result_] {
+    context_.pool->post([self = me(), points = std::move(waiting_.front()), result = *result_, volumeOnly = volumeOnly_] {
       pb::ProbeResponse answer;
-      answerPoints(result, points, &answer);
+      answerPoints(result, points, volumeOnly, &answer);
       {
         const std::lock_guard lock(self->mutex_);
         self->answers_.push_back(std::move(answer));
@@ -117,6 +118,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   Deadline first_;
   SessionPtr session_;
   bool asked_ = false;
+  bool volumeOnly_ = false;
   std::shared_ptr<WaitingCall> call_;
   std::mutex mutex_;
   std::optional<Result> result_;

@@ -33,13 +33,14 @@ Expected<ProbePoints> probePoints(const std::string& bytes, const Limits& limits
   return out;
 }
 
-void answerPoints(const Result& result, const ProbePoints& points, pb::ProbeResponse* out) {
+void answerPoints(const Result& result, const ProbePoints& points, bool volumeOnly, pb::ProbeResponse* out) {
+  const auto look = volumeOnly ? irradianceAt : irradianceWithNearField;
   toProto(result.meta, out->mutable_result());
   std::string& rgb = *out->mutable_irradiance();
   rgb.resize(points.size() * 3 * sizeof(double));
   out->mutable_valid()->resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Irradiance e = irradianceAt(*result.volume, result.meta.lookup, points[i].first, points[i].second);
+    const Irradiance e = look(*result.volume, result.meta.lookup, points[i].first, points[i].second);
     std::memcpy(rgb.data() + i * 3 * sizeof(double), &e.rgb, 3 * sizeof(double));
     (*out->mutable_valid())[i] = e.valid ? 1 : 0;
   }

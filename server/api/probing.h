@@ -18,7 +18,7 @@ using ProbePoints = std::vector<std::pair<glm::dvec3, glm::dvec3>>;
 /// Points of a ProbeRequest, checked.
 Expected<ProbePoints> probePoints(const std::string& bytes, const Limits& limits);
 
-/// Irradiance at each point from one volume result.
-void answerPoints(const Result& result, const ProbePoints& points, pb::ProbeResponse* out);
+/// Irradiance at each point from one volume result; `volumeOnly`: without near field.
+void answerPoints(const Result& result, const ProbePoints& points, bool volumeOnly, pb::ProbeResponse* out);
 
 }  // namespace lpv::api

@@ -144,13 +144,14 @@ class ProbeAnswer final : public Answer<pb::ProbeRequest, pb::ProbeResponse> {
     Expected<ProbePoints> points = probePoints(request.points(), context_.limits);
     if (!points) return points.status();
     points_ = std::move(*points);
+    volumeOnly_ = request.volume_only();
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
     auto response = std::make_shared<pb::ProbeResponse>();
-    answerPoints(result, points_, response.get());
+    answerPoints(result, points_, volumeOnly_, response.get());
     return Parts([response, done = false](pb::ProbeResponse* out) mutable {
       if (done) return false;
       out->Swap(response.get());
@@ -160,6 +161,7 @@ class ProbeAnswer final : public Answer<pb::ProbeRequest, pb::ProbeResponse> {
 
  private:
   ProbePoints points_;
+  bool volumeOnly_ = false;
 };
 
 }  // namespace

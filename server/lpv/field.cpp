@@ -22,7 +22,10 @@ LightField::LightField(const Grid& g, int c, int n, Transport t)
       counters("counters", sizeof(layout::Counters), gpu::BufferUse::kDynamic),
       transport(t) {
   steps[0] = FieldBuffer("field, even steps", grid.dims, allChannels());
-  if (transport != Transport::kPropagate) return;
+  if (transport != Transport::kPropagate) {
+    nearestVpl = gpu::Buffer("nearest VPL", grid.cells() * sizeof(float));
+    return;
+  }
   steps[1] = FieldBuffer("field, odd steps", grid.dims, allChannels());
   lobeCounts = gpu::Buffer("lobe counts", grid.cells() * std::size_t(groups) * sizeof(float));
   makeInjected();

@@ -57,6 +57,7 @@ void Gatherer::bind(const LightField& field, const LightVoxels& voxels) {
   voxels.tree->texels.bind(layout::kTree);
   field.receivers.bindStorage(layout::kReceiverBlocks);
   field.cursors.bindStorage(layout::kCursors);
+  field.nearestVpl.bindStorage(layout::kNearestVpl);
   field.transported().buffer.bindStorage(layout::kFieldOut);
 }
 

@@ -1,6 +1,7 @@
 #include "lpv/pipeline.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <set>
@@ -40,6 +41,12 @@ const char* transportName(Transport transport) {
   return "propagate";
 }
 
+/// DIRECT looks at a few polygons as they are: they are put into the grid for those who look at volumes only.
+bool needsVoxels(const EmittingLight& light, const SessionState& session, const TickRequest& request) {
+  const bool direct = session.field->transport == Transport::kDirect;
+  return !direct || !arePolygons(light) || request.transported || request.injected;
+}
+
 /// Compiled variants that the lights needed.
 std::set<std::string> lightFeatures(const SessionState& session) {
   std::set<std::string> features;
@@ -59,7 +66,7 @@ void fillReport(const SessionState& session, TickReport& report) {
   report.trianglesSkipped = session.trianglesSkipped;
   report.touchedCells = session.touchedCells;
   for (const LightVoxelsPtr& voxels : session.voxels) {
-    if (voxels->tree == nullptr) continue;
+    if (voxels->tree == nullptr || !voxels->made) continue;
     report.trianglesSkipped += voxels->tree->degenerate;
     report.touchedCells += voxels->tree->cellCount;
     report.vpls += voxels->tree->vplCount;
@@ -97,15 +104,20 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
   co_await cache_.upload(scene, s.resources);
 
   VolumeCopies copies;
-  if (!s.injected) {
-    co_await voxelize(s, result.report);
-    s.injected = copies.counters = true;
+  if (!s.injected || s.method.vpls) {
+    co_await voxelize(s, request, result.report);
+    copies.counters = copies.counters || !s.injected;
+    s.injected = true;
   }
   if (scene.options.transport == Transport::kPropagate && !s.transported) {
     co_await propagator_.run(*s.field, s.box, s.iterations, s.clampFaces, pacing(s));
     s.transported = true;
   }
-  if (scene.options.transport != Transport::kPropagate) co_await gather(s, request);
+  if (scene.options.transport != Transport::kPropagate) {
+    co_await gather(s, request);
+    if (!s.directMade) s.direct.make(s.lights, s.voxels, s.k);
+    s.directMade = true;
+  }
   co_await makeVolumes(s, request, copies);
   FrameViews views(s, request);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
@@ -134,13 +146,13 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 }
 
 /// Lights that did not change are added again, not voxelized again.
-Pieces Pipeline::voxelize(SessionState& s, TickReport& report) {
+Pieces Pipeline::voxelize(SessionState& s, const TickRequest& request, TickReport& report) {
   if (!s.method.vpls) co_await injector_.retire(*s.field, s.injectedVoxels);
   s.injectedVoxels.clear();
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
     LightVoxels& voxels = *s.voxels[i];
-    if (voxels.made) continue;
     const EmittingLight& light = s.lights[i];
+    if (voxels.made || !needsVoxels(light, s, request)) continue;
     const GpuLightTexture* texture =
         light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
     co_await voxelizer_.run(*s.field, *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
@@ -148,21 +160,25 @@ Pieces Pipeline::voxelize(SessionState& s, TickReport& report) {
     report.lightsVoxelized++;
   }
   if (s.method.vpls) {
-    s.field->counters.update(0, gpu::bytesOfValue(layout::Counters{}));
+    if (!s.injected) s.field->counters.update(0, gpu::bytesOfValue(layout::Counters{}));
     co_return;
   }
   co_await injector_.add(*s.field, s.lights, s.voxels, s.palette);
   s.injectedVoxels = s.voxels;
 }
 
-/// Where the result is read, and not yet there: everywhere for volumes, around surfaces for frames.
+/// Where the result is read, and not yet there: everywhere for volumes, around surfaces for frames, which DIRECT makes
+/// without.
 Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
-  if (!s.transported) s.field->steps[0].buffer.clear();
+  if (!s.transported) {
+    s.field->steps[0].buffer.clear();
+    s.field->nearestVpl.fill(std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
+  }
   s.transported = true;
   ReceiverBlocks wanted;
   if (request.transported) {
     wanted = allBlocks(s.field->grid.dims);
-  } else if (!request.frames.empty()) {
+  } else if (!request.frames.empty() && s.field->transport == Transport::kGather) {
     if (s.surfaceBlocks.empty()) s.surfaceBlocks = blocksOfSurfaces(*request.scene);
     wanted = s.surfaceBlocks;
   }
@@ -180,8 +196,9 @@ Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
 /// Only what somebody asked for and nothing has since made out of date.
 Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
   const std::size_t productBytes = s.field->grid.cells() * s.groups.size() * 12 * sizeof(float);
-  if (!request.frames.empty() && !s.textured) {
-    if (!s.textures) s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups);
+  if (!request.frames.empty() && !s.textured && s.field->transport != Transport::kDirect) {
+    if (!s.textures) s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups,
+                         s.field->transport == Transport::kGather);
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kTextures, &*s.textures, nullptr, pacing(s));
     s.textured = copies.counters = true;
   }
@@ -191,6 +208,7 @@ Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, Volume
   if (transported) {
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kProduct, nullptr, &s.product, pacing(s));
     queueVolumeCopy(s, VolumeStage::kTransported);
+    if (s.field->transport != Transport::kPropagate) queueDirectCopy(s);
     copies.transported = copies.counters = true;
   }
   if (injected) {
@@ -220,7 +238,8 @@ Pieces Pipeline::drawFrame(SessionState& s, const TickRequest& request, const Fr
   if (!view.gbuffer->shows(frame, scene))
     co_await gbufferRenderer_.run(*view.gbuffer, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
   co_await emitterRenderer_.run(targets.emitters, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
-  co_await shader_.run(targets, *view.gbuffer, *s.textures, frame, scene.options.lookup, pacing(s));
+  const LitBy lit = {s.field->transport, scene.options.lookup, s.textures ? &*s.textures : nullptr, &s.direct};
+  co_await shader_.run(targets, *view.gbuffer, lit, frame, pacing(s));
 }
 
 }  // namespace lpv

@@ -29,7 +29,7 @@ class Pipeline {
   Pieces tick(SessionState& session, const TickRequest& request, TickResult& result);
 
  private:
-  Pieces voxelize(SessionState& session, TickReport& report);
+  Pieces voxelize(SessionState& session, const TickRequest& request, TickReport& report);
   Pieces gather(SessionState& session, const TickRequest& request);
   Pieces makeVolumes(SessionState& session, const TickRequest& request, VolumeCopies& copies);
   Pieces drawFrame(SessionState& session, const TickRequest& request, const FrameRequest& frame, View& view);

@@ -12,6 +12,20 @@ namespace {
 /// Where the exposure follows a frame's pixels.
 std::size_t exposureOffset(std::size_t pixelBytes) { return (pixelBytes + 15) / 16 * 16; }
 
+DirectLightsPtr directFrom(const SessionState& session) {
+  if (session.field->transport == Transport::kPropagate) return nullptr;
+  auto direct = std::make_shared<DirectLights>();
+  direct->grid = session.field->grid;
+  direct->always = session.field->transport == Transport::kDirect;
+  direct->texels.resize(session.direct.count);
+  std::memcpy(direct->texels.data(), session.directReadback.bytes().data(), direct->texels.size() * sizeof(glm::vec4));
+  if (direct->always) return direct;
+  direct->proximity.resize(direct->grid.cells());
+  std::memcpy(direct->proximity.data(), session.proximityReadback.bytes().data(),
+              direct->proximity.size() * sizeof(float));
+  return direct;
+}
+
 VolumePtr volumeFrom(const gpu::Readback& readback, const SessionState& session, VolumeStage stage) {
   const Grid& grid = session.field->grid;
   auto volume = std::make_shared<Volume>();
@@ -25,6 +39,7 @@ VolumePtr volumeFrom(const gpu::Readback& readback, const SessionState& session,
     std::memcpy(layer.coefficients.data(), from, layer.coefficients.size() * sizeof(float));
     from += layer.coefficients.size() * sizeof(float);
   }
+  if (stage == VolumeStage::kTransported) volume->direct = directFrom(session);
   return volume;
 }
 
@@ -40,6 +55,14 @@ void queueVolumeCopy(SessionState& session, VolumeStage stage) {
   gpu::Readback& target = injected ? session.injectedReadback : session.volumeReadback;
   const std::size_t bytes = session.product.size();
   withRoom(target, injected ? "injected volume" : "volume", bytes).copyFrom(session.product, 0, 0, bytes);
+}
+
+void queueDirectCopy(SessionState& session) {
+  const std::size_t bytes = session.direct.count * sizeof(glm::vec4);
+  withRoom(session.directReadback, "direct lights", bytes).copyFrom(session.direct.texels, 0, 0, bytes);
+  if (session.field->transport != Transport::kGather) return;
+  const std::size_t cells = session.field->nearestVpl.size();
+  withRoom(session.proximityReadback, "proximity", cells).copyFrom(session.field->nearestVpl, 0, 0, cells);
 }
 
 void queueCounterCopy(SessionState& session) {

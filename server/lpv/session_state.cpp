@@ -62,7 +62,7 @@ void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> no
 }
 
 void SessionState::forgetTransported() {
-  transported = textured = false;
+  transported = textured = directMade = false;
   gathered.clear();
   transportedVolume.reset();
 }

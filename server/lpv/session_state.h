@@ -8,6 +8,7 @@
 
 #include "gpu/readback.h"
 #include "lpv/clock.h"
+#include "lpv/direct.h"
 #include "lpv/engine.h"
 #include "lpv/field.h"
 #include "lpv/gather.h"
@@ -47,6 +48,8 @@ struct SessionState {
   bool injected = false;
   bool transported = false;
   bool textured = false;
+  bool directMade = false;
+  DirectBuffer direct;
   ReceiverBlocks gathered;          ///< GATHER: the blocks that are
   ReceiverBlocks surfaceBlocks;     ///< those that frames read,
   std::map<std::string, SurfacePtr> blockSurfaces;  ///< with these surfaces
@@ -58,7 +61,7 @@ struct SessionState {
 
   // Scratch and counts.
   gpu::Buffer product;              ///< 12 floats per cell, between the volume stage and its copy
-  gpu::Readback volumeReadback, injectedReadback, countersReadback;
+  gpu::Readback volumeReadback, injectedReadback, countersReadback, directReadback, proximityReadback;
   std::uint64_t trianglesSkipped = 0;
   std::uint64_t touchedCells = 0;
   std::uint64_t clampedCells = 0;

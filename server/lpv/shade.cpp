@@ -17,20 +17,24 @@ gpu::Texture colourTarget(const char* label, const glm::ivec2& size, GLenum form
   return gpu::Texture::make2d(label, size, format, gpu::Sampling::kNearestClamp);
 }
 
-void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const IncidentTextures* volume) {
+/// `lit` is null for the pass from radiance to the display.
+void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy* lit) {
   targets.frameParams.bindUniform(layout::kParams);
   gbuffer.albedo.bind(layout::kAlbedo);
   gbuffer.normal.bind(layout::kNormal);
   gbuffer.depth.bind(layout::kSurfaceDepth);
   targets.emitters.emission.bind(layout::kEmission);
   targets.emitters.depth.bind(layout::kEmitterDepth);
-  if (volume == nullptr) {
+  if (lit == nullptr) {
     targets.radiance.bind(layout::kRadiance);
     targets.exposure.bindStorage(layout::kExposure);
     return;
   }
-  const int count = volume->channels == 1 ? 1 : 3;
-  for (int i = 0; i < count; ++i) volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
+  if (lit->transport != Transport::kPropagate) lit->direct->view.bind(layout::kDirect);
+  if (lit->volume == nullptr) return;
+  const int count = lit->volume->channels == 1 ? 1 : 3;
+  for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
+  if (lit->volume->proximity) lit->volume->proximity.bind(layout::kProximity);
 }
 
 void prepareFullScreen() {
@@ -70,13 +74,13 @@ Shader::~Shader() { glDeleteVertexArrays(1, &noVertices_); }
 
 /// A full-screen pass, band by band.
 Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
-                    const Gbuffer& gbuffer, const IncidentTextures* volume, Pacing pacing) {
+                    const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing) {
   const glm::ivec2 size = target.size();
   for (int row = 0; row < size.y;) {
     const int rows = std::clamp(pacing.unitsFor(Stage::kShade, 65536.0) / size.x, 1, size.y - row);
     target.bind();
     prepareFullScreen();
-    bindInputs(targets, gbuffer, volume);
+    bindInputs(targets, gbuffer, lit);
     glScissor(0, row, size.x, rows);
     glBindVertexArray(noVertices_);
     program.use();
@@ -98,15 +102,17 @@ void Shader::findExposure(const FrameTargets& targets) {
   gpu::memoryBarrier();
 }
 
-Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const IncidentTextures& volume,
-                   const FrameRequest& request, Lookup lookup, Pacing pacing) {
+Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
+                   Pacing pacing) {
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
-  gpu::Program& program = shade_.get({{"LPV_CHANNELS", volume.channels == 1 ? "1" : "3"},
-                                      {"LPV_GROUPS", std::to_string(volume.groups)},
-                                      {"LPV_LOOKUP", std::to_string(int(lookup))},
+  const bool gathered = lit.transport == Transport::kGather, grid = lit.volume != nullptr;
+  gpu::Program& program = shade_.get({{"LPV_CHANNELS", grid && lit.volume->channels > 1 ? "3" : "1"},
+                                      {"LPV_GROUPS", std::to_string(grid ? lit.volume->groups : 1)},
+                                      {"LPV_LOOKUP", std::to_string(int(lit.lookup))},
+                                      {"LPV_DIRECT", !grid ? "2" : gathered ? "1" : "0"},
                                       {"LPV_DISPLAY", direct ? "1" : "0"}});
-  co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &volume, pacing);
+  co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;
   findExposure(targets);
   co_await fill(targets.displayTarget, display_.get({}), targets, gbuffer, nullptr, pacing);

@@ -6,6 +6,7 @@
 #include "gpu/framebuffer.h"
 #include "gpu/program.h"
 #include "lpv/clock.h"
+#include "lpv/direct.h"
 #include "lpv/emitters.h"
 #include "lpv/engine.h"
 #include "lpv/gbuffer.h"
@@ -31,6 +32,14 @@ struct FrameTargets {
   bool fits(const FrameRequest& request) const;
 };
 
+/// Where a surface's irradiance comes from.
+struct LitBy {
+  Transport transport = Transport::kPropagate;
+  Lookup lookup = Lookup::kSh2;
+  const IncidentTextures* volume = nullptr;  ///< null with DIRECT
+  const DirectBuffer* direct = nullptr;      ///< not read with PROPAGATE
+};
+
 class Shader {
  public:
   Shader();
@@ -38,12 +47,12 @@ class Shader {
   Shader& operator=(const Shader&) = delete;
   ~Shader();
 
-  Pieces run(const FrameTargets& targets, const Gbuffer& gbuffer, const IncidentTextures& volume,
-             const FrameRequest& request, Lookup lookup, Pacing pacing);
+  Pieces run(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
+             Pacing pacing);
 
  private:
   Pieces fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
-              const Gbuffer& gbuffer, const IncidentTextures* volume, Pacing pacing);
+              const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing);
   void findExposure(const FrameTargets& targets);
 
   gpu::ProgramVariants shade_{{"shade.vert", "shade.frag"}};

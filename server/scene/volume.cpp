@@ -86,4 +86,14 @@ Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p
   return out;
 }
 
+Irradiance irradianceWithNearField(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
+  const double far = volume.direct == nullptr ? 1.0 : volume.direct->farFromEmitters(p);
+  Irradiance out;
+  if (far > 0.0) out = irradianceAt(volume, lookup, p, n);
+  if (far == 1.0) return out;
+  out.rgb = far * out.rgb + (1.0 - far) * volume.direct->irradiance(p, n);
+  out.valid = true;
+  return out;
+}
+
 }  // namespace lpv

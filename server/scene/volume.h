@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/direct.h"
 #include "scene/grid.h"
 #include "scene/options.h"
 #include "scene/sh.h"
@@ -30,6 +31,7 @@ struct Volume {
   Grid grid;
   VolumeStage stage = VolumeStage::kTransported;
   std::vector<VolumeLayer> layers;
+  DirectLightsPtr direct;  ///< what made it, for receivers near emitters or outside the grid; null with PROPAGATE
 
   /// Coefficients of one cell and colour.
   static sh::Coefficients at(const VolumeLayer& layer, const Grid& grid, const glm::ivec3& cell, int colour);
@@ -46,6 +48,10 @@ struct Irradiance {
 /// outermost cell centres within half a cell outside the grid; then kCap, or phi/4 + D.n/2 (MATHS.md 4). Layers are
 /// looked up one by one and summed. The GLSL twin is shaders/lookup.glsl.
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
+
+/// The same with the near field: the lights themselves where emitters are near, or outside the grid, blended by
+/// smoothstep (MATHS.md 3c). Without Volume::direct as above.
+Irradiance irradianceWithNearField(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
 /// E = max(0, phi/4 + D.n/2) of one colour.
 double irradianceSh2(const sh::Coefficients& incident, const glm::dvec3& n);

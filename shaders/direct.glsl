@@ -1,0 +1,92 @@
+// DIRECT (MATHS.md 3c): a receiver looks at the lights themselves, without a grid between: few polygons by the closed
+// form (Lambert; Arvo 1995), everything else as VPLs through the light's tree. The C++ twin is server/scene/direct.h;
+// tests/gpu/direct_test.cpp compares the two.
+//
+// Texels: (lights, k, 0, 0); per light (radiance rgb, 0 for polygons or 1 for a tree) and (first texel, triangles or
+// records, sides that emit, texels of a record); then triangles of three corners each, counter-clockwise seen from the
+// front, and the records of shaders/vpls.glsl. Grid space.
+#include "angles.glsl"
+
+layout(binding = kDirect) uniform samplerBuffer direct;
+
+/// The part of E that an edge from p to q of a light's outline gives: the angle it takes times the cosine of its plane.
+float edgeIrradiance(vec3 p, vec3 q, vec3 n) {
+  const vec3 normal = cross(p, q);
+  const float size = length(normal);
+  return size > 0.0 ? angleBetween(size, dot(p, q)) * dot(normal, n) / size : 0.0;
+}
+
+/// E of unit radiance; corners seen from the receiver. The triangle is cut at the horizon of n: edge by edge, and where
+/// the outline goes below and comes up again, one edge along the horizon.
+float triangleIrradiance(vec3 a, vec3 b, vec3 c, vec3 n, float sides) {
+  const float side = dot(cross(b - a, c - a), a);
+  if (side == 0.0 || (side > 0.0 && sides < 1.5)) return 0.0;
+  const vec3 corners[3] = vec3[3](a, b, c);
+  vec3 leaves = vec3(0.0), returns = vec3(0.0);
+  float sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const vec3 p = corners[i], q = corners[(i + 1) % 3];
+    const float hp = dot(p, n), hq = dot(q, n);
+    if (hp <= 0.0 && hq <= 0.0) continue;
+    const vec3 cut = hp * hq < 0.0 ? p + (q - p) * (hp / (hp - hq)) : hp <= 0.0 ? p : q;
+    if (hp > 0.0 && hq <= 0.0) leaves = cut;
+    if (hp <= 0.0 && hq > 0.0) returns = cut;
+    sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
+  }
+  sum += edgeIrradiance(leaves, returns, n);
+  return 0.5 * abs(sum);
+}
+
+float polygonIrradiance(int first, int triangles, vec3 x, vec3 n, float sides) {
+  float sum = 0.0;
+  for (int i = 0; i < triangles; ++i) {
+    const int at = first + 3 * i;
+    sum += triangleIrradiance(texelFetch(direct, at).xyz - x, texelFetch(direct, at + 1).xyz - x,
+                              texelFetch(direct, at + 2).xyz - x, n, sides);
+  }
+  return sum;
+}
+
+vec3 vplIrradiance(int at, int stride, vec3 x, vec3 n, float sides) {
+  const vec4 first = texelFetch(direct, at), second = texelFetch(direct, at + 1);
+  const vec3 d = first.xyz - x;
+  const float inverse = inversesqrt(max(dot(d, d), 1e-6));
+  const float facing = -dot(second.xyz, d) * inverse;
+  const float intensity = (sides > 1.5 ? abs(facing) : max(facing, 0.0)) + sides * second.w;
+  const float e = intensity * max(0.0, dot(n, d) * inverse) * min(inverse * inverse, 4.0);
+  return stride == 3 ? e * texelFetch(direct, at + 2).rgb : vec3(e);
+}
+
+/// As GATHER walks it (shaders/gather.comp), but for a point. A walk that becomes too long takes nodes whole.
+vec3 treeIrradiance(int first, int records, int stride, vec3 x, vec3 n, float sides, float k) {
+  vec3 sum = vec3(0.0);
+  int rounds = 0;
+  for (int at = 0; at < records;) {
+    const vec4 node = texelFetch(direct, first + at * stride), next = texelFetch(direct, first + at * stride + 1);
+    const int vpls = int(next.x), after = int(next.y);
+    const vec3 d = node.xyz - x;
+    const bool leaf = after == at + 1 + vpls;
+    const bool whole = leaf || dot(d, d) > k * k * node.w * node.w || rounds > kMaxRounds;
+    const int last = whole ? at + vpls : at;
+    for (int i = at + 1; i <= last; ++i) sum += vplIrradiance(first + i * stride, stride, x, n, sides);
+    rounds += 1 + last - at;
+    at = whole ? after : at + 1 + vpls;
+  }
+  return sum;
+}
+
+/// E in W/m^2 at a grid position on a surface with unit normal n.
+vec3 directIrradiance(vec3 x, vec3 n) {
+  const vec4 what = texelFetch(direct, 0);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < int(what.x); ++i) {
+    const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
+    const int first = int(where.x), count = int(where.y);
+    if (radiance.w == 0.0) {
+      sum += radiance.rgb * polygonIrradiance(first, count, x, n, where.z);
+    } else {
+      sum += radiance.rgb * treeIrradiance(first, count, int(where.w), x, n, where.z, what.y);
+    }
+  }
+  return sum;
+}
