@@ -212,7 +212,7 @@ Expected<Volume> VolumeDecoder::finish(std::uint64_t checksum) {
   if (checksumBytes(elements_.get(), layerBytes() * groups_.size()) != checksum) {
     return invalid("result.checksum", "the volume's bytes do not give the checksum sent with it");
   }
-  Volume volume{grid_, stage_, {}};
+  Volume volume{grid_, stage_, {}, nullptr};
   const std::size_t count = grid_.cells() * kCellElements;
   for (std::size_t layer = 0; layer < groups_.size(); ++layer) {
     VolumeLayer& out = volume.layers.emplace_back(VolumeLayer{std::move(groups_[layer]), {}});
