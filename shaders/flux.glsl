@@ -15,7 +15,7 @@ dmat3 sameForAll(dvec3 direction) { return dmat3(direction, direction, direction
 dvec2 centroidOf(Boundary b) {
   double area = 0.0lf;
   dvec2 moment = dvec2(0.0lf);
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < kMostPieces; ++i) {
     const double twice = cross2(b.pieces[i].xy, b.pieces[i].zw);
     area += twice;
     moment += twice * (b.pieces[i].xy + b.pieces[i].zw);
@@ -66,15 +66,16 @@ Mean meansBySampling(Varying v, Boundary b, int splits) {
   const dvec2 o = centroidOf(b);
   Mean sum = noMean();
   double area = 0.0lf;
-  for (int i = 0; i < 9; ++i) {
-    const dvec2 p = (b.pieces[i].xy - o) / double(splits), q = (b.pieces[i].zw - o) / double(splits);
+  for (int i = 0; i < b.count; ++i) {
+    const dvec4 piece = pieceAt(b, i);
+    const dvec2 p = (piece.xy - o) / double(splits), q = (piece.zw - o) / double(splits);
     const double weight = cross2(p, q);
     if (!(weight > 0.0lf)) continue;
     for (int row = 0; row < splits; ++row) {
       for (int k = 0; k <= 2 * row; ++k) {
         const dvec2 corner = o + double(row) * p + double(k / 2) * (q - p);
-        const Mean m = k % 2 == 0 ? sixPoints(v, corner, corner + p, corner + q)
-                                  : sixPoints(v, corner, corner + q, corner + q - p);
+        const bool upright = k % 2 == 0;
+        const Mean m = sixPoints(v, corner, corner + (upright ? p : q), corner + (upright ? q : q - p));
         sum.direction += weight * m.direction;
         sum.colour += weight * m.colour;
 #if LPV_DIRECTIONS && LPV_TEXTURED
@@ -142,9 +143,9 @@ dvec3 meanColour(Varying v, Boundary b, double share) {
   v.uv[2] = v.uv[0] + across;
   const double texels = cross2(along, across);
   dvec3 sum = dvec3(0.0lf);
-  for (int i = 0; i < 9; ++i) {
-    if (b.pieces[i].xy == b.pieces[i].zw) continue;
-    sum += lineIntegral(uvAt(v, b.pieces[i].xy), uvAt(v, b.pieces[i].zw));
+  for (int i = 0; i < b.count; ++i) {
+    const dvec4 piece = pieceAt(b, i);
+    if (piece.xy != piece.zw) sum += lineIntegral(uvAt(v, piece.xy), uvAt(v, piece.zw));
   }
   return max(sum * (2.0lf / (texels * share)), dvec3(0.0lf));
 }

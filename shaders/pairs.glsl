@@ -10,7 +10,7 @@ struct LatticeTriangle {
   int axis;           // which axis is dominant: 0 x, 1 y, 2 z
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
   bool oneLayer;      // all candidate cells have one depth
-  bool oneCell;       // wholly inside one cell, whether that is in the grid or not
+  bool oneCell;       // wholly inside one cell, whether that is in the grid or not; degenerate ones are, by their centroid
 };
 
 dvec3 snapToLattice(dvec3 gridPoint) { return floor(gridPoint * double(kLatticeUnits) + 0.5lf); }
@@ -19,10 +19,9 @@ dvec3 turned(dvec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy :
 ivec3 turned(ivec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
 ivec3 turnedBack(ivec3 v, int axis) { return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v; }
 
-/// First and last cell that [least, most] of one axis can make a pair with, up to one beyond the grid. An interval of no
-/// length on a cell face belongs to the upper cell, or to the last cell of the grid.
-ivec2 cellRange(double least, double most, int cells) {
-  const double units = double(kLatticeUnits);
+/// First and last cell, `units` wide, that [least, most] of one axis can make a pair with, up to one beyond the grid. An
+/// interval of no length on a cell face belongs to the upper cell, or to the last cell of the grid.
+ivec2 cellRange(double least, double most, double units, int cells) {
   // Clamped before the conversion: a far vertex must not wrap around in int.
   double first = clamp(floor(least / units), -1.0lf, double(cells));
   double last = clamp(ceil(most / units) - 1.0lf, -1.0lf, double(cells));
@@ -32,6 +31,8 @@ ivec2 cellRange(double least, double most, int cells) {
   }
   return ivec2(int(first), int(last));
 }
+
+bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
 
 LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   LatticeTriangle t;
@@ -43,10 +44,15 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.v2 = turned(c, t.axis);
   t.normal = turned(normal, t.axis);
   t.dims = turned(dims, t.axis);
-  const dvec3 least = min(t.v0, min(t.v1, t.v2));
-  const dvec3 most = max(t.v0, max(t.v1, t.v2));
+  dvec3 least = min(t.v0, min(t.v1, t.v2));
+  dvec3 most = max(t.v0, max(t.v1, t.v2));
+  double units = double(kLatticeUnits);
+  if (degenerate(t)) {  // all of it where its centroid is
+    least = most = t.v0 + t.v1 + t.v2;
+    units *= 3.0lf;
+  }
   for (int k = 0; k < 3; ++k) {
-    const ivec2 range = cellRange(least[k], most[k], t.dims[k]);
+    const ivec2 range = cellRange(least[k], most[k], units, t.dims[k]);
     t.lower[k] = range.x;
     t.upper[k] = range.y;
   }
@@ -55,21 +61,6 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.lower = max(t.lower, ivec3(0));
   t.upper = min(t.upper, t.dims - 1);
   return t;
-}
-
-bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
-
-/// The cell of a degenerate triangle: that of its centroid; false when it is outside the grid.
-bool centroidCell(dvec3 a, dvec3 b, dvec3 c, ivec3 dims, out ivec3 cell) {
-  const dvec3 sum = a + b + c;
-  const double units = 3.0lf * double(kLatticeUnits);
-  for (int k = 0; k < 3; ++k) {
-    double i = floor(sum[k] / units);
-    if (sum[k] == units * double(dims[k])) i -= 1.0lf;
-    if (i < 0.0lf || i >= double(dims[k])) return false;
-    cell[k] = int(i);
-  }
-  return true;
 }
 
 /// Columns of the triangle's box within the grid; 0 where there are none.

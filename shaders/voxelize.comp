@@ -38,16 +38,8 @@ void main() {
     return;
   }
   const int columns = columnCount(e.lattice);
-  ivec3 cell;
-  if (degenerate(e.lattice)) {
-    if (centroidCell(e.a, e.b, e.c, params.dims.xyz, cell)) depositWhole(e, cell);
-  } else if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) {
-    handOn(local, columns);
-  } else if (kWholeTriangles && columns == 1 && e.lattice.oneCell) {  // nothing to test, nothing to clip
-    depositWhole(e, turnedBack(e.lattice.lower, e.lattice.axis));
-  } else {
-    for (int i = 0; i < columns; ++i) voxelizeColumn(e, columnOf(e.lattice, i));
-  }
+  if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) handOn(local, columns);
+  else for (int i = 0; i < columns; ++i) voxelizeColumn(e, columnOf(e.lattice, i));
 }
 
 #else

@@ -24,7 +24,6 @@ struct EmittingTriangle {
   uint index;
   uvec3 corners;       // vertices
   LatticeTriangle lattice;
-  dvec3 a, b, c;       // corners on the lattice
   double area;         // as a share of what the light's scale was made for
   Varying varying_;
 };
@@ -56,10 +55,8 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   e.index = index;
   e.area = length_ * size;
   e.varying_ = varyingOf(e.corners, vec3(direction / length_));
-  e.a = snapToLattice(gridPoint(p));
-  e.b = snapToLattice(gridPoint(q));
-  e.c = snapToLattice(gridPoint(r));
-  e.lattice = latticeTriangle(e.a, e.b, e.c, params.dims.xyz);
+  e.lattice = latticeTriangle(snapToLattice(gridPoint(p)), snapToLattice(gridPoint(q)), snapToLattice(gridPoint(r)),
+                              params.dims.xyz);
   return true;
 }
 
@@ -70,29 +67,26 @@ void record(EmittingTriangle e, ivec3 cell) {
 }
 #endif
 
-/// Whether a triangle inside one cell can be taken as a whole. Only COUNT looks at where in its column a part lies.
-const bool kWholeTriangles = LPV_FLUX == 1 || (LPV_DIRECTIONS == 0 && LPV_TEXTURED == 0);
-
-/// The whole triangle into one cell.
-void depositWhole(EmittingTriangle e, ivec3 cell) {
-#ifdef LPV_RECORD_PAIRS
-  record(e, cell);
-#elif LPV_FLUX
-  const Flux flux = fluxOf(e.varying_, wholeTriangle(), 1.0lf);
-  addMoments(cell, e.area, flux.direction, flux.colour);
-#else
-  const Lobes lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
-  addLobes(cell, lobes.count, lobes.directions, lobes.colour);
-#endif
+/// Whether a triangle can be taken as a whole: nothing to test, nothing to clip. Where in its column a part lies is what
+/// COUNT asks of a varying one, unless it is a point to the grid.
+bool isWhole(LatticeTriangle t) {
+  return t.oneCell && (LPV_FLUX == 1 || (LPV_DIRECTIONS == 0 && LPV_TEXTURED == 0) || degenerate(t));
 }
 
 #if !defined(LPV_RECORD_PAIRS) && LPV_FLUX
-void depositPart(EmittingTriangle e, ivec3 cell) {
-  const Boundary part = boundaryWithin(e.lattice, cell, false);
-  const double share = enclosedShare(part, e.lattice);
+/// What lies in a (turned) cell.
+void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
 #if LPV_DIRECTIONS || LPV_TEXTURED
-  const Flux flux = fluxOf(e.varying_, barycentricBoundary(e.lattice, cell, part), share);
+  Boundary part = wholeTriangle();
+  double share = 1.0lf;
+  if (!whole) {
+    part = boundaryWithin(e.lattice, cell, false);
+    share = enclosedShare(part, e.lattice);
+    part = barycentricBoundary(e.lattice, cell, part);
+  }
+  const Flux flux = fluxOf(e.varying_, part, share);
 #else
+  const double share = whole ? 1.0lf : enclosedShare(boundaryWithin(e.lattice, cell, false), e.lattice);
   const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
 #endif
   addMoments(turnedBack(cell, e.lattice.axis), e.area * flux.share, flux.direction, flux.colour);
@@ -101,18 +95,21 @@ void depositPart(EmittingTriangle e, ivec3 cell) {
 
 /// The pairs of one column.
 void voxelizeColumn(EmittingTriangle e, ivec2 column) {
-  if (!meetsColumn(e.lattice, column)) return;
+  const bool whole = isWhole(e.lattice);
+  if (!whole && !meetsColumn(e.lattice, column)) return;
   const ivec2 depth = depthRange(e.lattice, column);
 #if !defined(LPV_RECORD_PAIRS) && !LPV_FLUX
-  const Lobes lobes = lobesOfColumn(e.varying_, e.lattice, column);
+  Lobes lobes;
+  if (whole) lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
+  else lobes = lobesOfColumn(e.varying_, e.lattice, column);
 #endif
   for (int z = depth.x; z <= depth.y; ++z) {
     const ivec3 cell = ivec3(column, z);
-    if (!meetsDepth(e.lattice, cell)) continue;
+    if (!whole && !meetsDepth(e.lattice, cell)) continue;
 #ifdef LPV_RECORD_PAIRS
     record(e, turnedBack(cell, e.lattice.axis));
 #elif LPV_FLUX
-    depositPart(e, cell);
+    depositPart(e, cell, whole);
 #else
     addLobes(turnedBack(cell, e.lattice.axis), lobes.count, lobes.directions, lobes.colour);
 #endif
