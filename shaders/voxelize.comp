@@ -39,7 +39,7 @@ void main() {
   }
   const int columns = columnCount(e.lattice);
   if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) handOn(local, columns);
-  else for (int i = 0; i < columns; ++i) voxelizeColumn(e, columnOf(e.lattice, i));
+  else voxelizeColumns(e, 0, 1, columns);
 }
 
 #else
@@ -50,10 +50,7 @@ void main() {
   if (!loadTriangle(params.triangles.x + item / uint(kSlices), e)) return;
   const int columns = columnCount(e.lattice);
   const int slice = int(item) % kSlices;
-  const int stride = slicesOf(columns) * kColumnGroup;
-  for (int i = slice * kColumnGroup + int(gl_LocalInvocationID.x); i < columns; i += stride) {
-    voxelizeColumn(e, columnOf(e.lattice, i));
-  }
+  voxelizeColumns(e, slice * kColumnGroup + int(gl_LocalInvocationID.x), slicesOf(columns) * kColumnGroup, columns);
 }
 
 #endif

@@ -8,6 +8,7 @@ layout(binding = kTriangles) uniform usamplerBuffer triangles;
 
 #include "deposit.glsl"
 #include "pairs.glsl"
+#include "share.glsl"
 #include "clip.glsl"
 #if LPV_TEXTURED
 #include "texture_integral.glsl"
@@ -86,35 +87,12 @@ void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
   }
   const Flux flux = fluxOf(e.varying_, part, share);
 #else
-  const double share = whole ? 1.0lf : enclosedShare(boundaryWithin(e.lattice, cell, false), e.lattice);
+  const double share = whole ? 1.0lf : shareWithin(e.lattice, cell);
   const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
 #endif
   addMoments(turnedBack(cell, e.lattice.axis), e.area * flux.share, flux.direction, flux.colour);
 }
 #endif
-
-/// The pairs of one column.
-void voxelizeColumn(EmittingTriangle e, ivec2 column) {
-  const bool whole = isWhole(e.lattice);
-  if (!whole && !meetsColumn(e.lattice, column)) return;
-  const ivec2 depth = depthRange(e.lattice, column);
-#if !defined(LPV_RECORD_PAIRS) && !LPV_FLUX
-  Lobes lobes;
-  if (whole) lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
-  else lobes = lobesOfColumn(e.varying_, e.lattice, column);
-#endif
-  for (int z = depth.x; z <= depth.y; ++z) {
-    const ivec3 cell = ivec3(column, z);
-    if (!whole && !meetsDepth(e.lattice, cell)) continue;
-#ifdef LPV_RECORD_PAIRS
-    record(e, turnedBack(cell, e.lattice.axis));
-#elif LPV_FLUX
-    depositPart(e, cell, whole);
-#else
-    addLobes(turnedBack(cell, e.lattice.axis), lobes.count, lobes.directions, lobes.colour);
-#endif
-  }
-}
 
 /// Column number `index` of the triangle's box, row by row. Exact: there are at most 2^16, and half a column is far more
 /// than the division's error.
@@ -122,4 +100,50 @@ ivec2 columnOf(LatticeTriangle t, int index) {
   const int across = t.upper.x - t.lower.x + 1;
   const int row = int((float(index) + 0.5) / float(across));
   return t.lower.xy + ivec2(index - row * across, row);
+}
+
+/// A walk through the candidates for pairs, column by column: every `step`-th column from number `next` on.
+struct Walk {
+  int next, step, end;
+  ivec3 cell;  // turned
+  int last;    // of the cell's column
+};
+
+/// Goes on to the next pair; false when there is none. What is done to a pair costs far more than finding it: threads
+/// that run in step wait for each other here, and then all of them have one.
+bool nextPair(LatticeTriangle t, bool whole, inout Walk walk) {
+  bool found = false;
+  while (!found && (walk.cell.z < walk.last || walk.next < walk.end)) {
+    if (walk.cell.z < walk.last) {
+      ++walk.cell.z;
+    } else {
+      const ivec2 column = columnOf(t, walk.next);
+      const ivec2 depth = depthRange(t, column);
+      walk.cell = ivec3(column, depth.x);
+      walk.last = whole || meetsColumn(t, column) ? depth.y : depth.x - 1;
+      walk.next += walk.step;
+    }
+    found = walk.cell.z <= walk.last && (whole || meetsDepth(t, walk.cell));
+  }
+  return found;
+}
+
+void depositPair(EmittingTriangle e, ivec3 cell, bool whole) {
+#ifdef LPV_RECORD_PAIRS
+  record(e, turnedBack(cell, e.lattice.axis));
+#elif LPV_FLUX
+  depositPart(e, cell, whole);
+#else
+  Lobes lobes;
+  if (whole) lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
+  else lobes = lobesOfColumn(e.varying_, e.lattice, cell.xy);
+  addLobes(turnedBack(cell, e.lattice.axis), lobes.count, lobes.directions, lobes.colour);
+#endif
+}
+
+/// The pairs in every `step`-th column of the triangle's box from number `first` to before `end`.
+void voxelizeColumns(EmittingTriangle e, int first, int step_, int end) {
+  const bool whole = isWhole(e.lattice);
+  Walk walk = Walk(first, step_, end, ivec3(0), -1);
+  while (nextPair(e.lattice, whole, walk)) depositPair(e, walk.cell, whole);
 }

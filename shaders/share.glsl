@@ -1,0 +1,59 @@
+// Which share of a triangle's area lies within one cell, seen along the dominant axis, where shares are the same as in
+// space. The outline of what lies in the cell's layer goes along the triangle's edges and, where a corner is beyond the
+// layer, along the cuts. Left of it, within the column, is as much as the sum of what lies below each of its lines, each
+// cut back to the column: a line that runs outside counts by where it passes below or above. Nothing is decided but on
+// which side of the layer a corner lies, so what two cells share is never counted twice or left out.
+
+/// Mean over a line from y = a to y = b of y, cut back to [-reach, reach].
+double meanHeight(double a, double b, double reach) {
+  const double lower = min(a, b), upper = max(a, b), span = upper - lower;
+  const double first = clamp(lower, -reach, reach), last = clamp(upper, -reach, reach);
+  if (span == 0.0lf) return first;
+  const double below = max(min(upper, -reach) - lower, 0.0lf), above = max(upper - max(lower, reach), 0.0lf);
+  return (reach * (above - below) + 0.5lf * (first + last) * (last - first)) / span;
+}
+
+/// Area between the line p -> q and y = 0 within the square [-reach, reach]^2; negative towards smaller x.
+double areaBelow(dvec2 p, dvec2 q, double reach) {
+  const double first = clamp(p.x, -reach, reach), last = clamp(q.x, -reach, reach);
+  if (first == last) return 0.0lf;
+  const double slope = (q.y - p.y) / (q.x - p.x);
+  return (last - first) * meanHeight(p.y + (first - p.x) * slope, q.y + (last - q.x) * slope, reach);
+}
+
+/// The cut of a layer's face through the outline, from where that goes beyond to where it comes back.
+struct Cut {
+  dvec2 leaves, returns;
+};
+
+void crossFace(dvec2 at, bool from, bool to, inout Cut cut) {
+  if (!from && to) cut.leaves = at;
+  if (from && !to) cut.returns = at;
+}
+
+/// Area below the edge p -> q within the layer; adds its ends to the cuts.
+double areaBelowEdge(dvec3 p, dvec3 q, double reach, inout Cut upper, inout Cut lower) {
+  const dvec3 d = q - p;
+  if (d.z == 0.0lf) return abs(p.z) <= reach ? areaBelow(p.xy, q.xy, reach) : 0.0lf;
+  const double up = clamp((reach - p.z) / d.z, 0.0lf, 1.0lf), down = clamp((-reach - p.z) / d.z, 0.0lf, 1.0lf);
+  const dvec2 high = p.xy + up * d.xy, low = p.xy + down * d.xy;
+  crossFace(high, p.z > reach, q.z > reach, upper);
+  crossFace(low, p.z < -reach, q.z < -reach, lower);
+  return d.z > 0.0lf ? areaBelow(low, high, reach) : areaBelow(high, low, reach);
+}
+
+double shareWithin(LatticeTriangle t, ivec3 cell) {
+  const double reach = 0.5lf * double(kLatticeUnits);
+  const dvec3 centre = (dvec3(cell) + 0.5lf) * double(kLatticeUnits);
+  const dvec3 a = t.v0 - centre, b = t.v1 - centre, c = t.v2 - centre;
+  double below;
+  if (t.oneLayer) {
+    below = areaBelow(a.xy, b.xy, reach) + areaBelow(b.xy, c.xy, reach) + areaBelow(c.xy, a.xy, reach);
+  } else {
+    Cut upper = Cut(dvec2(0.0lf), dvec2(0.0lf)), lower = upper;
+    below = areaBelowEdge(a, b, reach, upper, lower) + areaBelowEdge(b, c, reach, upper, lower) +
+            areaBelowEdge(c, a, reach, upper, lower);
+    below += areaBelow(upper.leaves, upper.returns, reach) + areaBelow(lower.leaves, lower.returns, reach);
+  }
+  return clamp(-2.0lf * below / t.normal.z, 0.0lf, 1.0lf);
+}
