@@ -16,9 +16,11 @@ layout(local_size_x = kColumnGroup) in;
 
 layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
 
-const int kSlices = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1 ? kMaxVaryingSlices : kMaxSlices;
+const bool kVarying = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1;
+const int kSlices = kVarying ? kMaxVaryingSlices : kMaxSlices;
+const int kSliceColumns = kColumnGroup * (kVarying ? 1 : kColumnsPerThread);
 
-int slicesOf(int columns) { return min(kSlices, (columns + kColumnGroup - 1) / kColumnGroup); }
+int slicesOf(int columns) { return min(kSlices, (columns + kSliceColumns - 1) / kSliceColumns); }
 
 #ifdef LPV_SMALL
 
