@@ -1,6 +1,6 @@
 // The part of a triangle within one cell, as its boundary seen along the dominant axis: at most three pieces of the
-// triangle's edges and one piece of each of six cell faces. What is wanted of the part (area, box, integrals) is a sum
-// over these pieces, so their order does not matter and nothing is stored per corner.
+// triangle's edges and one piece of each of six cell faces. What is wanted of the part (its box, integrals over it) is
+// gathered over these pieces, so their order does not matter and nothing is stored per corner.
 //
 // No piece is counted twice: a piece of an edge counts when it is in the closed box; a cut along a face counts only when
 // a corner lies strictly beyond the face; and where the plane of the triangle contains cell edges (two faces cut it in
@@ -8,25 +8,22 @@
 
 const int kMostPieces = 9;
 
-/// A closed line of pieces (x0, y0, x1, y1), in no order, and what is wanted of it.
+/// A closed line of pieces (x0, y0, x1, y1), in no order, or what is wanted of it.
 struct Boundary {
-  double twiceArea;    // enclosed; positive when counter-clockwise
-#if LPV_DIRECTIONS || LPV_TEXTURED
 #if LPV_FLUX
-  dvec4 pieces[kMostPieces];  // zeros where there is none; indexed by constants only, else it lies in memory
+  dvec4 pieces[kMostPieces];  // zeros where there is none; indexed by constants only, else they lie in memory
   int count;                  // none beyond these
 #else
-  dvec2 lower, upper;  // box around it
-#endif
+  dvec2 lower, upper;         // box around it
 #endif
 };
 
 const double kNoLimit = 1e30lf;
 
+double cross2(dvec2 p, dvec2 q) { return p.x * q.y - p.y * q.x; }
+
 Boundary noBoundary() {
   Boundary b;
-  b.twiceArea = 0.0lf;
-#if LPV_DIRECTIONS || LPV_TEXTURED
 #if LPV_FLUX
   for (int i = 0; i < kMostPieces; ++i) b.pieces[i] = dvec4(0.0lf);
   b.count = 0;
@@ -34,15 +31,10 @@ Boundary noBoundary() {
   b.lower = dvec2(kNoLimit);
   b.upper = dvec2(-kNoLimit);
 #endif
-#endif
   return b;
 }
 
-double cross2(dvec2 p, dvec2 q) { return p.x * q.y - p.y * q.x; }
-
 void addPiece(int at, dvec4 piece, inout Boundary b) {
-  b.twiceArea += cross2(piece.xy, piece.zw);
-#if LPV_DIRECTIONS || LPV_TEXTURED
 #if LPV_FLUX
   b.pieces[at] = piece;
   b.count = at + 1;
@@ -51,14 +43,13 @@ void addPiece(int at, dvec4 piece, inout Boundary b) {
   b.lower = min(b.lower, min(piece.xy, piece.zw));
   b.upper = max(b.upper, max(piece.xy, piece.zw));
 #endif
-#endif
 }
 
 struct Box {
   dvec3 lower, upper;
 };
 
-#if LPV_FLUX && (LPV_DIRECTIONS || LPV_TEXTURED)
+#if LPV_FLUX
 /// b.pieces[i] for an i that is known only when it runs. With a loop over b.count, what is done to a piece is compiled
 /// once, not nine times.
 dvec4 pieceAt(Boundary b, int i) {
@@ -162,5 +153,11 @@ Boundary boundaryWithin(LatticeTriangle t, ivec3 cell, bool depthless) {
   return part;
 }
 
-/// Share of the triangle's area that the boundary encloses (Green).
-double enclosedShare(Boundary b, LatticeTriangle t) { return clamp(b.twiceArea / abs(t.normal.z), 0.0lf, 1.0lf); }
+#if LPV_FLUX
+/// Share of the triangle's area that its part's boundary encloses (Green).
+double enclosedShare(Boundary b, LatticeTriangle t) {
+  double twice = 0.0lf;
+  for (int i = 0; i < kMostPieces; ++i) twice += cross2(b.pieces[i].xy, b.pieces[i].zw);
+  return clamp(twice / abs(t.normal.z), 0.0lf, 1.0lf);
+}
+#endif

@@ -170,6 +170,7 @@ dmat3 directionsByColour(Varying v, Boundary b, double share) {
 }
 #endif
 
+#if LPV_DIRECTIONS || LPV_TEXTURED
 /// `share` of the triangle, bounded by `b` (barycentric).
 Flux fluxOf(Varying v, Boundary b, double share) {
   Flux flux = Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf));
@@ -183,3 +184,4 @@ Flux fluxOf(Varying v, Boundary b, double share) {
 #endif
   return flux;
 }
+#endif

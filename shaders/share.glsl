@@ -1,5 +1,5 @@
-// Which share of a triangle's area lies within one cell, seen along the dominant axis, where shares are the same as in
-// space. The outline of what lies in the cell's layer goes along the triangle's edges and, where a corner is beyond the
+// Which share of a triangle's area lies within one cell, where nothing else is asked of the part (else its boundary is at
+// hand: clip.glsl). Seen along the dominant axis, where shares are the same as in space. The outline of what lies in the cell's layer goes along the triangle's edges and, where a corner is beyond the
 // layer, along the cuts. Left of it, within the column, is as much as the sum of what lies below each of its lines, each
 // cut back to the column: a line that runs outside counts by where it passes below or above. Nothing is decided but on
 // which side of the layer a corner lies, so what two cells share is never counted twice or left out.

@@ -68,13 +68,14 @@ dvec2 uvAt(Varying v, dvec2 lambda) {
   return v.uv[0] + lambda.x * (v.uv[1] - v.uv[0]) + lambda.y * (v.uv[2] - v.uv[0]);
 }
 
+#if LPV_DIRECTIONS || LPV_TEXTURED
 /// Barycentric coordinates of a point of the plane of projection, given from the centre of a cell.
 dvec2 barycentric(LatticeTriangle t, dvec2 centre, dvec2 p) {
   const dvec2 from = p + centre - t.v0.xy;
   return dvec2(cross2(from, t.v2.xy - t.v0.xy), cross2(t.v1.xy - t.v0.xy, from)) / t.normal.z;
 }
 
-#if LPV_FLUX && (LPV_DIRECTIONS || LPV_TEXTURED)
+#if LPV_FLUX
 /// A boundary in barycentric coordinates, counter-clockwise there.
 Boundary barycentricBoundary(LatticeTriangle t, ivec3 cell, Boundary b) {
   const dvec2 centre = (dvec2(cell.xy) + 0.5lf) * double(kLatticeUnits);
@@ -93,4 +94,5 @@ Boundary wholeTriangle() {
   addPiece(2, dvec4(0.0lf, 1.0lf, 0.0lf, 0.0lf), b);
   return b;
 }
+#endif
 #endif

@@ -8,8 +8,11 @@ layout(binding = kTriangles) uniform usamplerBuffer triangles;
 
 #include "deposit.glsl"
 #include "pairs.glsl"
-#include "share.glsl"
+#if LPV_DIRECTIONS || LPV_TEXTURED
 #include "clip.glsl"
+#elif LPV_FLUX
+#include "share.glsl"
+#endif
 #if LPV_TEXTURED
 #include "texture_integral.glsl"
 #endif
