@@ -12,7 +12,7 @@ struct LatticeTriangle {
   int axis;           // which axis is dominant: 0 x, 1 y, 2 z
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
   bool oneLayer;      // all candidate cells have one depth
-  bool oneCell;       // wholly inside one cell, whether that is in the grid or not; degenerate ones are, by their centroid
+  bool oneCell;       // wholly inside one cell, in the grid or not; a degenerate one: in its centroid's
 };
 
 dvec3 snapToLattice(dvec3 gridPoint) { return floor(gridPoint * double(kLatticeUnits) + 0.5lf); }

@@ -1,8 +1,9 @@
-// Which share of a triangle's area lies within one cell, where nothing else is asked of the part (else its boundary is at
-// hand: clip.glsl). Seen along the dominant axis, where shares are the same as in space. The outline of what lies in the cell's layer goes along the triangle's edges and, where a corner is beyond the
-// layer, along the cuts. Left of it, within the column, is as much as the sum of what lies below each of its lines, each
-// cut back to the column: a line that runs outside counts by where it passes below or above. Nothing is decided but on
-// which side of the layer a corner lies, so what two cells share is never counted twice or left out.
+// Which share of a triangle's area lies within one cell, where nothing else is asked of the part (else its boundary is
+// at hand: clip.glsl). Seen along the dominant axis, where shares are the same as in space. The part in the cell's layer
+// is outlined by what of the triangle's edges lies in the layer and by the cuts of the layer's two faces. Its area within
+// the column is the sum of the areas below these lines (Green), each cut back to the column: one that runs beside it
+// counts nothing, one that passes below or above counts at the column's side. All that is decided is on which side of
+// the layer a corner lies, so that between two cells nothing is counted twice or left out.
 
 /// Mean over a line from y = a to y = b of y, cut back to [-reach, reach].
 double meanHeight(double a, double b, double reach) {
