@@ -1,19 +1,61 @@
 // The part of a triangle within one cell, as its boundary seen along the dominant axis: at most three pieces of the
-// triangle's edges and one piece of each of six cell faces. What is wanted of the part (area, box, integrals) is a sum
-// over these pieces, so their order does not matter and nothing is stored per corner.
+// triangle's edges and one piece of each of six cell faces. What is wanted of the part (its box, integrals over it) is
+// gathered over these pieces, so their order does not matter and nothing is stored per corner.
 //
 // No piece is counted twice: a piece of an edge counts when it is in the closed box; a cut along a face counts only when
 // a corner lies strictly beyond the face; and where the plane of the triangle contains cell edges (two faces cut it in
 // parallel lines) the depth slab is merged into the other one, so that one number decides for both.
 
-/// Pieces (x0, y0, x1, y1), counter-clockwise, in lattice units from the cell's centre; zeros where there is none.
+const int kMostPieces = 9;
+
+/// A closed line of pieces (x0, y0, x1, y1), in no order, or what is wanted of it.
 struct Boundary {
-  dvec4 pieces[9];
+#if LPV_FLUX
+  dvec4 pieces[kMostPieces];  // zeros where there is none; indexed by constants only, else they lie in memory
+  int count;                  // none beyond these
+#else
+  dvec2 lower, upper;         // box around it
+#endif
 };
+
+const double kNoLimit = 1e30lf;
+
+Boundary noBoundary() {
+  Boundary b;
+#if LPV_FLUX
+  for (int i = 0; i < kMostPieces; ++i) b.pieces[i] = dvec4(0.0lf);
+  b.count = 0;
+#else
+  b.lower = dvec2(kNoLimit);
+  b.upper = dvec2(-kNoLimit);
+#endif
+  return b;
+}
+
+void addPiece(int at, dvec4 piece, inout Boundary b) {
+#if LPV_FLUX
+  b.pieces[at] = piece;
+  b.count = at + 1;
+#else
+  if (piece.xy == piece.zw) return;
+  b.lower = min(b.lower, min(piece.xy, piece.zw));
+  b.upper = max(b.upper, max(piece.xy, piece.zw));
+#endif
+}
 
 struct Box {
   dvec3 lower, upper;
 };
+
+#if LPV_FLUX
+/// b.pieces[i] for an i that is known only when it runs. With a loop over b.count, what is done to a piece is compiled
+/// once, not nine times.
+dvec4 pieceAt(Boundary b, int i) {
+  dvec4 piece = b.pieces[0];
+  for (int k = 1; k < kMostPieces; ++k) piece = i == k ? b.pieces[k] : piece;
+  return piece;
+}
+#endif
 
 /// Cuts [s.x, s.y] of p + s d to lower <= p + s d <= upper; false when nothing is left.
 bool narrow(double p, double d, double lower, double upper, inout dvec2 s) {
@@ -63,8 +105,6 @@ dvec4 cutWithin(dvec3 a, dvec3 b, dvec3 c, int k, double side, dvec2 direction, 
   return dot(d.xy, direction) < 0.0lf ? turnedRound(piece) : piece;
 }
 
-const double kNoLimit = 1e30lf;
-
 /// The cell around its own centre. The depth slab is left out where it does not matter (`depthless`), and merged into
 /// the slab of the one axis that depth varies along.
 Box boxOf(dvec3 a, dvec3 normal, bool depthless) {
@@ -85,7 +125,8 @@ Box boxOf(dvec3 a, dvec3 normal, bool depthless) {
   return box;
 }
 
-/// The triangle within a (turned) cell; within the cell's whole column when `depthless`.
+/// The triangle within a (turned) cell, counter-clockwise, in lattice units from the cell's centre; within the cell's
+/// whole column when `depthless`.
 Boundary boundaryWithin(LatticeTriangle t, ivec3 cell, bool depthless) {
   const dvec3 centre = (dvec3(cell) + 0.5lf) * double(kLatticeUnits);
   const dvec3 a = t.v0 - dvec3(centre.xy, depthless ? 0.0lf : centre.z);
@@ -93,32 +134,28 @@ Boundary boundaryWithin(LatticeTriangle t, ivec3 cell, bool depthless) {
   const dvec3 c = t.v2 - dvec3(centre.xy, depthless ? 0.0lf : centre.z);
   const Box box = boxOf(a, t.normal, depthless || t.oneLayer);
   const bool clockwise = t.normal.z < 0.0lf;
-  Boundary out_;
-  out_.pieces[0] = edgeWithin(a, b, box);
-  out_.pieces[1] = edgeWithin(b, c, box);
-  out_.pieces[2] = edgeWithin(c, a, box);
-  if (clockwise) {
-    for (int i = 0; i < 3; ++i) out_.pieces[i] = turnedRound(out_.pieces[i]);
+  Boundary part = noBoundary();
+  for (int i = 0; i < 3; ++i) {
+    const dvec4 piece = edgeWithin(i == 0 ? a : i == 1 ? b : c, i == 0 ? b : i == 1 ? c : a, box);
+    addPiece(i, clockwise ? turnedRound(piece) : piece, part);
   }
-  out_.pieces[3] = cutWithin(a, b, c, 0, 1.0lf, dvec2(0.0lf, 1.0lf), box);
-  out_.pieces[4] = cutWithin(a, b, c, 0, -1.0lf, dvec2(0.0lf, -1.0lf), box);
-  out_.pieces[5] = cutWithin(a, b, c, 1, 1.0lf, dvec2(-1.0lf, 0.0lf), box);
-  out_.pieces[6] = cutWithin(a, b, c, 1, -1.0lf, dvec2(1.0lf, 0.0lf), box);
-  out_.pieces[7] = dvec4(0.0lf);
-  out_.pieces[8] = dvec4(0.0lf);
+  addPiece(3, cutWithin(a, b, c, 0, 1.0lf, dvec2(0.0lf, 1.0lf), box), part);
+  addPiece(4, cutWithin(a, b, c, 0, -1.0lf, dvec2(0.0lf, -1.0lf), box), part);
+  addPiece(5, cutWithin(a, b, c, 1, 1.0lf, dvec2(-1.0lf, 0.0lf), box), part);
+  addPiece(6, cutWithin(a, b, c, 1, -1.0lf, dvec2(1.0lf, 0.0lf), box), part);
   if (box.upper.z != kNoLimit) {
     const dvec2 above = (clockwise ? -1.0lf : 1.0lf) * dvec2(t.normal.y, -t.normal.x);
-    out_.pieces[7] = cutWithin(a, b, c, 2, 1.0lf, above, box);
-    out_.pieces[8] = cutWithin(a, b, c, 2, -1.0lf, -above, box);
+    addPiece(7, cutWithin(a, b, c, 2, 1.0lf, above, box), part);
+    addPiece(8, cutWithin(a, b, c, 2, -1.0lf, -above, box), part);
   }
-  return out_;
+  return part;
 }
 
-double cross2(dvec2 p, dvec2 q) { return p.x * q.y - p.y * q.x; }
-
-/// Share of the triangle's area that the boundary encloses (Green).
-double enclosedShare(Boundary boundary, LatticeTriangle t) {
+#if LPV_FLUX
+/// Share of the triangle's area that its part's boundary encloses (Green).
+double enclosedShare(Boundary b, LatticeTriangle t) {
   double twice = 0.0lf;
-  for (int i = 0; i < 9; ++i) twice += cross2(boundary.pieces[i].xy, boundary.pieces[i].zw);
+  for (int i = 0; i < kMostPieces; ++i) twice += cross2(b.pieces[i].xy, b.pieces[i].zw);
   return clamp(twice / abs(t.normal.z), 0.0lf, 1.0lf);
 }
+#endif

@@ -22,19 +22,19 @@ dvec3 meanDirection(Flux flux) {
 }
 #endif
 
+#if LPV_DIRECTIONS || LPV_TEXTURED
+
 /// In the boundary's own coordinates.
 dvec2 centroidOf(Boundary b) {
   double area = 0.0lf;
   dvec2 moment = dvec2(0.0lf);
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < kMostPieces; ++i) {
     const double twice = cross2(b.pieces[i].xy, b.pieces[i].zw);
     area += twice;
     moment += twice * (b.pieces[i].xy + b.pieces[i].zw);
   }
   return area > 0.0lf ? moment / (3.0lf * area) : dvec2(1.0lf / 3.0lf);
 }
-
-#if LPV_DIRECTIONS || LPV_TEXTURED
 
 // Six points of degree 4 on a triangle (Strang & Fix): two orbits of three.
 const dvec2 kOrbit = dvec2(0.44594849091596488632lf, 0.09157621350977074346lf);
@@ -79,15 +79,16 @@ Mean meansBySampling(Varying v, Boundary b, int splits) {
   const dvec2 o = centroidOf(b);
   Mean sum = noMean();
   double area = 0.0lf;
-  for (int i = 0; i < 9; ++i) {
-    const dvec2 p = (b.pieces[i].xy - o) / double(splits), q = (b.pieces[i].zw - o) / double(splits);
+  for (int i = 0; i < b.count; ++i) {
+    const dvec4 piece = pieceAt(b, i);
+    const dvec2 p = (piece.xy - o) / double(splits), q = (piece.zw - o) / double(splits);
     const double weight = cross2(p, q);
     if (!(weight > 0.0lf)) continue;
     for (int row = 0; row < splits; ++row) {
       for (int k = 0; k <= 2 * row; ++k) {
         const dvec2 corner = o + double(row) * p + double(k / 2) * (q - p);
-        const Mean m = k % 2 == 0 ? sixPoints(v, corner, corner + p, corner + q)
-                                  : sixPoints(v, corner, corner + q, corner + q - p);
+        const bool upright = k % 2 == 0;
+        const Mean m = sixPoints(v, corner, corner + (upright ? p : q), corner + (upright ? q : q - p));
         sum.direction += weight * m.direction;
         sum.colour += weight * m.colour;
 #if LPV_DIRECTIONS && LPV_TEXTURED
@@ -155,9 +156,9 @@ dvec3 meanColour(Varying v, Boundary b, double share) {
   v.uv[2] = v.uv[0] + across;
   const double texels = cross2(along, across);
   dvec3 sum = dvec3(0.0lf);
-  for (int i = 0; i < 9; ++i) {
-    if (b.pieces[i].xy == b.pieces[i].zw) continue;
-    sum += lineIntegral(uvAt(v, b.pieces[i].xy), uvAt(v, b.pieces[i].zw));
+  for (int i = 0; i < b.count; ++i) {
+    const dvec4 piece = pieceAt(b, i);
+    if (piece.xy != piece.zw) sum += lineIntegral(uvAt(v, piece.xy), uvAt(v, piece.zw));
   }
   return max(sum * (2.0lf / (texels * share)), dvec3(0.0lf));
 }
@@ -182,6 +183,7 @@ dmat3 directionsByColour(Varying v, Boundary b, double share) {
 }
 #endif
 
+#if LPV_DIRECTIONS || LPV_TEXTURED
 /// `share` of the triangle, bounded by `b` (barycentric).
 Flux fluxOf(Varying v, Boundary b, double share) {
   Flux flux = Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf));
@@ -195,3 +197,4 @@ Flux fluxOf(Varying v, Boundary b, double share) {
 #endif
   return flux;
 }
+#endif

@@ -17,17 +17,6 @@ bool laborious(Varying v) { return false; }
 
 #if LPV_DIRECTIONS || LPV_TEXTURED
 
-/// Box around a boundary, the same coordinates: (lower, upper).
-dvec4 boxAround(Boundary b) {
-  dvec4 box = dvec4(kNoLimit, kNoLimit, -kNoLimit, -kNoLimit);
-  for (int i = 0; i < 9; ++i) {
-    if (b.pieces[i].xy == b.pieces[i].zw) continue;
-    box.xy = min(box.xy, min(b.pieces[i].xy, b.pieces[i].zw));
-    box.zw = max(box.zw, max(b.pieces[i].xy, b.pieces[i].zw));
-  }
-  return box;
-}
-
 float angleBetween(vec3 a, vec3 b) { return atan(length(cross(a, b)), dot(a, b)); }
 
 int lobesAcross(float angle) { return 1 + max(0, int(ceil((angle - kAngleTolerance) / kLobeAngle))); }
@@ -85,17 +74,17 @@ Lobes lobesOfColumn(Varying v, LatticeTriangle t, ivec2 column) {
 #if LPV_DIRECTIONS || LPV_TEXTURED
   const ivec3 cell = ivec3(column, 0);
   const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
-  const dvec4 box = boxAround(boundaryWithin(t, cell, true));
-  if (box.x > box.z || box.y > box.w) return lobes;  // nothing in this column: no pair either
+  const Boundary part = boundaryWithin(t, cell, true);
+  if (any(greaterThan(part.lower, part.upper))) return lobes;  // nothing in this column: no pair either
   dvec2 corners[4];
   for (int i = 0; i < 4; ++i) {
-    corners[i] = barycentric(t, centre, dvec2((i & 1) == 0 ? box.x : box.z, (i & 2) == 0 ? box.y : box.w));
+    corners[i] = barycentric(t, centre, dvec2((i & 1) == 0 ? part.lower.x : part.upper.x, (i & 2) == 0 ? part.lower.y : part.upper.y));
   }
 #if LPV_DIRECTIONS
   spreadLobes(v, corners, lobes);
 #endif
 #if LPV_TEXTURED
-  lobes.colour = boxColour(v, barycentric(t, centre, 0.5lf * (box.xy + box.zw)), corners);
+  lobes.colour = boxColour(v, barycentric(t, centre, 0.5lf * (part.lower + part.upper)), corners);
 #endif
 #endif
   return lobes;

@@ -6,12 +6,16 @@
 struct LatticeTriangle {
   dvec3 v0, v1, v2;   // lattice units; exact integers
   dvec3 normal;       // cross product of edges, exact; zero when degenerate
+  dvec2 slope;        // how much less depth per step across
+  dvec3 reach[3];     // of the edges from v0, v1, v2: see overlaps()
   ivec3 dims;         // of the grid, turned the same way
   int axis;           // which axis is dominant: 0 x, 1 y, 2 z
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
   bool oneLayer;      // all candidate cells have one depth
-  bool oneCell;       // wholly inside one cell, whether that is in the grid or not
+  bool oneCell;       // wholly inside one cell, in the grid or not; a degenerate one: in its centroid's
 };
+
+double cross2(dvec2 p, dvec2 q) { return p.x * q.y - p.y * q.x; }
 
 dvec3 snapToLattice(dvec3 gridPoint) { return floor(gridPoint * double(kLatticeUnits) + 0.5lf); }
 
@@ -19,10 +23,9 @@ dvec3 turned(dvec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy :
 ivec3 turned(ivec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
 ivec3 turnedBack(ivec3 v, int axis) { return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v; }
 
-/// First and last cell that [least, most] of one axis can make a pair with, up to one beyond the grid. An interval of no
-/// length on a cell face belongs to the upper cell, or to the last cell of the grid.
-ivec2 cellRange(double least, double most, int cells) {
-  const double units = double(kLatticeUnits);
+/// First and last cell, `units` wide, that [least, most] of one axis can make a pair with, up to one beyond the grid. An
+/// interval of no length on a cell face belongs to the upper cell, or to the last cell of the grid.
+ivec2 cellRange(double least, double most, double units, int cells) {
   // Clamped before the conversion: a far vertex must not wrap around in int.
   double first = clamp(floor(least / units), -1.0lf, double(cells));
   double last = clamp(ceil(most / units) - 1.0lf, -1.0lf, double(cells));
@@ -31,6 +34,15 @@ ivec2 cellRange(double least, double most, int cells) {
     last = first;
   }
   return ivec2(int(first), int(last));
+}
+
+bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
+
+/// How far apart a cell and the triangle may be on the three axes of an edge, edge x (each direction of the grid), in the
+/// measure of overlaps().
+dvec3 reachOf(dvec3 edge, dvec3 normal) {
+  const dvec3 e = abs(edge);
+  return max(double(kLatticeUnits) * (e.yzx + e.zxy), dvec3(1.0lf)) + abs(normal);
 }
 
 LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
@@ -42,11 +54,20 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.v1 = turned(b, t.axis);
   t.v2 = turned(c, t.axis);
   t.normal = turned(normal, t.axis);
+  t.slope = t.normal.xy / t.normal.z;
+  t.reach[0] = reachOf(t.v1 - t.v0, t.normal);
+  t.reach[1] = reachOf(t.v2 - t.v1, t.normal);
+  t.reach[2] = reachOf(t.v0 - t.v2, t.normal);
   t.dims = turned(dims, t.axis);
-  const dvec3 least = min(t.v0, min(t.v1, t.v2));
-  const dvec3 most = max(t.v0, max(t.v1, t.v2));
+  dvec3 least = min(t.v0, min(t.v1, t.v2));
+  dvec3 most = max(t.v0, max(t.v1, t.v2));
+  double units = double(kLatticeUnits);
+  if (degenerate(t)) {  // all of it where its centroid is
+    least = most = t.v0 + t.v1 + t.v2;
+    units *= 3.0lf;
+  }
   for (int k = 0; k < 3; ++k) {
-    const ivec2 range = cellRange(least[k], most[k], t.dims[k]);
+    const ivec2 range = cellRange(least[k], most[k], units, t.dims[k]);
     t.lower[k] = range.x;
     t.upper[k] = range.y;
   }
@@ -55,21 +76,6 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.lower = max(t.lower, ivec3(0));
   t.upper = min(t.upper, t.dims - 1);
   return t;
-}
-
-bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
-
-/// The cell of a degenerate triangle: that of its centroid; false when it is outside the grid.
-bool centroidCell(dvec3 a, dvec3 b, dvec3 c, ivec3 dims, out ivec3 cell) {
-  const dvec3 sum = a + b + c;
-  const double units = 3.0lf * double(kLatticeUnits);
-  for (int k = 0; k < 3; ++k) {
-    double i = floor(sum[k] / units);
-    if (sum[k] == units * double(dims[k])) i -= 1.0lf;
-    if (i < 0.0lf || i >= double(dims[k])) return false;
-    cell[k] = int(i);
-  }
-  return true;
 }
 
 /// Columns of the triangle's box within the grid; 0 where there are none.
@@ -82,40 +88,36 @@ int columnCount(LatticeTriangle t) {
 ivec2 depthRange(LatticeTriangle t, ivec2 column) {
   if (t.lower.z == t.upper.z) return ivec2(t.lower.z);
   const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
-  const double along = dot(t.normal.xy, centre - t.v0.xy) / t.normal.z;
-  const double depth = (t.v0.z - along) / double(kLatticeUnits);
+  const double depth = (t.v0.z - dot(t.slope, centre - t.v0.xy)) / double(kLatticeUnits);
   const double first = clamp(floor(depth - 1.001lf), -1.0lf, double(t.dims.z));
   const double last = clamp(floor(depth + 1.001lf), -1.0lf, double(t.dims.z));
   return ivec2(max(t.lower.z, int(first)), min(t.upper.z, int(last)));
 }
 
-/// Strict overlap of three projections with [-reach, reach]; a zero axis says nothing.
-bool overlaps(double p0, double p1, double p2, double reach) {
-  return reach == 0.0lf || (min(p0, min(p1, p2)) < reach && max(p0, max(p1, p2)) > -reach);
-}
+/// Strict overlap of [at, at + across] with [-h, h], h half a cell's extent along the axis: where the intervals' centres
+/// are nearer than half their lengths. All doubled, so that nothing is halved: 2 h + |across| is the reach; with h = 0,
+/// an axis that says nothing, it is one more than that, which every integer is nearer than.
+bool overlaps(double at, double across, double reach) { return abs(2.0lf * at + across) < reach; }
 
-/// One axis across the column, edge x (direction of the column): both ends, p among them, project to the same place.
-bool overlapsBeside(dvec2 e, dvec2 p, dvec2 r, double halfCell) {
-  precise const double end = e.x * p.y - e.y * p.x, corner = e.x * r.y - e.y * r.x;
-  return overlaps(end, end, corner, halfCell * (abs(e.x) + abs(e.y)));
+/// One axis across the column, edge x (direction of the column). Both ends of the edge, `p` among them, project to the
+/// same place, and the third corner as far from it as the normal is long on that axis.
+bool overlapsBeside(LatticeTriangle t, dvec2 p, dvec2 e, double reach) {
+  precise const double end = e.x * p.y - e.y * p.x;
+  return overlaps(end, t.normal.z, reach);
 }
 
 /// The axes that see no depth: all that tells apart the columns of the triangle's box.
 bool meetsColumn(LatticeTriangle t, ivec2 column) {
-  const double halfCell = 0.5lf * double(kLatticeUnits);
   const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
-  const dvec2 a = t.v0.xy - centre, b = t.v1.xy - centre, c = t.v2.xy - centre;
-  return overlapsBeside(b - a, a, c, halfCell) && overlapsBeside(c - b, b, a, halfCell) &&
-         overlapsBeside(a - c, c, b, halfCell);
+  return overlapsBeside(t, t.v0.xy - centre, t.v1.xy - t.v0.xy, t.reach[0].z) &&
+         overlapsBeside(t, t.v1.xy - centre, t.v2.xy - t.v1.xy, t.reach[1].z) &&
+         overlapsBeside(t, t.v2.xy - centre, t.v0.xy - t.v2.xy, t.reach[2].z);
 }
 
-/// The two other axes of one edge, edge x (the unit vectors across the column). `p` and `q` are its ends, r the third
-/// corner: both ends project to the same place.
-bool overlapsAcross(dvec3 p, dvec3 q, dvec3 r, double halfCell) {
-  const dvec3 e = q - p, s = abs(e);
-  precise const double px = e.y * p.z - e.z * p.y, rx = e.y * r.z - e.z * r.y;
-  precise const double py = e.z * p.x - e.x * p.z, ry = e.z * r.x - e.x * r.z;
-  return overlaps(px, px, rx, halfCell * (s.y + s.z)) && overlaps(py, py, ry, halfCell * (s.z + s.x));
+/// The two other axes of one edge, edge x (the unit vectors across the column).
+bool overlapsAcross(LatticeTriangle t, dvec3 p, dvec3 e, dvec3 reach) {
+  precise const double x = e.y * p.z - e.z * p.y, y = e.z * p.x - e.x * p.z;
+  return overlaps(x, t.normal.x, reach.x) && overlaps(y, t.normal.y, reach.y);
 }
 
 /// The axes that see depth, for a cell of a column that the triangle meets. In one layer, or in a face plane, there is
@@ -127,6 +129,6 @@ bool meetsDepth(LatticeTriangle t, ivec3 cell) {
   const dvec3 a = t.v0 - centre, b = t.v1 - centre, c = t.v2 - centre;
   precise const double depth = dot(t.normal, a);
   return abs(depth) < halfCell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z)) &&
-         overlapsAcross(a, b, c, halfCell) && overlapsAcross(b, c, a, halfCell) && overlapsAcross(c, a, b, halfCell);
+         overlapsAcross(t, a, t.v1 - t.v0, t.reach[0]) && overlapsAcross(t, b, t.v2 - t.v1, t.reach[1]) &&
+         overlapsAcross(t, c, t.v0 - t.v2, t.reach[2]);
 }
-

@@ -74,10 +74,11 @@ dvec2 barycentric(LatticeTriangle t, dvec2 centre, dvec2 p) {
   return dvec2(cross2(from, t.v2.xy - t.v0.xy), cross2(t.v1.xy - t.v0.xy, from)) / t.normal.z;
 }
 
-/// A boundary in barycentric coordinates, counter-clockwise there; the whole triangle has three pieces.
+#if LPV_FLUX && (LPV_DIRECTIONS || LPV_TEXTURED)
+/// A boundary in barycentric coordinates, counter-clockwise there.
 Boundary barycentricBoundary(LatticeTriangle t, ivec3 cell, Boundary b) {
   const dvec2 centre = (dvec2(cell.xy) + 0.5lf) * double(kLatticeUnits);
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < kMostPieces; ++i) {
     if (b.pieces[i].xy == b.pieces[i].zw) continue;  // none there: stays zeros
     const dvec4 piece = dvec4(barycentric(t, centre, b.pieces[i].xy), barycentric(t, centre, b.pieces[i].zw));
     b.pieces[i] = t.normal.z < 0.0lf ? turnedRound(piece) : piece;
@@ -86,10 +87,10 @@ Boundary barycentricBoundary(LatticeTriangle t, ivec3 cell, Boundary b) {
 }
 
 Boundary wholeTriangle() {
-  Boundary b;
-  b.pieces[0] = dvec4(0.0lf, 0.0lf, 1.0lf, 0.0lf);
-  b.pieces[1] = dvec4(1.0lf, 0.0lf, 0.0lf, 1.0lf);
-  b.pieces[2] = dvec4(0.0lf, 1.0lf, 0.0lf, 0.0lf);
-  for (int i = 3; i < 9; ++i) b.pieces[i] = dvec4(0.0lf);
+  Boundary b = noBoundary();
+  addPiece(0, dvec4(0.0lf, 0.0lf, 1.0lf, 0.0lf), b);
+  addPiece(1, dvec4(1.0lf, 0.0lf, 0.0lf, 1.0lf), b);
+  addPiece(2, dvec4(0.0lf, 1.0lf, 0.0lf, 0.0lf), b);
   return b;
 }
+#endif

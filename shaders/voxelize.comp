@@ -16,9 +16,11 @@ layout(local_size_x = kColumnGroup) in;
 
 layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
 
-const int kSlices = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1 ? kMaxVaryingSlices : kMaxSlices;
+const bool kVarying = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1;
+const int kSlices = kVarying ? kMaxVaryingSlices : kMaxSlices;
+const int kSliceColumns = kColumnGroup * (kVarying ? 1 : kColumnsPerThread);
 
-int slicesOf(int columns) { return min(kSlices, (columns + kColumnGroup - 1) / kColumnGroup); }
+int slicesOf(int columns) { return min(kSlices, (columns + kSliceColumns - 1) / kSliceColumns); }
 
 #ifdef LPV_SMALL
 
@@ -38,16 +40,8 @@ void main() {
     return;
   }
   const int columns = columnCount(e.lattice);
-  ivec3 cell;
-  if (degenerate(e.lattice)) {
-    if (centroidCell(e.a, e.b, e.c, params.dims.xyz, cell)) depositWhole(e, cell);
-  } else if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) {
-    handOn(local, columns);
-  } else if (kWholeTriangles && columns == 1 && e.lattice.oneCell) {  // nothing to test, nothing to clip
-    depositWhole(e, turnedBack(e.lattice.lower, e.lattice.axis));
-  } else {
-    for (int i = 0; i < columns; ++i) voxelizeColumn(e, columnOf(e.lattice, i));
-  }
+  if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) handOn(local, columns);
+  else voxelizeColumns(e, 0, 1, columns);
 }
 
 #else
@@ -58,10 +52,7 @@ void main() {
   if (!loadTriangle(params.triangles.x + item / uint(kSlices), e)) return;
   const int columns = columnCount(e.lattice);
   const int slice = int(item) % kSlices;
-  const int stride = slicesOf(columns) * kColumnGroup;
-  for (int i = slice * kColumnGroup + int(gl_LocalInvocationID.x); i < columns; i += stride) {
-    voxelizeColumn(e, columnOf(e.lattice, i));
-  }
+  voxelizeColumns(e, slice * kColumnGroup + int(gl_LocalInvocationID.x), slicesOf(columns) * kColumnGroup, columns);
 }
 
 #endif

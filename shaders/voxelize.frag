@@ -7,16 +7,9 @@ flat in uint triangle;
 void main() {
   EmittingTriangle e;
   if (!loadTriangle(triangle, e)) return;
-  ivec3 cell;
-  if (degenerate(e.lattice)) {
-    if (centroidCell(e.a, e.b, e.c, params.dims.xyz, cell)) depositWhole(e, cell);
-    return;
-  }
   const ivec2 column = ivec2(gl_FragCoord.xy);
   if (any(lessThan(column, e.lattice.lower.xy)) || any(greaterThan(column, e.lattice.upper.xy))) return;
-  if (kWholeTriangles && e.lattice.oneCell) {
-    depositWhole(e, turnedBack(e.lattice.lower, e.lattice.axis));
-  } else {
-    voxelizeColumn(e, column);
-  }
+  const ivec2 place = column - e.lattice.lower.xy;
+  const int number = place.y * (e.lattice.upper.x - e.lattice.lower.x + 1) + place.x;
+  voxelizeColumns(e, number, 1, number + 1);
 }

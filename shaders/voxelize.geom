@@ -69,10 +69,5 @@ void main() {
 #endif
     return;
   }
-  ivec3 cell;
-  if (degenerate(e.lattice)) {  // one pixel; the next stage finds the cell again
-    if (centroidCell(e.a, e.b, e.c, params.dims.xyz, cell)) emitBox(vec2(0.0), vec2(1.0));
-  } else if (columnCount(e.lattice) > 0) {
-    emitTriangle(e.lattice);
-  }
+  if (columnCount(e.lattice) > 0) emitTriangle(e.lattice);
 }

@@ -10,11 +10,16 @@ layout(binding = kTriangles) uniform usamplerBuffer triangles;
 #define LPV_DEPOSIT
 #include "deposit.glsl"
 #include "pairs.glsl"
+#if LPV_DIRECTIONS || LPV_TEXTURED
 #include "clip.glsl"
+#endif
 #if LPV_TEXTURED
 #include "texture_integral.glsl"
 #endif
 #include "varying.glsl"
+#if LPV_FLUX && !LPV_DIRECTIONS && !LPV_TEXTURED
+#include "share.glsl"
+#endif
 #if LPV_FLUX
 #include "flux.glsl"
 #else
@@ -26,7 +31,6 @@ struct EmittingTriangle {
   uint index;
   uvec3 corners;       // vertices
   LatticeTriangle lattice;
-  dvec3 a, b, c;       // corners on the lattice
   double area;         // as a share of what the light's scale was made for
 #if LPV_VPLS
   vec3 p, q, r;        // corners as they are
@@ -62,15 +66,12 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   e.area = length_ * size;
   e.varying_ = varyingOf(e.corners, vec3(direction / length_));
   const dvec3 gridP = gridPoint(p), gridQ = gridPoint(q), gridR = gridPoint(r);
-  e.a = snapToLattice(gridP);
-  e.b = snapToLattice(gridQ);
-  e.c = snapToLattice(gridR);
 #if LPV_VPLS
   e.p = vec3(gridP);
   e.q = vec3(gridQ);
   e.r = vec3(gridR);
 #endif
-  e.lattice = latticeTriangle(e.a, e.b, e.c, params.dims.xyz);
+  e.lattice = latticeTriangle(snapToLattice(gridP), snapToLattice(gridQ), snapToLattice(gridR), params.dims.xyz);
   return true;
 }
 
@@ -81,73 +82,47 @@ void record(EmittingTriangle e, ivec3 cell) {
 }
 #endif
 
-/// Whether a triangle inside one cell can be taken as a whole. Only COUNT looks at where in its column a part lies.
-const bool kWholeTriangles = LPV_FLUX == 1 || (LPV_DIRECTIONS == 0 && LPV_TEXTURED == 0);
+/// Whether a triangle can be taken as a whole: nothing to test, nothing to clip. Where in its column a part lies is what
+/// COUNT asks of a varying one, unless it is a point to the grid.
+bool isWhole(LatticeTriangle t) {
+  return t.oneCell && (LPV_FLUX == 1 || (LPV_DIRECTIONS == 0 && LPV_TEXTURED == 0) || degenerate(t));
+}
+
+#if !defined(LPV_RECORD_PAIRS) && LPV_FLUX
 
 #if LPV_VPLS
 /// `lambda`: the part's centroid, barycentric.
-void depositVpl(EmittingTriangle e, ivec3 cell, dvec2 lambda, Flux flux) {
+void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
   const vec2 at = vec2(lambda);
   const vec3 middle = e.p + at.x * (e.q - e.p) + at.y * (e.r - e.p);
   addVpl(cell, e.area * flux.share, clamp(middle - vec3(cell), 0.0, 1.0), meanDirection(flux), flux.colour);
 }
-#endif
-
-/// The whole triangle into one cell.
-void depositWhole(EmittingTriangle e, ivec3 cell) {
-#ifdef LPV_RECORD_PAIRS
-  record(e, cell);
-#elif LPV_FLUX
-  const Flux flux = fluxOf(e.varying_, wholeTriangle(), 1.0lf);
-#if LPV_VPLS
-  depositVpl(e, cell, dvec2(1.0lf / 3.0lf), flux);
 #else
-  addMoments(cell, e.area, flux.direction, flux.colour);
-#endif
-#else
-  const Lobes lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
-  addLobes(cell, lobes.count, lobes.directions, lobes.colour);
-#endif
+void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
+  addMoments(cell, e.area * flux.share, flux.direction, flux.colour);
 }
+#endif
 
-#if !defined(LPV_RECORD_PAIRS) && LPV_FLUX
-void depositPart(EmittingTriangle e, ivec3 cell) {
-  const Boundary part = boundaryWithin(e.lattice, cell, false);
-  const double share = enclosedShare(part, e.lattice);
+/// What lies in a (turned) cell.
+void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
 #if LPV_DIRECTIONS || LPV_TEXTURED
-  const Flux flux = fluxOf(e.varying_, barycentricBoundary(e.lattice, cell, part), share);
+  Boundary part = wholeTriangle();
+  double share = 1.0lf;
+  if (!whole) {
+    part = boundaryWithin(e.lattice, cell, false);
+    share = enclosedShare(part, e.lattice);
+    part = barycentricBoundary(e.lattice, cell, part);
+  }
+  const Flux flux = fluxOf(e.varying_, part, share);
+  const dvec2 lambda = centroidOf(part);
 #else
+  dvec2 lambda = dvec2(1.0lf / 3.0lf);
+  const double share = whole ? 1.0lf : shareWithin(e.lattice, cell, lambda);
   const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
 #endif
-  const ivec3 position = turnedBack(cell, e.lattice.axis);
-#if LPV_VPLS
-  const dvec2 centre = (dvec2(cell.xy) + 0.5lf) * double(kLatticeUnits);
-  depositVpl(e, position, clamp(barycentric(e.lattice, centre, centroidOf(part)), 0.0lf, 1.0lf), flux);
-#else
-  addMoments(position, e.area * flux.share, flux.direction, flux.colour);
-#endif
+  depositFlux(e, turnedBack(cell, e.lattice.axis), flux, lambda);
 }
 #endif
-
-/// The pairs of one column.
-void voxelizeColumn(EmittingTriangle e, ivec2 column) {
-  if (!meetsColumn(e.lattice, column)) return;
-  const ivec2 depth = depthRange(e.lattice, column);
-#if !defined(LPV_RECORD_PAIRS) && !LPV_FLUX
-  const Lobes lobes = lobesOfColumn(e.varying_, e.lattice, column);
-#endif
-  for (int z = depth.x; z <= depth.y; ++z) {
-    const ivec3 cell = ivec3(column, z);
-    if (!meetsDepth(e.lattice, cell)) continue;
-#ifdef LPV_RECORD_PAIRS
-    record(e, turnedBack(cell, e.lattice.axis));
-#elif LPV_FLUX
-    depositPart(e, cell);
-#else
-    addLobes(turnedBack(cell, e.lattice.axis), lobes.count, lobes.directions, lobes.colour);
-#endif
-  }
-}
 
 /// Column number `index` of the triangle's box, row by row. Exact: there are at most 2^16, and half a column is far more
 /// than the division's error.
@@ -155,4 +130,50 @@ ivec2 columnOf(LatticeTriangle t, int index) {
   const int across = t.upper.x - t.lower.x + 1;
   const int row = int((float(index) + 0.5) / float(across));
   return t.lower.xy + ivec2(index - row * across, row);
+}
+
+/// A walk through the candidates for pairs, column by column: every `step`-th column from number `next` on.
+struct Walk {
+  int next, step, end;
+  ivec3 cell;  // turned
+  int last;    // of the cell's column
+};
+
+/// Goes on to the next pair; false when there is none. What is done to a pair costs far more than finding it: threads
+/// that run in step wait for each other here, and then all of them have one.
+bool nextPair(LatticeTriangle t, bool whole, inout Walk walk) {
+  bool found = false;
+  while (!found && (walk.cell.z < walk.last || walk.next < walk.end)) {
+    if (walk.cell.z < walk.last) {
+      ++walk.cell.z;
+    } else {
+      const ivec2 column = columnOf(t, walk.next);
+      const ivec2 depth = depthRange(t, column);
+      walk.cell = ivec3(column, depth.x);
+      walk.last = whole || meetsColumn(t, column) ? depth.y : depth.x - 1;
+      walk.next += walk.step;
+    }
+    found = walk.cell.z <= walk.last && (whole || meetsDepth(t, walk.cell));
+  }
+  return found;
+}
+
+void depositPair(EmittingTriangle e, ivec3 cell, bool whole) {
+#ifdef LPV_RECORD_PAIRS
+  record(e, turnedBack(cell, e.lattice.axis));
+#elif LPV_FLUX
+  depositPart(e, cell, whole);
+#else
+  Lobes lobes;
+  if (whole) lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
+  else lobes = lobesOfColumn(e.varying_, e.lattice, cell.xy);
+  addLobes(turnedBack(cell, e.lattice.axis), lobes.count, lobes.directions, lobes.colour);
+#endif
+}
+
+/// The pairs in every `step`-th column of the triangle's box from number `first` to before `end`.
+void voxelizeColumns(EmittingTriangle e, int first, int step_, int end) {
+  const bool whole = isWhole(e.lattice);
+  Walk walk = Walk(first, step_, end, ivec3(0), -1);
+  while (nextPair(e.lattice, whole, walk)) depositPair(e, walk.cell, whole);
 }

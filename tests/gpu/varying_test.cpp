@@ -87,6 +87,7 @@ class VaryingTest : public test::LightTest {
 };
 
 // FLUX is exact up to its rounding (2e-7 seen; 1e-4 asked); COUNT up to the sampler's filter.
+// Broken by: the last piece forgotten in pieceAt().
 TEST_F(VaryingTest, TexturesAreIntegrated) {
   const TexturePtr texture = reference::noise(16, 16);
   expectWithin("quad", reference::quad(), texture, 1e-6, 3e-3);
@@ -116,6 +117,7 @@ TEST_F(VaryingTest, UvsWithoutArea) {
 }
 
 // Up to 120 degrees between corners FLUX is exact up to rounding, beyond up to its quadrature (2e-3).
+// Broken by: `>=` for `>` in cutWithin() (a cut along a face counts on both its sides).
 TEST_F(VaryingTest, DirectionsAreAveraged) {
   for (const float spread : {0.5F, 2.0F, 20.0F}) {
     const std::string name = "bowl " + std::to_string(spread);
