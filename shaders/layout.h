@@ -88,7 +88,8 @@ LPV_CONST int kUvAttribute = 2;         // vec2
 // --- voxelization
 LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
 LPV_CONST int kSmallColumns = 48;       // triangles with more columns are split
-LPV_CONST int kColumnsPerThread = 4;    // of a split one, at least
+LPV_CONST int kSmallVaryingColumns = 32;  // the same with texture or directions
+LPV_CONST int kColumnsPerThread = 4;    // of a split one without, at least
 LPV_CONST int kMaxSlices = 8;           // work items of one split triangle
 LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends a thread's loops after 2^16
                                         // rounds in all, without a word

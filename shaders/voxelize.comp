@@ -17,6 +17,7 @@ layout(local_size_x = kColumnGroup) in;
 layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
 
 const bool kVarying = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1;
+const int kUnsplitColumns = kVarying ? kSmallVaryingColumns : kSmallColumns;
 const int kSlices = kVarying ? kMaxVaryingSlices : kMaxSlices;
 const int kSliceColumns = kColumnGroup * (kVarying ? 1 : kColumnsPerThread);
 
@@ -40,7 +41,7 @@ void main() {
     return;
   }
   const int columns = columnCount(e.lattice);
-  if (columns > kSmallColumns || (columns > 1 && laborious(e.varying_))) handOn(local, columns);
+  if (columns > kUnsplitColumns || (columns > 1 && laborious(e.varying_))) handOn(local, columns);
   else voxelizeColumns(e, 0, 1, columns);
 }
 
