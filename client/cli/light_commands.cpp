@@ -108,7 +108,7 @@ std::vector<std::string> lightRow(const v1::Light& light) {
           "at " + triple(at),
           std::string(light.two_sided() ? "two-sided" : "one-sided"),
           light.has_enabled() && !light.enabled() ? "off" : "on",
-          light.group()};
+          light.group().empty() ? "" : "group " + light.group()};
 }
 
 }  // namespace

@@ -82,20 +82,21 @@ struct SessionFlags::Given {
 
   void addTransportTo(CLI::App& app) {
     addChoice<v1::Injection>(app, "--injection", injection,
-                             {{"count", v1::INJECTION_COUNT}, {"flux", v1::INJECTION_FLUX}}, "How light enters cells");
+                             {{"count", v1::INJECTION_COUNT}, {"flux", v1::INJECTION_FLUX}},
+                             "How light enters cells (count with propagate, else flux)");
     addParsed<Method>(app, "--method", method, "compute|raster|dense:N", parseMethod, "How triangles find their cells");
     addChoice<v1::Transport>(
         app, "--transport", transport,
         {{"propagate", v1::TRANSPORT_PROPAGATE}, {"gather", v1::TRANSPORT_GATHER}, {"direct", v1::TRANSPORT_DIRECT}},
-        "How light travels");
+        "How light travels (gather)");
     addChoice<v1::Quality>(app, "--quality", quality, {{"fast", v1::QUALITY_FAST}, {"accurate", v1::QUALITY_ACCURATE}},
-                           "Of gathering");
+                           "Of gathering (fast)");
     app.add_option("--iterations", iterations, "Propagation steps (the grid's longest edge)")->type_name("N");
     addSwitch(app, "--clamp-faces", clampFaces, "Propagation: clamp face intensities at 0");
-    app.add_option("--k", k, "Distance rule of gathering")->type_name("K");
+    app.add_option("--k", k, "Distance rule of gathering, 1..64 (2 fast, 6 accurate)")->type_name("K");
     addChoice<v1::Lookup>(app, "--lookup", lookup,
                           {{"cap", v1::LOOKUP_CAP}, {"sh2", v1::LOOKUP_SH2}, {"nearest", v1::LOOKUP_NEAREST}},
-                          "How irradiance is read from the volume");
+                          "How irradiance is read from the volume (sh2 with propagate, else cap)");
     app.add_option("--max-error", maxError, "Wanted relative error of irradiance")->type_name("E");
   }
 

@@ -1,5 +1,7 @@
-// volume get
+// volume get | info
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "command.h"
@@ -66,14 +68,18 @@ std::string metadata(const Options& options, const Array& array, const client::V
       .str();
 }
 
-Status getVolume(Context& context, const Options& options) {
+Expected<client::VolumeResult> fetch(Context& context, const Options& options) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
   v1::GetVolumeRequest request;
   request.set_session(options.id);
   request.set_stage(options.stage.value_or(v1::VOLUME_STAGE_TRANSPORTED));
   request.set_format(v1::VOLUME_FORMAT_FLOAT);
-  const auto result = client->volume(request);
+  return client->volume(request);
+}
+
+Status getVolume(Context& context, const Options& options) {
+  const auto result = fetch(context, options);
   if (!result) return result.status();
   const Expected<Array> array = arrayOf(result->volume, options);
   if (!array) return array.status();
@@ -82,20 +88,64 @@ Status getVolume(Context& context, const Options& options) {
   return {};
 }
 
-}  // namespace
+std::string largestOf(const VolumeLayer& layer) {
+  float largest = 0.0F;
+  for (const float c : layer.coefficients) largest = std::max(largest, std::abs(c));
+  return shortText(double(largest));
+}
 
-void addVolumeCommands(CLI::App& app, Commands& commands) {
-  CLI::App& group = Commands::group(app, "volume", "The light field: get");
+Status showVolume(Context& context, const Options& options) {
+  const auto result = fetch(context, options);
+  if (!result) return result.status();
+  if (context.json()) {
+    print(toJson(result->header));
+    return {};
+  }
+  const Grid& grid = result->volume.grid;
+  const std::string cells =
+      std::to_string(grid.dims.x) + "x" + std::to_string(grid.dims.y) + "x" + std::to_string(grid.dims.z);
+  std::vector<std::vector<std::string>> rows = {{"revision", std::to_string(result->header.result().revision())},
+                                                {"grid", cells + " cells of " + shortText(grid.cell) + " m"},
+                                                {"stage", v1::VolumeStage_Name(result->header.stage())}};
+  for (const VolumeLayer& layer : result->volume.layers) {
+    rows.push_back({"layer " + std::to_string(rows.size() - 3), "group \"" + layer.group + "\"",
+                    "coefficients up to " + largestOf(layer)});
+  }
+  printTable(rows);
+  return {};
+}
+
+void addStage(CLI::App& app, Options& options) {
+  addChoice<v1::VolumeStage>(app, "--stage", options.stage,
+                             {{"injected", v1::VOLUME_STAGE_INJECTED}, {"transported", v1::VOLUME_STAGE_TRANSPORTED}},
+                             "Before or after transport (transported)");
+}
+
+void addGet(CLI::App& group, Commands& commands) {
   auto given = std::make_shared<Options>();
   CLI::App& get = commands.add(group, "get", "Saves the volume as NumPy float32 (nz,ny,nx,3,4)",
                                [given](Context& context) { return getVolume(context, *given); });
   addSession(get, given->id);
   get.add_option("-o,--output", given->out, "File to write")->required()->type_name("OUT.npy");
-  addChoice<v1::VolumeStage>(get, "--stage", given->stage,
-                             {{"injected", v1::VOLUME_STAGE_INJECTED}, {"transported", v1::VOLUME_STAGE_TRANSPORTED}},
-                             "Before or after transport (transported)");
+  addStage(get, *given);
   auto* one = get.add_option("--layer", given->layer, "One layer instead of the sum")->type_name("K");
   get.add_flag("--layers", given->layers, "All layers: (g,nz,ny,nx,3,4)")->excludes(one);
+}
+
+void addInfo(CLI::App& group, Commands& commands) {
+  auto given = std::make_shared<Options>();
+  CLI::App& info = commands.add(group, "info", "Says what the volume holds: its grid, a layer for each light group",
+                                [given](Context& context) { return showVolume(context, *given); });
+  addSession(info, given->id);
+  addStage(info, *given);
+}
+
+}  // namespace
+
+void addVolumeCommands(CLI::App& app, Commands& commands) {
+  CLI::App& group = Commands::group(app, "volume", "The light field: get, info");
+  addGet(group, commands);
+  addInfo(group, commands);
 }
 
 }  // namespace lpv::cli

@@ -1,5 +1,7 @@
 #include "api/convert_session.h"
 
+#include <set>
+
 #include "api/convert_geometry.h"
 
 namespace lpv::api {
@@ -61,7 +63,30 @@ Expected<GridOptions> gridFromProto(const pb::GridSettings& in) {
   return out;
 }
 
-/// One settings field by its name within SessionSettings.
+using Names = std::set<std::string>;
+
+/// Transport, injection and lookup, each with the default that the others give it: the named ones as they are asked
+/// for, the others as they belong to the transport where that is another one now.
+Status takeTransport(const Names& named, const pb::SessionSettings& in, SessionOptions* o) {
+  const Transport before = o->transport;
+  if (named.contains("transport")) {
+    const bool paper = named.contains("injection") && in.injection() == pb::INJECTION_COUNT;
+    const bool dense = o->method == InjectionMethod::kDense;
+    o->transport = paper || dense ? Transport::kPropagate : Transport::kGather;
+    if (Status s = take("transport", in.transport(), 3, &o->transport); !s.ok()) return s;
+  }
+  const bool changed = o->transport != before;
+  SessionOptions belonging = *o;
+  belonging.followTransport();
+  if (changed || named.contains("injection")) o->injection = belonging.injection;
+  if (changed || named.contains("lookup")) o->lookup = belonging.lookup;
+  if (named.contains("injection")) {
+    if (Status s = take("injection", in.injection(), 2, &o->injection); !s.ok()) return s;
+  }
+  return named.contains("lookup") ? take("lookup", in.lookup(), 3, &o->lookup) : Status();
+}
+
+/// One settings field by its name within SessionSettings; takeTransport's stay as they are.
 Status takeField(const std::string& field, const pb::SessionSettings& in, Settings* out) {
   SessionOptions& o = out->options;
   if (field == "grid") {
@@ -71,15 +96,13 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Settin
     return {};
   }
   const SessionOptions defaults;
-  if (field == "injection") return o.injection = defaults.injection, take("injection", in.injection(), 2, &o.injection);
+  if (field == "transport" || field == "injection" || field == "lookup") return {};
   if (field == "method") return o.method = defaults.method, take("method", in.method(), 3, &o.method);
   if (field == "dense_samples") return o.denseSamples = in.dense_samples(), Status();
-  if (field == "transport") return o.transport = defaults.transport, take("transport", in.transport(), 3, &o.transport);
   if (field == "quality") return o.quality = defaults.quality, take("quality", in.quality(), 2, &o.quality);
   if (field == "iterations") return o.iterations = in.iterations(), Status();
   if (field == "clamp_faces") return o.clampFaces = in.clamp_faces(), Status();
   if (field == "k") return o.k = in.k(), Status();
-  if (field == "lookup") return o.lookup = defaults.lookup, take("lookup", in.lookup(), 3, &o.lookup);
   if (field == "max_error") return o.maxError = in.max_error(), Status();
   if (field == "visibility")
     return o.visibility = defaults.visibility, take("visibility", in.visibility(), 3, &o.visibility);
@@ -101,9 +124,19 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Settin
   return invalid("update_mask", "update_mask has the unknown path \"settings." + field + "\"");
 }
 
-constexpr const char* kFields[] = {"grid",       "injection",   "method", "dense_samples", "transport", "quality",
-                                   "iterations", "clamp_faces", "k",      "lookup",        "max_error", "visibility",
-                                   "bounces",    "haze",        "ttl",    "display_name"};
+Status takeFields(const Names& named, const pb::SessionSettings& in, Settings* out) {
+  for (const std::string& field : named) {
+    if (Status s = takeField(field, in, out); !s.ok()) return s.within("settings");
+  }
+  return takeTransport(named, in, &out->options).within("settings");
+}
+
+const Names& allFields() {
+  static const Names all = {"grid",       "injection",   "method", "dense_samples", "transport", "quality",
+                            "iterations", "clamp_faces", "k",      "lookup",        "max_error", "visibility",
+                            "bounces",    "haze",        "ttl",    "display_name"};
+  return all;
+}
 
 }  // namespace
 
@@ -116,16 +149,14 @@ std::string sessionName(const std::string& id) { return kPrefix + id; }
 
 Expected<Settings> fromProto(const pb::SessionSettings& settings) {
   Settings out;
-  for (const char* field : kFields) {
-    if (Status s = takeField(field, settings, &out); !s.ok()) return s.within("settings");
-  }
+  if (Status s = takeFields(allFields(), settings, &out); !s.ok()) return s;
   return out;
 }
 
 Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& settings,
                             const google::protobuf::FieldMask& mask) {
   if (mask.paths().empty()) return invalid("update_mask", "update_mask names no field; say what shall change");
-  Settings out = current;
+  Names named;
   for (const std::string& path : mask.paths()) {
     constexpr char kSettings[] = "settings.";
     if (!path.starts_with(kSettings)) {
@@ -133,8 +164,10 @@ Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& 
                      "update_mask has the path \"" + path + "\"; what can change is below \"settings.\"");
     }
     const std::string field = path.substr(sizeof kSettings - 1);
-    if (Status s = takeField(field.substr(0, field.find('.')), settings, &out); !s.ok()) return s.within("settings");
+    named.insert(field.substr(0, field.find('.')));
   }
+  Settings out = current;
+  if (Status s = takeFields(named, settings, &out); !s.ok()) return s;
   return out;
 }
 

@@ -23,9 +23,11 @@ struct Settings {
   SessionManners manners;
 };
 
-/// Settings of a new session. Unknown enum values are INVALID_ARGUMENT; ranges are the domain's business.
+/// Settings of a new session: what is not said belongs to the transport, and that to what is said. Unknown enum values
+/// are INVALID_ARGUMENT; ranges, and what does not go together, are the domain's business.
 Expected<Settings> fromProto(const pb::SessionSettings& settings);
-/// `current` with the masked fields ("settings.iterations", "settings.grid", ...) taken from `settings`.
+/// `current` with the masked fields ("settings.iterations", "settings.grid", ...) taken from `settings`. Another
+/// transport brings its injection and lookup where the mask does not name them.
 Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& settings,
                             const google::protobuf::FieldMask& mask);
 

@@ -7,10 +7,11 @@
 namespace lpv::api {
 namespace {
 
-constexpr const char* kFeatures[] = {"injection.count", "injection.flux", "injection.textures", "injection.directions",
-                                     "method.compute",  "method.raster",  "method.dense",       "transport.propagate",
-                                     "lookup.sh2",      "lookup.nearest", "frames.jpeg",        "frames.png",
-                                     "frames.exr",      "volume.half",    "volume.float"};
+constexpr const char* kFeatures[] = {
+    "injection.count",  "injection.flux", "injection.textures",  "injection.directions", "method.compute",
+    "method.raster",    "method.dense",   "transport.propagate", "transport.gather",     "transport.direct",
+    "quality.accurate", "lookup.sh2",     "lookup.cap",          "lookup.nearest",       "lights.groups",
+    "frames.jpeg",      "frames.png",     "frames.exr",          "volume.half",          "volume.float"};
 
 void toProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);
@@ -27,6 +28,7 @@ void toProto(const Limits& in, pb::Limits* out) {
   out->set_max_tick_rate(in.maxTickRate);
   out->set_max_frame_edge(in.maxFrameEdge);
   out->set_max_probe_points(in.maxProbePoints);
+  out->set_max_groups(kMaxGroups);
   out->mutable_upload_idle()->set_seconds(in.uploadIdle.count());
 }
 

@@ -18,6 +18,20 @@ Status checkColour(const char* field, const glm::dvec3& colour, double highest) 
   return {};
 }
 
+/// What an object or a group is called.
+Status checkWords(const char* field, const std::string& words, std::size_t least, std::size_t most) {
+  if (words.size() < least || words.size() > most) {
+    return invalid(field, std::string(field) + " has " + std::to_string(words.size()) + " bytes, allowed are " +
+                              std::to_string(least) + " to " + std::to_string(most));
+  }
+  for (const char c : words) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte != 0x7F && c != '/') continue;
+    return invalid(field, std::string(field) + " has a control character or '/': give it without");
+  }
+  return {};
+}
+
 Status checkUnit(const char* field, const std::optional<double>& value) {
   if (!value || (*value >= 0.0 && *value <= 1.0)) return {};
   return invalid(field, std::string(field) + " is " + std::to_string(*value) + ", allowed are 0 to 1");
@@ -25,17 +39,9 @@ Status checkUnit(const char* field, const std::optional<double>& value) {
 
 }  // namespace
 
-Status checkName(const std::string& name) {
-  if (name.empty() || name.size() > kMaxNameBytes) {
-    return invalid("name", "name has " + std::to_string(name.size()) + " bytes, allowed are 1 to 200");
-  }
-  for (const char c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte != 0x7F && c != '/') continue;
-    return invalid("name", "name has a control character or '/': give it without");
-  }
-  return {};
-}
+Status checkName(const std::string& name) { return checkWords("name", name, 1, kMaxNameBytes); }
+
+Status checkGroup(const std::string& group) { return checkWords("group", group, 0, kMaxGroupBytes); }
 
 Status checkFields(const LightFields& f) {
   if (f.radiance) {
@@ -44,14 +50,7 @@ Status checkFields(const LightFields& f) {
   if (f.power) {
     if (Status s = checkColour("power", *f.power, kMaxRadiance); !s.ok()) return s;
   }
-  if (f.group && f.group->size() > kMaxGroupBytes) {
-    return invalid("group", "group has " + std::to_string(f.group->size()) + " bytes, allowed are 0 to 64");
-  }
-  if (f.group && !f.group->empty()) {
-    return unimplemented("group",
-                         "light group \"" + *f.group + "\": groups are not built in this version; leave it empty");
-  }
-  return {};
+  return f.group ? checkGroup(*f.group) : Status();
 }
 
 Status checkFields(const SurfaceFields& f) {

@@ -105,6 +105,8 @@ struct Edit {
 
 /// 1..200 bytes, no control characters, no '/'.
 Status checkName(const std::string& name);
+/// A light group: as a name, but 0..64 bytes.
+Status checkGroup(const std::string& group);
 
 /// Range checks of values an edit brings; references are the document's business.
 Status checkFields(const LightFields& fields);

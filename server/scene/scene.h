@@ -18,6 +18,9 @@
 
 namespace lpv {
 
+/// Distinct groups among the lights of a scene: a volume's layers.
+inline constexpr int kMaxGroups = 8;
+
 /// A mesh that emits from its front side (both when twoSided) with constant radiance times the texture.
 struct Light {
   std::string name;

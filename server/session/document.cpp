@@ -76,6 +76,7 @@ Expected<std::vector<std::string>> Document::applyAll(const Edit& edit, const Bl
   }
   recount();
   if (Status s = checkTotals(); !s.ok()) return s;
+  if (Status s = checkGroups(undo); !s.ok()) return s;
   if (undo.contentAdded) {
     if (Status s = refit(false); !s.ok()) return s;
   }
@@ -109,6 +110,24 @@ Status Document::checkTotals() const {
   }
   if (triangles_ > limits_.maxTriangles) return over("max_triangles", triangles_, limits_.maxTriangles);
   return {};
+}
+
+/// Names one of the groups that the edit brings where there are too many.
+Status Document::checkGroups(const Undo& undo) const {
+  std::set<std::string> all;
+  std::set<std::string> there;  // those of lights that the edit did not touch
+  for (const auto& [name, light] : lights_) {
+    all.insert(light.object->group);
+    if (!undo.lights.contains(name)) there.insert(light.object->group);
+  }
+  if (all.size() <= std::size_t(kMaxGroups)) return {};
+  std::string brought;
+  for (const std::string& group : all) {
+    if (!there.contains(group)) brought = group;
+  }
+  return exhausted("max_groups", "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
+                                     std::to_string(all.size()) + " groups, allowed are " + std::to_string(kMaxGroups) +
+                                     "; give a group that another light has, or none");
 }
 
 Bounds Document::content() const {

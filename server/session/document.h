@@ -161,6 +161,7 @@ class Document {
   Expected<std::vector<std::string>> applyAll(const Edit& edit, const Blobs& blobs, Undo& undo);
   void takeBack(Undo& undo);
   Status checkTotals() const;
+  Status checkGroups(const Undo& undo) const;
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always);

@@ -158,7 +158,7 @@ TEST(Library, ADownloadedVolumeAnswersAsTheServerDoes) {
   const SurfacePoint point{{0.1, -0.4, 0.2}, {0, 1, 0}};
   const auto probe = room.client.probe(room.session, {point}, true);
   ASSERT_TRUE(probe.ok()) << probe.status().message();
-  const Irradiance here = irradianceAt(volume->volume, Lookup::kSh2, point.position, point.normal);
+  const Irradiance here = irradianceAt(volume->volume, Lookup::kCap, point.position, point.normal);
   EXPECT_TRUE(here.valid);
   EXPECT_NEAR(here.rgb.x, probe->irradiance[0].rgb.x, 1e-5 * here.rgb.x);
   EXPECT_GT(here.rgb.x, 0.0);

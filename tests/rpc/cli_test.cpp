@@ -6,6 +6,9 @@
 #include <signal.h>
 
 #include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <thread>
 
@@ -79,6 +82,58 @@ TEST_F(Cli, SessionCommands) {
   EXPECT_THAT(lpvctlOut({"session", "show", "sessions/cli-named"}), HasSubstr("4x5x6"));
   EXPECT_EQ(lpvctlOut({"session", "delete", "cli-named"}), "");
   EXPECT_EQ(lpvctl({"session", "show", "cli-named"}).exit, 1);
+}
+
+TEST_F(Cli, SessionTransport) {
+  EXPECT_THAT(lpvctlOut({"session", "show", id_}), AllOf(HasSubstr("TRANSPORT_GATHER"), HasSubstr("INJECTION_FLUX"),
+                                                         HasSubstr("QUALITY_FAST"), HasSubstr("LOOKUP_CAP")));
+  EXPECT_EQ(lpvctlOut({"session", "set", id_, "--transport", "propagate"}), "");
+  EXPECT_THAT(lpvctlOut({"session", "show", id_, "--json"}),
+              AllOf(HasSubstr("\"transport\":\"TRANSPORT_PROPAGATE\""), HasSubstr("\"injection\":\"INJECTION_COUNT\""),
+                    HasSubstr("\"lookup\":\"LOOKUP_SH2\"")));
+  EXPECT_EQ(lpvctlOut({"session", "set", id_, "--transport", "direct", "--lookup", "nearest"}), "");
+  EXPECT_THAT(lpvctlOut({"session", "show", id_}), AllOf(HasSubstr("TRANSPORT_DIRECT"), HasSubstr("LOOKUP_NEAREST")));
+  const Outcome refused = lpvctl({"session", "set", id_, "--injection", "count"});
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_THAT(refused.err, HasSubstr("transport PROPAGATE"));
+  const std::string fine = lpvctlOut({"session", "create", "--grid", "8", "--transport", "gather", "--quality",
+                                      "accurate", "--k", "4", "--lookup", "cap", "--injection", "flux"});
+  EXPECT_THAT(lpvctlOut({"session", "show", fine}), AllOf(HasSubstr("QUALITY_ACCURATE"), HasSubstr("\"k\":4")));
+  EXPECT_EQ(lpvctlOut({"session", "delete", fine}), "");
+}
+
+TEST_F(Cli, LightGroups) {
+  EXPECT_EQ(lpvctlOut({"light", "add", id_, lamp_, "--name", "key", "--group", "key"}), "key");
+  EXPECT_EQ(lpvctlOut({"light", "add", id_, lamp_, "--name", "fill", "--translate", "1,0,0"}), "fill");
+  EXPECT_THAT(linesOf(lpvctlOut({"light", "list", id_})), ElementsAre(Not(HasSubstr("group")), HasSubstr("group key")));
+  EXPECT_EQ(lpvctlOut({"light", "set", id_, "fill", "--group", "soft box"}), "");
+  EXPECT_THAT(lpvctlOut({"volume", "info", id_}),
+              AllOf(HasSubstr("8x6x5"), HasSubstr("layer 0"), HasSubstr("group \"key\""), HasSubstr("layer 1"),
+                    HasSubstr("group \"soft box\"")));
+  EXPECT_THAT(lpvctlOut({"volume", "info", id_, "--stage", "injected", "--json"}),
+              AllOf(HasSubstr("\"group\":\"key\""), HasSubstr("VOLUME_STAGE_INJECTED")));
+  const std::string npy = folder_.path("v.npy");
+  EXPECT_THAT(lpvctlOut({"volume", "get", id_, "-o", npy, "--layers", "--json"}), HasSubstr("\"shape\":[2,5,6,8,3,4]"));
+  const auto floats = [](const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const std::size_t start = bytes.find('\n') + 1;
+    std::vector<float> out((bytes.size() - start) / 4);
+    std::memcpy(out.data(), bytes.data() + start, out.size() * 4);
+    return out;
+  };
+  const std::vector<float> both = floats(npy);
+  (void)lpvctlOut({"volume", "get", id_, "-o", npy});
+  const std::vector<float> sum = floats(npy);
+  (void)lpvctlOut({"volume", "get", id_, "-o", npy, "--layer", "1"});
+  const std::vector<float> second = floats(npy);
+  ASSERT_EQ(sum.size(), 8U * 6 * 5 * 12);
+  ASSERT_EQ(both.size(), 2 * sum.size());
+  EXPECT_TRUE(std::equal(second.begin(), second.end(), both.begin() + std::ptrdiff_t(sum.size())));
+  for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_FLOAT_EQ(sum[i], both[i] + second[i]) << i;
+  EXPECT_EQ(lpvctlOut({"light", "set", id_, "fill", "--group", ""}), "");
+  EXPECT_THAT(lpvctlOut({"volume", "info", id_}), HasSubstr("group \"\""));
+  EXPECT_EQ(lpvctl({"light", "set", id_, "fill", "--group", "a/b"}).exit, 1);
 }
 
 TEST_F(Cli, SceneLoadMakesLightsAndSurfaces) {
@@ -217,8 +272,9 @@ TEST_F(Cli, RenderLeavesNothingBehind) {
 TEST_F(Cli, RenderInterruptedDeletesItsSession) {
   const auto sessions = [] { return linesOf(lpvctlOut({"session", "list"})).size(); };
   const std::size_t before = sessions();
-  rpc::ChildProcess render(LPVCTL_PATH, {"render", room_, "-o", folder_.path("i.png"), "--size", "4096x4096", "--grid",
-                                         "64", "--iterations", "1000", "--server", rpc::server().address()});
+  rpc::ChildProcess render(
+      LPVCTL_PATH, {"render", room_, "-o", folder_.path("i.png"), "--size", "4096x4096", "--grid", "64", "--transport",
+                    "propagate", "--iterations", "1000", "--server", rpc::server().address()});
   ASSERT_TRUE(rpc::eventually([&] { return sessions() > before; })) << render.errors();
   render.signal(SIGINT);
   EXPECT_EQ(render.wait(std::chrono::seconds(60)), 130);
@@ -239,7 +295,7 @@ TEST_F(Cli, ExitCodes) {
   EXPECT_EQ(lpvctl({"session", "show", "nosuch"}).exit, 1);
   EXPECT_EQ(lpvctl({"scene", "load", id_, folder_.write("a.ply", asciiPly().substr(0, 150))}).exit, 1);
   EXPECT_EQ(lpvctl({"session", "create", "--grid", "0"}).exit, 1);
-  EXPECT_EQ(lpvctl({"session", "create", "--transport", "gather"}).exit, 1);
+  EXPECT_EQ(lpvctl({"session", "create", "--transport", "gather", "--injection", "count"}).exit, 1);
   for (const std::vector<std::string>& usage :
        std::vector<std::vector<std::string>>{{},
                                              {"nonsense"},

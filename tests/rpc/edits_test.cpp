@@ -302,12 +302,30 @@ TEST_F(Edits, PowerFollowsTheArea) {
   EXPECT_THAT(edit({client::updateLight(change, {"power", "radiance"})}), HasCode(StatusCode::INVALID_ARGUMENT));
 }
 
-TEST_F(Edits, OfLaterVersionsAreRefusedByName) {
-  const std::string place = "edit.operations[0].create_light.";
-  pb::Light grouped = light("Lamp");
-  grouped.set_group("ceiling");
-  EXPECT_THAT(edit({client::createLight(grouped)}), Refused(StatusCode::UNIMPLEMENTED, place + "group", "ceiling"));
-  EXPECT_EQ(revision(), 0U);
+TEST_F(Edits, PutLightsInUpToEightGroups) {
+  pb::Light lamp = light("Lamp");
+  lamp.set_group("group 0");
+  apply(stubs_, session_, {client::createLight(lamp)});
+  EXPECT_EQ(findLight(stubs_, session_, "Lamp").group(), "group 0");
+  lamp.set_group("ceiling");
+  apply(stubs_, session_, {client::updateLight(lamp, {"group"}), client::setRadiance("Lamp", {2, 2, 2})});
+  EXPECT_EQ(findLight(stubs_, session_, "Lamp").group(), "ceiling");
+  for (int i = 1; i < 8; ++i) {
+    lamp.set_group("group " + std::to_string(i));
+    apply(stubs_, session_, {client::createLight(lamp)});
+  }
+  lamp.set_group("a ninth");
+  EXPECT_THAT(edit({client::createLight(lamp)}),
+              Refused(StatusCode::RESOURCE_EXHAUSTED, "edit.max_groups", "\"a ninth\""));
+  lamp.set_name("Lamp");
+  apply(stubs_, session_, {client::updateLight(lamp, {"group"})});  // its old group has no other light
+  lamp.set_group("");
+  apply(stubs_, session_, {client::updateLight(lamp, {"group"})});
+  EXPECT_EQ(findLight(stubs_, session_, "Lamp").group(), "");
+  EXPECT_EQ(revision(), 11U);
+  lamp.set_group(std::string(65, 'g'));
+  EXPECT_THAT(edit({client::updateLight(lamp, {"group"})}),
+              Refused(StatusCode::INVALID_ARGUMENT, "edit.operations[0].update_light.light.group", "0 to 64"));
 }
 
 TEST_F(Edits, AWrongIdentityIsDenied) {

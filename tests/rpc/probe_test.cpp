@@ -7,6 +7,7 @@
 #include <random>
 #include <thread>
 
+#include "lpv/convert.h"
 #include "rpc/rpc.h"
 #include "rpc/server_process.h"
 #include "scene/volume.h"
@@ -28,7 +29,8 @@ class Probes : public ::testing::Test {
 };
 
 TEST_F(Probes, ProbesEqualALookupInTheVolume) {
-  const std::string session = makeLitSession(stubs_, 16);
+  const std::string session = makeSession(stubs_, propagating(settings(16)));
+  apply(stubs_, session, {client::createLight(light("Lamp"))});
   client::Client client = clientOf(server().address());
   pb::GetVolumeRequest request;
   request.set_session(session);
@@ -90,6 +92,61 @@ TEST_F(Probes, ProbesEqualALookupInTheVolume) {
     }
   }
 }
+
+/// Points at least three cells of 1/8 m from squares of 0.5 m in the planes z = 0 about (x, 0, 0), in any direction.
+Points pointsAwayFrom(const std::vector<double>& squares, int count) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  Points points;
+  while (points.size() < std::size_t(count)) {
+    const glm::dvec3 p(place(random), place(random), place(random));
+    bool far = true;
+    for (const double x : squares) {
+      const glm::dvec3 edge = glm::max(glm::abs(p - glm::dvec3(x, 0, 0)) - glm::dvec3(0.25, 0.25, 0), glm::dvec3(0));
+      far = far && glm::length(edge) > 3.0 * 0.125;
+    }
+    if (far) points.emplace_back(p, glm::normalize(glm::dvec3(place(random), place(random), place(random))));
+  }
+  return points;
+}
+
+/// Away from lights the server's answer is a lookup in the volume that it hands out.
+class AwayFromLights : public Probes, public ::testing::WithParamInterface<pb::Transport> {};
+
+TEST_P(AwayFromLights, ProbesEqualALookupInEveryLayerOfTheVolume) {
+  pb::SessionSettings wanted = settings(16);
+  wanted.set_transport(GetParam());
+  const std::string session = makeSession(stubs_, wanted);
+  pb::Light left = light("Left");
+  left.set_group("left");
+  *left.mutable_transform()->mutable_translation() = vec3(-0.5, 0, 0);
+  pb::Light right = light("Right");
+  *right.mutable_transform()->mutable_translation() = vec3(0.5, 0, 0);
+  *right.mutable_radiance() = vec3(1, 2, 3);
+  apply(stubs_, session, {client::createLight(left), client::createLight(right)});
+  client::Client client = clientOf(server().address());
+  pb::GetVolumeRequest request;
+  request.set_session(session);
+  request.set_format(pb::VOLUME_FORMAT_FLOAT);
+  const Expected<client::VolumeResult> here = client.volume(request);
+  ASSERT_TRUE(here.ok()) << here.status().message();
+  ASSERT_EQ(here->volume.layers.size(), 2U);
+  const Points points = pointsAwayFrom({-0.5, 0.5}, 1000);
+  const std::vector<glm::dvec3> there = probe(stubs_, session, points);
+  const Lookup lookup = client::fromProto(getSession(stubs_, session).settings().lookup());
+  double brightest = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Irradiance e = irradianceAt(here->volume, lookup, points[i].first, points[i].second);
+    ASSERT_TRUE(e.valid) << i;
+    brightest = std::max(brightest, e.rgb.z);
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(there[i][c], e.rgb[c], 1e-3 * e.rgb[c] + 1e-12) << i;
+  }
+  EXPECT_GT(brightest, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, AwayFromLights,
+                         ::testing::Values(pb::TRANSPORT_PROPAGATE, pb::TRANSPORT_GATHER, pb::TRANSPORT_DIRECT),
+                         [](const auto& row) { return pb::Transport_Name(row.param); });
 
 TEST_F(Probes, APickFindsTheObjectAndNotItsNeighbour) {
   const std::string session = makeSession(stubs_);

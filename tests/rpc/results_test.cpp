@@ -179,7 +179,7 @@ TEST_F(Results, VolumesAreLinearInTheLight) {
 }
 
 TEST_F(Results, VolumesComeInPartsBelowOneMebibyte) {
-  pb::SessionSettings large = settings(64);
+  pb::SessionSettings large = propagating(settings(64));
   large.set_iterations(2);
   const std::string session = makeSession(stubs_, large);
   apply(stubs_, session, {client::createLight(light("Lamp"))});
@@ -219,7 +219,8 @@ TEST_F(Results, HalvesSayWhatFloatsSay) {
 }
 
 TEST_F(Results, TheInjectedStageIsWhatWasEmitted) {
-  const std::string session = makeLitSession(stubs_);
+  const std::string session = makeSession(stubs_, propagating());
+  apply(stubs_, session, {client::createLight(light("Lamp"))});
   const RawVolume injected = volume(session, pb::VOLUME_FORMAT_FLOAT, pb::VOLUME_STAGE_INJECTED);
   EXPECT_EQ(injected.header.stage(), pb::VOLUME_STAGE_INJECTED);
   EXPECT_GT(injected.header.result().touched_cells(), 0U);

@@ -115,6 +115,11 @@ pb::SessionSettings settings(int cells) {
   return out;
 }
 
+pb::SessionSettings propagating(pb::SessionSettings settings) {
+  settings.set_transport(pb::TRANSPORT_PROPAGATE);
+  return settings;
+}
+
 std::string makeSession(Stubs& stubs, const pb::SessionSettings& settings) {
   pb::CreateSessionRequest request;
   *request.mutable_settings() = settings;

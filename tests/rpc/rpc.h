@@ -88,6 +88,8 @@ pb::Camera camera(const glm::dvec3& eye, const glm::dvec3& target);
 
 /// Settings with `cells` cells over the box of -1..1 m.
 pb::SessionSettings settings(int cells = 8);
+/// The same as the paper transports light: PROPAGATE, and what belongs to it.
+pb::SessionSettings propagating(pb::SessionSettings settings = rpc::settings());
 /// A new session's name, "sessions/...".
 std::string makeSession(Stubs& stubs, const pb::SessionSettings& settings = rpc::settings());
 /// A new session with a light "Lamp" at its middle.

@@ -107,7 +107,7 @@ TEST_F(SceneWatch, AnEmptySessionIsASnapshotToo) {
   ASSERT_TRUE(reader.event().has_snapshot());
   EXPECT_EQ(reader.event().snapshot().revision(), 0U);
   EXPECT_EQ(reader.event().snapshot().grid().dims().x(), 8);
-  EXPECT_EQ(reader.event().snapshot().settings().transport(), pb::TRANSPORT_PROPAGATE);
+  EXPECT_EQ(reader.event().snapshot().settings().transport(), pb::TRANSPORT_GATHER);
   ASSERT_TRUE(reader.step());
   EXPECT_TRUE(reader.event().has_heartbeat()) << "and then nothing but heartbeats";
 }

@@ -56,9 +56,10 @@ TEST_F(Sessions, AreCreatedAsAskedAndGoneWhenDeleted) {
   const pb::Session session = getSession(stubs_, "sessions/asked-for-1");
   EXPECT_EQ(session.settings().display_name(), "Living room");
   EXPECT_EQ(session.settings().iterations(), 5);
-  EXPECT_EQ(session.settings().injection(), pb::INJECTION_COUNT);
-  EXPECT_EQ(session.settings().transport(), pb::TRANSPORT_PROPAGATE);
-  EXPECT_EQ(session.settings().lookup(), pb::LOOKUP_SH2);
+  EXPECT_EQ(session.settings().injection(), pb::INJECTION_FLUX);
+  EXPECT_EQ(session.settings().transport(), pb::TRANSPORT_GATHER);
+  EXPECT_EQ(session.settings().quality(), pb::QUALITY_FAST);
+  EXPECT_EQ(session.settings().lookup(), pb::LOOKUP_CAP);
   EXPECT_EQ(session.settings().ttl().seconds(), 3600);
   EXPECT_EQ(session.grid().dims().x(), 8);
   EXPECT_DOUBLE_EQ(session.grid().cell_size(), 0.25);
@@ -257,46 +258,6 @@ TEST(SessionLimits, AreNamed) {
   EXPECT_THAT(stubs.session->JoinSession(Call(), joining, &joined), IsOk());
 }
 
-struct Later {
-  const char* name;
-  const char* field;
-  const char* text;
-  std::function<void(pb::SessionSettings*)> set;
-};
-
-class LaterSettings : public Sessions, public ::testing::WithParamInterface<Later> {};
-
-TEST_P(LaterSettings, AreRefusedByName) {
-  const Later& later = GetParam();
-  pb::CreateSessionRequest request;
-  *request.mutable_settings() = settings();
-  later.set(request.mutable_settings());
-  const std::string field = std::string("settings.") + later.field;
-  EXPECT_THAT(create(request), Refused(StatusCode::UNIMPLEMENTED, field, later.text));
-  const std::string name = makeSession(stubs_);
-  pb::Session wanted;
-  wanted.set_name(name);
-  *wanted.mutable_settings() = request.settings();
-  const std::string path = "settings." + std::string(later.field).substr(0, std::string(later.field).find('.'));
-  EXPECT_THAT(update(wanted, {path}), Refused(StatusCode::UNIMPLEMENTED, field, later.text));
-  EXPECT_EQ(getSession(stubs_, name).revision(), 0U);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    All, LaterSettings,
-    ::testing::Values(Later{"Gather", "transport", "GATHER", [](auto* s) { s->set_transport(pb::TRANSPORT_GATHER); }},
-                      Later{"Direct", "transport", "DIRECT", [](auto* s) { s->set_transport(pb::TRANSPORT_DIRECT); }},
-                      Later{"Cap", "lookup", "CAP", [](auto* s) { s->set_lookup(pb::LOOKUP_CAP); }},
-                      Later{"Accurate", "quality", "ACCURATE", [](auto* s) { s->set_quality(pb::QUALITY_ACCURATE); }},
-                      Later{"MaxError", "max_error", "max_error", [](auto* s) { s->set_max_error(0.05); }},
-                      Later{"K", "k", "GATHER", [](auto* s) { s->set_k(4.0); }},
-                      Later{"Visibility", "visibility", "ON", [](auto* s) { s->set_visibility(pb::VISIBILITY_ON); }},
-                      Later{"Bounces", "bounces", "bounces", [](auto* s) { s->set_bounces(1); }},
-                      Later{"Haze", "haze", "haze", [](auto* s) { s->set_haze(0.1); }},
-                      Later{"AutomaticGrid", "grid.automatic", "automatic",
-                            [](auto* s) { s->mutable_grid()->set_automatic(true); }}),
-    [](const auto& row) { return row.param.name; });
-
 TEST_F(Sessions, CallsOfLaterVersionsAreRefusedByName) {
   const std::string name = makeLitSession(stubs_);
   pb::UndoRequest undo;
@@ -360,6 +321,8 @@ TEST_F(Sessions, TheServerSaysWhatItIs) {
   EXPECT_EQ(info.limits().max_blob_bytes(), 64 * kMiB);
   EXPECT_EQ(info.limits().max_message_bytes(), kMiB);
   EXPECT_EQ(info.limits().max_probe_points(), 16384);
+  EXPECT_EQ(info.limits().max_groups(), 8);
+  EXPECT_THAT(info.features(), ::testing::IsSupersetOf({"transport.gather", "transport.direct", "lookup.cap"}));
 }
 
 }  // namespace

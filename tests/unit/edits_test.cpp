@@ -53,16 +53,19 @@ TEST(CheckFields, RefusesRadianceThatIsNone) {
   expectRefused(checkFields(power), "power", "-2");
 }
 
-// When a feature is built, its part here turns into one that is taken.
-TEST(CheckFields, NamesLightFeaturesOfLaterVersions) {
+TEST(CheckFields, TakesGroupsOfUpTo64Bytes) {
   LightFields grouped;
-  grouped.group = "key";
-  EXPECT_EQ(checkFields(grouped).code(), Code::kUnimplemented);
-  EXPECT_EQ(checkFields(grouped).field(), "group");
+  for (const std::string& group :
+       {std::string(), std::string("key"), std::string("F\xC3\xBCll 2"), std::string(64, 'g')}) {
+    grouped.group = group;
+    EXPECT_TRUE(checkFields(grouped).ok()) << group;
+  }
   grouped.group = std::string(65, 'g');
-  expectRefused(checkFields(grouped), "group", "65");
-  grouped.group = "";
-  EXPECT_TRUE(checkFields(grouped).ok());
+  expectRefused(checkFields(grouped), "group", "65 bytes, allowed are 0 to 64");
+  for (const char c : {'/', '\n', '\0', '\x7f'}) {
+    grouped.group = std::string("a") + c + "b";
+    expectRefused(checkFields(grouped), "group", "control character or '/'");
+  }
 }
 
 TEST(CheckFields, TakesTexturesAndDirections) {

@@ -75,6 +75,23 @@ TEST(CheckOptions, NamesWhatDoesNotGoTogether) {
              Code::kInvalidArgument);
 }
 
+TEST(FollowTransport, TakesInjectionAndLookupAlong) {
+  SessionOptions options;
+  options.transport = Transport::kPropagate;
+  options.followTransport();
+  EXPECT_EQ(options.injection, Injection::kCount);
+  EXPECT_EQ(options.lookup, Lookup::kSh2);
+  EXPECT_EQ(options, SessionOptions::paper());
+  for (const Transport transport : {Transport::kGather, Transport::kDirect}) {
+    options = SessionOptions::paper();
+    options.transport = transport;
+    options.followTransport();
+    EXPECT_EQ(options.injection, Injection::kFlux);
+    EXPECT_EQ(options.lookup, Lookup::kCap);
+    EXPECT_TRUE(checkOptions(options).ok());
+  }
+}
+
 TEST(DistanceRule, ComesFromQualityUnlessGiven) {
   SessionOptions options;
   EXPECT_EQ(options.distanceRule(), kFastRule);

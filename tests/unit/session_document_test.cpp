@@ -218,8 +218,8 @@ INSTANTIATE_TEST_SUITE_P(
                        f.mesh = MeshReference{"feed", nullptr};
                      }),
                      Code::kNotFound, "update_light.light.mesh", "UploadBlob"},
-        BadOperation{"Group", lightWith([](LightFields& f) { f.group = "key"; }), Code::kUnimplemented,
-                     "update_light.light.group", "key"},
+        BadOperation{"Group", lightWith([](LightFields& f) { f.group = "key/fill"; }), Code::kInvalidArgument,
+                     "update_light.light.group", "'/'"},
         BadOperation{"Albedo", surfaceWith([](SurfaceFields& f) { f.albedo = glm::dvec3(2.0); }),
                      Code::kInvalidArgument, "update_surface.surface.albedo", "2"},
         BadOperation{"UnknownTexture", surfaceWith([](SurfaceFields& f) { f.albedoTexture = "feed"; }), Code::kNotFound,
@@ -272,6 +272,39 @@ TEST_F(DocumentTest, TotalsAreCountedAtTheEndOfAnEdit) {
   EXPECT_TRUE(refusal({PutCamera{"H", Camera()}, PutCamera{"H", Camera()}}).ok()) << "the same camera again";
   EXPECT_EQ(small.triangleCount(), 6);
   EXPECT_EQ(small.revision(), 3U);
+}
+
+CreateLight grouped(const std::string& name, const std::string& group) {
+  CreateLight op = std::get<CreateLight>(createLight(name));
+  op.fields.group = group;
+  return op;
+}
+
+TEST_F(DocumentTest, AGroupIsAFieldOfALight) {
+  applied({grouped("Key", "key"), createLight("Lamp")});
+  EXPECT_EQ(light("Key")->group, "key");
+  EXPECT_EQ(light("Lamp")->group, "");
+  applied({setRadiance("Key", 2.0), lightWith([](LightFields& f) { f.group = "fill"; })});
+  EXPECT_EQ(light("Key")->group, "key") << "another field";
+  EXPECT_EQ(light("Lamp")->group, "fill");
+  applied({lightWith([](LightFields& f) { f.group = ""; })});
+  EXPECT_EQ(light("Lamp")->group, "");
+}
+
+TEST_F(DocumentTest, LightsAreInAtMostEightGroups) {
+  applied({createLight("Lamp")});  // a group too
+  for (int i = 1; i < kMaxGroups; ++i) applied({grouped("Key", "group " + std::to_string(i))});
+  const Status ninth = apply({setRadiance("Lamp", 9.0), grouped("Key", "a ninth")}).status();
+  EXPECT_EQ(ninth.code(), Code::kResourceExhausted);
+  EXPECT_EQ(ninth.field(), "max_groups");
+  EXPECT_THAT(ninth.message(), HasSubstr("\"a ninth\""));
+  EXPECT_THAT(ninth.message(), HasSubstr("9 groups, allowed are 8"));
+  EXPECT_EQ(light("Lamp")->radiance, glm::dvec3(1.0));
+  EXPECT_EQ(document_.revision(), 8U);
+  applied({grouped("Key", "group 3")});
+  applied({grouped("Key", "a ninth"), lightWith([](LightFields& f) { f.group = "group 1"; })});  // counted at the end
+  EXPECT_EQ(apply({lightWith([](LightFields& f) { f.group = "a tenth"; })}).status().field(), "max_groups");
+  EXPECT_EQ(light("Lamp")->group, "group 1");
 }
 
 TEST_F(DocumentTest, VerticesPreparedForAnotherMeshAreMadeAgain) {

@@ -111,12 +111,12 @@ Grid fromProto(const v1::Grid& grid) {
 
 Lookup fromProto(v1::Lookup lookup) {
   switch (lookup) {
-    case v1::LOOKUP_CAP:
-      return Lookup::kCap;
+    case v1::LOOKUP_SH2:
+      return Lookup::kSh2;
     case v1::LOOKUP_NEAREST:
       return Lookup::kNearest;
     default:
-      return Lookup::kSh2;
+      return Lookup::kCap;
   }
 }
 

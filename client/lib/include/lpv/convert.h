@@ -31,7 +31,7 @@ Transform fromProto(const v1::Transform& transform);
 Camera fromProto(const v1::Camera& camera);
 /// As sent; the numbers are not checked.
 Grid fromProto(const v1::Grid& grid);
-/// How a session reads irradiance, for lpv::irradianceAt.
+/// How a session reads irradiance, for lpv::irradianceAt; CAP where a message does not say.
 Lookup fromProto(v1::Lookup lookup);
 
 }  // namespace lpv::client
