@@ -183,5 +183,30 @@ TEST_F(GatherFieldTest, BlocksAreSummedOnceEach) {
   }
 }
 
+// A tree of more records than one dispatch walks through; every thread of a block. Broken by: a group's first thread that
+// moves the cursor on before the others have read it.
+TEST_F(GatherFieldTest, AWalkGoesOnWhereItStopped) {
+  const Grid grid = test::unitGrid({64, 64, 64});
+  const EmittingLight light =
+      test::placed(reference::bumpySphere(8000), test::poseOf(glm::dvec3(32.1), glm::dvec3(56.0)), glm::dvec3(1.0));
+  test::GatherRig& r = planted(grid, {light});
+  EXPECT_GT(r.voxels[0]->tree->recordCount, 2U * layout::kMaxRounds);
+  const std::vector<test::TreeNode> leaves = test::leavesOf(test::treeOf(*r.voxels[0]));
+  const ReceiverBlocks blocks = {0, 3U | 7U << 8 | 8U << 16, 7U | 15U << 8 | 15U << 16};
+  r.gatherBlocks(test::kNoMerging, blocks);
+  const reference::Field got = r.incident();
+  for (const glm::ivec3 cell : {glm::ivec3(0), glm::ivec3(7, 3, 3), glm::ivec3(29, 30, 33), glm::ivec3(63)}) {
+    double fluence = 0.0;
+    for (const test::TreeNode& leaf : leaves) {
+      for (const test::VplRecord& v : leaf.vpls) {
+        const glm::dvec3 d = v.position - glm::dvec3(cell) - 0.5;
+        const double r2 = glm::dot(d, d);
+        fluence += (std::max(0.0, -glm::dot(v.direction, d)) / std::sqrt(r2) + v.rest) / std::max(r2, 0.25);
+      }
+    }
+    EXPECT_NEAR(reference::fluenceOf(got.at(cell)[0]) / fluence, 1.0, 1e-4) << cell.x;
+  }
+}
+
 }  // namespace
 }  // namespace lpv
