@@ -116,8 +116,8 @@ void GatherRig::voxelize(const SceneResources& resources, std::size_t i, Injecti
   const GpuLightTexture* texture = light.texture ? resources.lightTextures.at(light.texture).get() : nullptr;
   voxels[i]->source = {light.mesh, light.texture, light.gridFromObject, field->grid.dims, kVplMethod};
   voxels[i]->source.method.method = method;
-  StageClock clock;
-  finish(voxelizer_.run(*field, *resources.meshes.at(light.mesh), texture, *voxels[i], {&clock}));
+  const StageClock unmeasured;
+  finish(voxelizer_.run(*field, *resources.meshes.at(light.mesh), texture, *voxels[i], {&unmeasured}));
 }
 
 bool GatherRig::move(std::vector<EmittingLight> moved) {
@@ -134,7 +134,6 @@ bool GatherRig::move(std::vector<EmittingLight> moved) {
 void GatherRig::clear() { field->steps[0].buffer.clear(); }
 
 void GatherRig::gatherBlocks(double k, const ReceiverBlocks& blocks) {
-  StageClock clock;
   finish(gatherer_.run(*field, lights, voxels, palette, k, blocks, {&clock}));
 }
 

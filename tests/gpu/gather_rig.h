@@ -43,6 +43,7 @@ class GatherRig {
   Palette palette;
   std::vector<LightVoxelsPtr> voxels;
   std::unique_ptr<LightField> field;
+  StageClock clock;  ///< what GATHER's pieces are measured by: nothing is known of the device
 
  private:
   void voxelize(const SceneResources& resources, std::size_t light, InjectionMethod method);
