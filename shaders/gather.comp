@@ -16,7 +16,7 @@ layout(local_size_x = kBlockX, local_size_y = kBlockY) in;
 layout(std140, binding = kParams) uniform Block { GatherParams params; };
 layout(binding = kTree) uniform samplerBuffer tree;
 layout(std430, binding = kReceiverBlocks) readonly buffer Blocks { uint blocks[]; };
-layout(std430, binding = kCursors) buffer Cursors { uint cursors[]; };
+layout(std430, binding = kCursors) buffer Cursors { uvec2 cursors[]; };
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 layout(std430, binding = kNearestVpl) buffer NearestVpl { float nearestVpl[]; };
 
@@ -102,9 +102,11 @@ void main() {
   const vec3 lower = vec3(first) + 0.5;
   const vec3 upper = min(lower + vec3(kBlockX, kBlockY, kBlockZ) - 1.0, vec3(params.dims.xyz) - 0.5);
   for (int k = 0; k < kSums; ++k) sums[k] = Column(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-  const int from = params.tree.w == 1 ? int(cursors[block]) : 0;
+  const int turn = params.tree.w;
+  const int from = turn > 0 ? int(cursors[block][turn & 1]) : 0;
   const int to = walk(from, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
-  if (params.tree.x > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block] = uint(to);
+  // Not where the group's other threads may still be about to read.
+  if (params.tree.x > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
   for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
     store(cell + ivec3(0, 0, z), z);

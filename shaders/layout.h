@@ -39,7 +39,7 @@ LPV_CONST int kRowIntegrals = 17;  // double, 3 per texel and one more texel per
 LPV_CONST int kTreeNodes = 18;     // uvec4 per node of every level of a light's tree (shaders/tree.glsl)
 LPV_CONST int kTreeRecords = 19;   // vec4, LPV_RECORD per record of a light's tree (shaders/vpls.glsl)
 LPV_CONST int kReceiverBlocks = 20; // uint per block of cells: x | y << 8 | z << 16, in blocks
-LPV_CONST int kCursors = 21;       // uint per block: where its walk through the tree stands
+LPV_CONST int kCursors = 21;       // uvec2 per block: where its walk through the tree stands before its even, odd turns
 LPV_CONST int kNearestVpl = 22;    // float per cell: cells to the nearest VPL that was taken by itself
 
 // --- uniform blocks
@@ -145,7 +145,7 @@ struct GatherParams {
   vec4 weight;             // per channel: radiance of a colour of 1, in units of the channel's palette radiance
   vec4 rule;               // x: k of the distance rule, y: 1 for lights that emit from both sides, else 0
   ivec4 tree;              // x: records; y: 1 for the first piece of the first light (writes, else adds); z: first
-                           // channel of the light's group; w: 1 to go on where the last piece stopped
+                           // channel of the light's group; w: which turn of the walk this is, from 0
 };
 
 struct InjectParams {

@@ -35,7 +35,7 @@ layout::GatherParams paramsOf(const LightField& field, const EmittingLight& ligh
 }
 
 /// Walks that one dispatch may have to leave unfinished.
-std::uint32_t dispatchesFor(const VplTree& tree) { return tree.recordCount / layout::kMaxRounds + 1; }
+int dispatchesFor(const VplTree& tree) { return int(tree.recordCount) / layout::kMaxRounds + 1; }
 
 }  // namespace
 
@@ -66,7 +66,7 @@ Pieces Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights
                      const ReceiverBlocks& blocks, Pacing pacing) {
   const auto blockCount = std::uint32_t(blocks.size());
   field.receivers = gpu::Buffer("receiver blocks", gpu::bytesOf(std::span(blocks)));
-  field.cursors = gpu::Buffer("cursors", blocks.size() * sizeof(std::uint32_t));
+  field.cursors = gpu::Buffer("cursors", blocks.size() * sizeof(glm::uvec2));
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const LightVoxels& light = *voxels[i];
@@ -81,8 +81,8 @@ Pieces Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights
       const std::uint32_t count =
           std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
       params.dims.w = int(first);
-      for (std::uint32_t turn = 0; turn < dispatchesFor(*light.tree); ++turn) {
-        params.tree.w = turn > 0 ? 1 : 0;
+      for (int turn = 0; turn < dispatchesFor(*light.tree); ++turn) {
+        params.tree.w = turn;
         params_.update(0, gpu::bytesOfValue(params));
         bind(field, light);
         program.dispatch(count);

@@ -42,13 +42,26 @@ EmittingLight lightOf(const MeshPtr& mesh, const glm::dvec3& radiance, bool twoS
 
 Grid unitGrid(const glm::ivec3& dims) { return {glm::dvec3(0.0), 1.0, dims}; }
 
-reference::Field fieldOf(const FieldBuffer& buffer, const LightField& field, const Palette& palette) {
+SceneResources upload(SceneCache& cache, const std::vector<EmittingLight>& lights) {
+  Scene scene;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    auto light = std::make_shared<Light>();
+    light->mesh = lights[i].mesh;
+    light->texture = lights[i].texture;
+    scene.lights["light " + std::to_string(i)] = light;
+  }
+  SceneResources resources;
+  finish(cache.upload(scene, resources));
+  return resources;
+}
+
+reference::Field fieldOf(const FieldBuffer& buffer, const LightField& field, const Palette& palette, int group) {
   const std::vector<glm::vec4> values = read<glm::vec4>(buffer.buffer);
   const glm::ivec3 dims = field.grid.dims;
   reference::Field out(dims);
   reference::forEachCell(dims, [&](const glm::ivec3& cell) {
     for (int k = 0; k < field.channels; ++k) {
-      const glm::dvec4 value(values[std::size_t(haloIndex(cell, dims, k))]);
+      const glm::dvec4 value(values[std::size_t(haloIndex(cell, dims, group * field.channels + k))]);
       for (int c = 0; c < 3; ++c) out.at(cell)[std::size_t(c)] += value * palette.radiance[std::size_t(k)][c];
     }
   });
@@ -86,15 +99,7 @@ InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l, const Voxel
 }
 
 void InjectRig::run() {
-  SceneResources resources;
-  Scene scene;
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    auto light = std::make_shared<Light>();
-    light->mesh = lights[i].mesh;
-    light->texture = lights[i].texture;
-    scene.lights["light " + std::to_string(i)] = light;
-  }
-  finish(cache_.upload(scene, resources));
+  const SceneResources resources = upload(cache_, lights);
   finish(injector_.retire(field, voxels));
   voxels.clear();
   StageClock clock;

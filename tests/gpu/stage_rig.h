@@ -28,8 +28,11 @@ EmittingLight lightOf(const MeshPtr& mesh, const glm::dvec3& radiance, bool twoS
 /// One cube of 1 m cells at the origin.
 Grid unitGrid(const glm::ivec3& dims);
 
-/// A field as doubles, its channels times the palette's colours.
-reference::Field fieldOf(const FieldBuffer& buffer, const LightField& field, const Palette& palette);
+/// Meshes and textures of the lights on the GPU.
+SceneResources upload(SceneCache& cache, const std::vector<EmittingLight>& lights);
+
+/// One group of a field as doubles, its channels times the palette's colours.
+reference::Field fieldOf(const FieldBuffer& buffer, const LightField& field, const Palette& palette, int group = 0);
 /// The other way: channel k of the halo layout is colour k. `channels` 3.
 std::vector<glm::vec4> haloOf(const reference::Field& field);
 
