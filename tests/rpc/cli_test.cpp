@@ -84,6 +84,7 @@ TEST_F(Cli, SessionCommands) {
   EXPECT_EQ(lpvctl({"session", "show", "cli-named"}).exit, 1);
 }
 
+// Broken by: an injection, or a lookup, that stays.
 TEST_F(Cli, SessionTransport) {
   EXPECT_THAT(lpvctlOut({"session", "show", id_}), AllOf(HasSubstr("TRANSPORT_GATHER"), HasSubstr("INJECTION_FLUX"),
                                                          HasSubstr("QUALITY_FAST"), HasSubstr("LOOKUP_CAP")));
@@ -102,14 +103,14 @@ TEST_F(Cli, SessionTransport) {
   EXPECT_EQ(lpvctlOut({"session", "delete", fine}), "");
 }
 
+// Broken by: names in the opposite order.
 TEST_F(Cli, LightGroups) {
   EXPECT_EQ(lpvctlOut({"light", "add", id_, lamp_, "--name", "key", "--group", "key"}), "key");
   EXPECT_EQ(lpvctlOut({"light", "add", id_, lamp_, "--name", "fill", "--translate", "1,0,0"}), "fill");
   EXPECT_THAT(linesOf(lpvctlOut({"light", "list", id_})), ElementsAre(Not(HasSubstr("group")), HasSubstr("group key")));
   EXPECT_EQ(lpvctlOut({"light", "set", id_, "fill", "--group", "soft box"}), "");
-  EXPECT_THAT(lpvctlOut({"volume", "info", id_}),
-              AllOf(HasSubstr("8x6x5"), HasSubstr("layer 0"), HasSubstr("group \"key\""), HasSubstr("layer 1"),
-                    HasSubstr("group \"soft box\"")));
+  EXPECT_THAT(lpvctlOut({"volume", "info", id_}), AllOf(HasSubstr("8x6x5"), HasSubstr("layer 0   group \"key\""),
+                                                        HasSubstr("layer 1   group \"soft box\"")));
   EXPECT_THAT(lpvctlOut({"volume", "info", id_, "--stage", "injected", "--json"}),
               AllOf(HasSubstr("\"group\":\"key\""), HasSubstr("VOLUME_STAGE_INJECTED")));
   const std::string npy = folder_.path("v.npy");

@@ -55,6 +55,7 @@ std::vector<pb::Operation> twoLamps(const std::string& leftGroup, const std::str
   return {client::createLight(left), client::createLight(right)};
 }
 
+// Broken by: names in the opposite order.
 TEST_F(Groups, AreLayersByName) {
   const client::VolumeResult one = volume(sessionOf(twoLamps("", "")));
   const client::VolumeResult two = volume(sessionOf(twoLamps("window", "door")));
@@ -75,7 +76,8 @@ TEST_F(Groups, AreLayersByName) {
   EXPECT_LE(worst, 1e-5 * largest);
 }
 
-// The floor sees both lamps above it, where CAP is exact: in one group or in two, the same irradiance.
+// The floor sees both lamps above it, where CAP is exact: in one group or in two, the same irradiance. Broken
+// by: probes of the first layer only.
 TEST_F(Groups, AreLookedUpOneByOneAndSummed) {
   Points floor;
   for (int i = -3; i <= 3; ++i) floor.push_back({{0.2 * i, 0.1, -0.75}, {0, 0, 1}});
@@ -84,6 +86,7 @@ TEST_F(Groups, AreLookedUpOneByOneAndSummed) {
   for (std::size_t i = 0; i < floor.size(); ++i) EXPECT_NEAR(apart[i].x / together[i].x, 1.0, 0.03) << i;
 }
 
+// Broken by: the first layer's scale for all.
 TEST_F(Groups, HaveAScaleEachInHalfFloats) {
   const std::string session = sessionOf(twoLamps("window", "door"));
   const client::VolumeResult floats = volume(session);
@@ -98,6 +101,7 @@ TEST_F(Groups, HaveAScaleEachInHalfFloats) {
   }
 }
 
+// Broken by: names in the opposite order.
 TEST_F(Groups, FollowTheLightsThatShine) {
   const std::string session = makeSession(stubs_);
   EXPECT_THAT(groups(session), ElementsAre("")) << "no light: one layer all the same";
@@ -114,7 +118,8 @@ TEST_F(Groups, FollowTheLightsThatShine) {
   EXPECT_THAT(groups(session), ElementsAre(""));
 }
 
-// As many as a volume has room for: every brick carries every layer.
+// As many as a volume has room for: every brick carries every layer. Broken by: names in the opposite
+// order.
 TEST_F(Groups, AreUpToEight) {
   std::vector<pb::Operation> operations;
   for (int i = 0; i < 8; ++i) {

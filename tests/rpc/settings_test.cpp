@@ -80,7 +80,8 @@ struct Transported {
 
 class Transports : public SessionSettings, public ::testing::WithParamInterface<Transported> {};
 
-// Settings are echoed as they are in use, and they are what ticks then do.
+// Settings are echoed as they are in use, and they are what ticks then do. Broken by: an answer without k; COUNT
+// without a say in the transport.
 TEST_P(Transports, AreChosenAtCreationAndDone) {
   pb::SessionSettings wanted = settings();
   GetParam().set(&wanted);
@@ -124,6 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
                                   pb::TRANSPORT_PROPAGATE, pb::INJECTION_FLUX, pb::LOOKUP_SH2, "propagate"}),
     [](const auto& row) { return row.param.name; });
 
+// Broken by: an injection, or a lookup, that stays.
 TEST_F(SessionSettings, AChangedTransportTakesInjectionAndLookupAlong) {
   const std::string name = makeLitSession(stubs_);
   pb::SessionSettings wanted;
