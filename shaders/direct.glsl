@@ -52,7 +52,8 @@ vec3 vplIrradiance(int at, int stride, vec3 x, vec3 n, float sides) {
   const vec3 d = first.xyz - x;
   const float inverse = inversesqrt(max(dot(d, d), 1e-6));
   const float facing = -dot(second.xyz, d) * inverse;
-  const float intensity = (sides > 1.5 ? abs(facing) : max(facing, 0.0)) + sides * second.w;
+  const float rounded = sqrt(facing * facing + second.w * second.w);
+  const float intensity = sides > 1.5 ? rounded : 0.5 * max(facing + rounded, 0.0);
   const float e = intensity * max(0.0, dot(n, d) * inverse) * min(inverse * inverse, 4.0);
   return stride == 3 ? e * texelFetch(direct, at + 2).rgb : vec3(e);
 }

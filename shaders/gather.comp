@@ -43,10 +43,11 @@ void addVpl(int at, vec2 receiver, vec4 depth) {
   const vec4 inverse = inversesqrt(max(dot(across, across) + along * along, kNearest * kNearest));
   closest = max(closest, inverse);
   const vec4 facing = -(dot(second.xy, across) + second.z * along) * inverse;
+  const vec4 rounded = sqrt(facing * facing + second.w * second.w);
 #if LPV_TWO_SIDED
-  const vec4 intensity = abs(facing) + 2.0 * second.w;
+  const vec4 intensity = rounded;
 #else
-  const vec4 intensity = max(facing, 0.0) + second.w;
+  const vec4 intensity = 0.5 * max(facing + rounded, 0.0);
 #endif
   const vec4 fluence = intensity * min(inverse * inverse, kMostFalloff);
   const vec4 flux = fluence * inverse;

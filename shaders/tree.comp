@@ -17,7 +17,7 @@ layout(std430, binding = kTreeRecords) buffer Records { vec4 records[]; };
 void storeVpl(uint record, Vpl v) {
   const int at = int(record) * kRecordTexels;
   records[at] = vec4(v.position, v.area);
-  records[at + 1] = vec4(v.direction, v.rest);
+  records[at + 1] = vec4(v.direction, v.spread);
 #if LPV_TEXTURED
   records[at + 2] = vec4(v.colour, 0.0);
 #endif
@@ -124,7 +124,7 @@ void main() {
   v.position = vec3(cell) + (weight > 0.0 ? clamp(moment / weight, 0.0, 1.0) : vec3(0.5));
   v.area *= params.scale.x;
   v.direction *= params.scale.x;
-  v.rest = restOf(v.area, v.direction);
+  v.spread = spreadOf(v.area, v.direction);
   const Node node = nodeAt(nodeIndex(0, cell));
   storeVpl(node.first + 1u + placeOf(node.bins, key & 63u), v);
 }
@@ -137,7 +137,7 @@ Vpl vplAt(uint record) {
   v.position = records[at].xyz;
   v.area = records[at].w;
   v.direction = records[at + 1].xyz;
-  v.rest = records[at + 1].w;
+  v.spread = records[at + 1].w;
 #if LPV_TEXTURED
   v.colour = records[at + 2].rgb;
 #endif
@@ -172,7 +172,7 @@ Vpl merged(int level, ivec3 block, uint bin) {
 #if LPV_TEXTURED
   sum.colour = sum.area > 0.0 ? sum.colour / sum.area : vec3(0.0);
 #endif
-  sum.rest = restOf(sum.area, sum.direction);
+  sum.spread = spreadOf(sum.area, sum.direction);
   return sum;
 }
 

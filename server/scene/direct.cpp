@@ -35,7 +35,8 @@ glm::dvec3 vplIrradiance(const Part& part, int record, const glm::dvec3& x, cons
   const glm::dvec3 d = glm::dvec3(first) - x;
   const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
   const double facing = -glm::dot(glm::dvec3(second), d) * inverse;
-  const double intensity = (part.sides > 1 ? std::abs(facing) : std::max(facing, 0.0)) + part.sides * second.w;
+  const double rounded = std::sqrt(facing * facing + second.w * second.w);
+  const double intensity = part.sides > 1 ? rounded : 0.5 * (facing + rounded);
   const double e = intensity * std::max(0.0, glm::dot(n, d) * inverse) * std::min(inverse * inverse, 4.0);
   return part.stride == 3 ? e * glm::dvec3(part.first[record * 3 + 2]) : glm::dvec3(e);
 }

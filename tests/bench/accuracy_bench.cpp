@@ -58,6 +58,8 @@ std::vector<Way> ways() {
           {"PROPAGATE clamped", kPropagate, 0.0, 2, true},
           {"GATHER k 1.5", kGather, 1.5},
           {"GATHER k 2", kGather, 2.0},
+          {"GATHER k 2.25", kGather, 2.25},
+          {"GATHER k 2.5", kGather, 2.5},
           {"GATHER k 3", kGather, 3.0},
           {"GATHER k 4", kGather, 4.0},
           {"GATHER k 6", kGather, 6.0}};

@@ -45,7 +45,7 @@ class RecordReader {
     v.position = glm::dvec3(texel(0));
     v.area = double(texel(0).w);
     v.direction = glm::dvec3(texel(1));
-    v.rest = double(texel(1).w);
+    v.spread = double(texel(1).w);
     if (perRecord_ > 2) v.colour = glm::dvec3(texel(2));
     ++at_;
     return v;

@@ -74,7 +74,7 @@ struct VplRecord {
   glm::dvec3 position{0.0};
   double area = 0.0;
   glm::dvec3 direction{0.0};  ///< area x mean direction of emission
-  double rest = 0.0;
+  double spread = 0.0;
   glm::dvec3 colour{1.0};
 };
 

@@ -234,7 +234,8 @@ TEST_F(GatherFieldTest, AWalkGoesOnWhereItStopped) {
       for (const test::VplRecord& v : leaf.vpls) {
         const glm::dvec3 d = v.position - glm::dvec3(cell) - 0.5;
         const double r2 = glm::dot(d, d);
-        fluence += (std::max(0.0, -glm::dot(v.direction, d)) / std::sqrt(r2) + v.rest) / std::max(r2, 0.25);
+        const double facing = -glm::dot(v.direction, d) / std::sqrt(r2);
+        fluence += 0.5 * (facing + std::hypot(facing, v.spread)) / std::max(r2, 0.25);
       }
     }
     EXPECT_NEAR(reference::fluenceOf(got.at(cell)[0]) / fluence, 1.0, 1e-4) << cell.x;

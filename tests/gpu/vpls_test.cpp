@@ -156,7 +156,10 @@ Sums sumsOf(const std::vector<test::TreeNode>& nodes) {
 /// A node holds its children and what they hold, and no bin twice.
 void expectMerged(const test::TreeNode& node) {
   for (const test::VplRecord& v : node.vpls) {
-    EXPECT_NEAR(v.rest, 0.25 * std::max(0.0, v.area - glm::length(v.direction)), 1e-6 * v.area);
+    reference::Vpl vpl;
+    vpl.area = v.area;
+    vpl.areaNormal = v.direction;
+    EXPECT_NEAR(v.spread, reference::spreadOf(vpl), 2e-3 * v.area);
   }
   if (node.children.empty()) {
     EXPECT_EQ(node.edge, 1.0);
@@ -195,7 +198,7 @@ const std::vector<EmittingLight>& treeLights() {
 }
 
 // Every record is reached once by the headers' "after", and says what the records below it say. Broken by: a record
-// more or less anywhere; nodes with one child that have records; places weighted by area, colours not; no rest.
+// more or less anywhere; nodes with one child that have records; places weighted by area, colours not; no spread.
 TEST_F(VplsTest, NodesAreTheirChildrenMerged) {
   for (const EmittingLight& light : treeLights()) {
     SCOPED_TRACE(testing::Message() << light.mesh->triangles.size() << " triangles");

@@ -121,13 +121,32 @@ std::vector<Vpl> VplTree::seenFrom(const glm::ivec3& low, const glm::ivec3& high
   return out;
 }
 
+double spreadOf(const Vpl& vpl) {
+  const double size = glm::length(vpl.areaNormal);
+  if (vpl.area <= size) return 0.0;
+  // Twice the power over 2 pi: the integral of sqrt(size^2 u^2 + e^2) over u in [-1, 1], which grows with e.
+  const auto power = [&](double e) {
+    return std::hypot(size, e) + (size > 0.0 ? e * e / size * std::asinh(size / e) : e);
+  };
+  double low = 0.0;
+  double high = vpl.area;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (power(middle) > vpl.area ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double intensityOf(const Vpl& vpl, const glm::dvec3& w) {
+  const double facing = -glm::dot(vpl.areaNormal, w);
+  return 0.5 * std::max(0.0, facing + std::hypot(facing, spreadOf(vpl)));
+}
+
 VplMoments momentsOf(const Vpl& vpl, const glm::dvec3& x, double cellEdge) {
   const glm::dvec3 d = vpl.position() - x;
   const double r = glm::length(d);
   const glm::dvec3 w = d / std::max(r, 1e-3 * cellEdge);
-  const double facing = std::max(0.0, -glm::dot(vpl.areaNormal, w));
-  const double round = std::max(0.0, vpl.area - glm::length(vpl.areaNormal)) / 4.0;
-  const double fluence = (facing + round) / std::max(r * r, cellEdge * cellEdge / 4.0);
+  const double fluence = intensityOf(vpl, w) / std::max(r * r, cellEdge * cellEdge / 4.0);
   return {fluence, fluence * w};
 }
 

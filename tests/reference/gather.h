@@ -76,6 +76,12 @@ class VplTree {
 /// Receivers share their choice of nodes in blocks of this many cells along an edge, aligned to the grid's origin.
 inline constexpr int kReceiverBlock = 4;
 
+/// How far a VPL's directions spread, as an area e: I(w) = (t + sqrt(t^2 + e^2)) / 2, t = -N.w, has the power pi A. By
+/// bisection of the closed form of that integral; 0 where all directions are alike, A / 2 where they cancel.
+double spreadOf(const Vpl& vpl);
+/// What it sends to a receiver that sees it in direction w (a departure from MATHS.md 3b.4, see shaders/vpls.glsl).
+double intensityOf(const Vpl& vpl, const glm::dvec3& w);
+
 /// Fluence and vector irradiance at x of one VPL of radiance 1 (MATHS.md 3b.4).
 struct VplMoments {
   double fluence = 0.0;

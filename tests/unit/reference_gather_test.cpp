@@ -98,6 +98,27 @@ TEST(VplMoments, OfAClosedSurfaceAreAQuarterOfItsAreaAllAround) {
   }
 }
 
+// Power and first moment of what a VPL sends, by quadrature over all directions. Broken by: (area - |N|) / 4 for the
+// spread; the spread of half the missing area.
+TEST(VplIntensity, HasThePowerOfItsAreaAndTheMomentOfItsDirection) {
+  for (const double share : {0.0, 0.3, 0.8, 0.98, 0.9999}) {
+    Vpl vpl;
+    vpl.area = 2.0;
+    vpl.areaNormal = {0.0, 0.0, 2.0 * share};
+    double power = 0.0;
+    double moment = 0.0;
+    constexpr int kSteps = 200000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double z = -1.0 + (2.0 * i + 1.0) / kSteps;  // where it is sent; the receiver sees it the other way
+      const double sent = intensityOf(vpl, {std::sqrt(1.0 - z * z), 0.0, -z}) * 4.0 * sh::kPi / kSteps;
+      power += sent;
+      moment += sent * z;
+    }
+    EXPECT_NEAR(power, sh::kPi * vpl.area, 1e-6) << share;
+    EXPECT_NEAR(moment, 2.0 * sh::kPi / 3.0 * vpl.areaNormal.z, 1e-6) << share;
+  }
+}
+
 // Sums at every level of the tree are the light's power. Broken by: a two-sided light's other side left out.
 TEST(Gather, VplsCarryTheLightsPowerWhateverMerges) {
   std::mt19937 random(2);
