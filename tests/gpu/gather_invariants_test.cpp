@@ -39,7 +39,7 @@ reference::Field sum(const reference::Field& a, double factor, const reference::
   return out;
 }
 
-// Broken by:
+// On the face of a block of eight cells. Broken by: a snap by floor() alone.
 TEST_F(GatherInvariantsTest, Invariant02ALightOnAFaceDoesNotMove) {
   const Grid grid = test::unitGrid({16, 12, 14});
   double worst = 0.0;
@@ -47,7 +47,7 @@ TEST_F(GatherInvariantsTest, Invariant02ALightOnAFaceDoesNotMove) {
     const glm::dvec3 turn = axis == 0 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     const auto at = [&](double hair) {
       glm::dvec3 place(7.2, 6.3, 6.4);
-      place[axis] = 7.0 + hair;
+      place[axis] = 8.0 + hair;
       return test::placed(reference::quad(),
                           test::poseOf(place, glm::dvec3(3.5), axis == 2 ? 0.0 : glm::radians(90.0), turn), kWhite);
     };
@@ -60,7 +60,8 @@ TEST_F(GatherInvariantsTest, Invariant02ALightOnAFaceDoesNotMove) {
   EXPECT_LE(worst, 1e-5);
 }
 
-// In the middle of the light, and where a VPL is a cell's centre, too. Broken by:
+// In the middle of the light, and where a VPL is a cell's centre, too. Broken by: a distance that may be 0; kY1 a
+// hundredth too large.
 TEST_F(GatherInvariantsTest, Invariant04VectorIrradianceIsNeverAboveFluence) {
   const Grid grid = test::unitGrid({12, 12, 12});
   for (const MeshPtr& mesh : {reference::quad(), reference::pyramid(), reference::tube(), reference::sphere()}) {
@@ -79,6 +80,7 @@ TEST_F(GatherInvariantsTest, Invariant04VectorIrradianceIsNeverAboveFluence) {
   }
 }
 
+// Seen: 2e-5. Broken by: areas rounded to 1e-4 of the light's; a part's centroid that of the whole triangle.
 TEST_F(GatherInvariantsTest, Invariant05TessellationDoesNotMatter) {
   const Grid grid = test::unitGrid({16, 16, 16});
   for (const double angle : {0.0, 0.7}) {
@@ -100,6 +102,8 @@ EmittingLight tangled(const glm::dmat3& symmetry) {
 /// Whether blocks of cells are turned into blocks.
 bool keepsBlocks(const glm::dmat3& symmetry) { return symmetry[0].x != 0.0; }
 
+// Where nodes are merged, by the symmetries that turn blocks into blocks. Broken by: gaps on one side of a block only;
+// a snap by floor() alone; two bins instead of 54.
 TEST_F(GatherInvariantsTest, Invariant07TheFieldTurnsWithTheLight) {
   for (const double k : {1.0, test::kNoMerging}) {
     const reference::Field upright = gathered(kCube, {tangled(glm::dmat3(1.0))}, k);
@@ -113,6 +117,7 @@ TEST_F(GatherInvariantsTest, Invariant07TheFieldTurnsWithTheLight) {
   }
 }
 
+// Broken by: the square of a light's weight.
 TEST_F(GatherInvariantsTest, Invariant07IsLinearInRadiance) {
   EmittingLight one = tangled(glm::dmat3(1.0)), more = one;
   more.radiance *= 1e6;
@@ -126,6 +131,7 @@ TEST_F(GatherInvariantsTest, Invariant07IsLinearInRadiance) {
   }
 }
 
+// Broken by: light from the front alone where both sides emit.
 TEST_F(GatherInvariantsTest, Invariant07OrderDoesNotMatterAndWindingTurnsTheSide) {
   EmittingLight light = tangled(glm::dmat3(1.0)), rolled = light, flipped = light, both = light;
   auto mesh = std::make_shared<Mesh>(*light.mesh);
@@ -141,7 +147,8 @@ TEST_F(GatherInvariantsTest, Invariant07OrderDoesNotMatterAndWindingTurnsTheSide
   EXPECT_LE(test::relativeError(gathered(kCube, {both}, 1.5), sum(front, 1.0, back)), 1e-5);
 }
 
-// A plate of a twenty-fifth of a cell is what its six faces are. Broken by:
+// A plate of a twenty-fifth of a cell is what its six faces are. Seen: 1e-6. Broken by: opposite normals
+// in one bin.
 TEST_F(GatherInvariantsTest, Invariant09OppositeFacesInOneCellShineBothWays) {
   const Grid grid = test::unitGrid({16, 16, 16});
   for (const double angle : {0.0, 0.9}) {
@@ -158,6 +165,7 @@ TEST_F(GatherInvariantsTest, Invariant09OppositeFacesInOneCellShineBothWays) {
   }
 }
 
+// Broken by: low words left out of the sums.
 TEST_F(GatherInvariantsTest, Invariant09AntipodalDirectionsAreNoNumbersButLight) {
   for (const std::array<glm::vec3, 3>& d : {std::array{glm::vec3(1, 0, 0), glm::vec3(-1, 0, 0), glm::vec3(0, 1, 0)},
                                             std::array{glm::vec3(1, 0, 0), glm::vec3(-1, 0, 0), glm::vec3(0.0F)},
@@ -192,7 +200,8 @@ double worstCell(const reference::Field& got, const reference::Field& want) {
   return worst;
 }
 
-// One texel of 512^2 is a million times the others: four fifths of the light.
+// One texel of 512^2 is a million times the others: four fifths of the light. Seen: 9e-6 of a leaf's colour,
+// 1.4e-5 of a cell's fluence. Broken by: colours rounded to 16 bits; the light taken to come from its cells' middles.
 TEST_F(GatherInvariantsTest, Invariant10AHotSpotLeavesTheOtherTexelsTheirDigits) {
   const Grid grid = test::unitGrid({10, 10, 10});
   const TexturePtr hot = reference::textureOf(512, 512, [](int x, int y) {
@@ -210,6 +219,7 @@ TEST_F(GatherInvariantsTest, Invariant10AHotSpotLeavesTheOtherTexelsTheirDigits)
   EXPECT_LE(cells, 1e-4);
 }
 
+// Broken by: the square of a light's weight.
 TEST_F(GatherInvariantsTest, Invariant10ADimLightKeepsItsDigitsBesideABrightOne) {
   EmittingLight dim =
                     test::placed(reference::sphere(), test::poseOf({4.2, 3.9, 4.1}, glm::dvec3(3.0)), glm::dvec3(1.0)),
