@@ -82,7 +82,7 @@ TEST_F(GatherFieldTest, IsTheReferences) {
 }
 
 // Where far nodes are taken whole, from lights in the middle and at the end of the grid, where centres of nodes lie
-// beyond it. Broken by: k L for (k L)^2; the box of the block's cells for that of their centres; a box that goes on
+// beyond it. Broken by: L for L^2; the box of the block's cells for that of their centres; a box that goes on
 // beyond the grid.
 TEST_F(GatherFieldTest, ChoosesTheReferencesNodes) {
   const Grid grid{{0.5, -1.0, 2.0}, 0.25, {45, 11, 18}};

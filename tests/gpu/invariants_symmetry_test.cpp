@@ -1,8 +1,6 @@
 // What injection must keep (MATHS.md 6): linearity and symmetry (7), opposite faces in one cell (9), the fixed point at
 // its limit (11).
 
-#include <random>
-
 #include "gpu/failure.h"
 #include "gpu/light_rig.h"
 #include "reference/compare.h"
@@ -26,55 +24,10 @@ constexpr int kCells = 8;
 const Grid kCube = test::unitGrid(glm::ivec3(kCells));
 const glm::dvec3 kMiddle(0.5 * kCells);
 
-/// Random triangles with uvs and directions within +-.9 of the origin: nothing about them is on a tie.
-MeshPtr tangle(bool varying) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> place(-0.9F, 0.9F);
-  Mesh mesh;
-  for (std::uint32_t i = 0; i < 36; ++i) {
-    const float x = place(random), y = place(random), z = place(random);
-    mesh.positions.emplace_back(x, y, z);
-    if (varying) {
-      mesh.directions.emplace_back(z + 1.0F, x, y);
-      mesh.uvs.emplace_back(y, z);
-    }
-    if (i % 3 == 0) mesh.triangles.emplace_back(i, i + 1, i + 2);
-  }
-  EXPECT_TRUE(finishMesh(mesh).ok());
-  return std::make_shared<const Mesh>(mesh);
-}
-
 EmittingLight tangled(bool varying, const glm::dmat3& symmetry) {
   glm::dmat4 pose(symmetry * 3.9);
   pose[3] = glm::dvec4(kMiddle, 1.0);
-  return test::placed(tangle(varying), pose, {3, 2, 1}, false, varying ? reference::noise(8, 4) : nullptr);
-}
-
-/// The 48 symmetries of the cube.
-std::vector<glm::dmat3> symmetries() {
-  std::vector<glm::dmat3> out;
-  std::array<int, 3> axes = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      glm::dmat3 m(0.0);
-      for (int k = 0; k < 3; ++k) m[k][axes[std::size_t(k)]] = (signs >> k & 1) != 0 ? -1.0 : 1.0;
-      out.push_back(m);
-    }
-  } while (std::next_permutation(axes.begin(), axes.end()));
-  return out;
-}
-
-reference::Field moved(const reference::Field& field, const glm::dmat3& symmetry) {
-  reference::Field out(field.dims);
-  reference::forEachCell(field.dims, [&](const glm::ivec3& cell) {
-    const glm::ivec3 to(glm::floor(symmetry * (glm::dvec3(cell) + 0.5 - kMiddle) + kMiddle));
-    for (std::size_t c = 0; c < 3; ++c) {
-      const reference::Coefficients& l = field.at(cell)[c];
-      const glm::dvec3 d = symmetry * glm::dvec3(l.w, l.y, l.z);
-      out.at(to)[c] = {l.x, d.y, d.z, d.x};
-    }
-  });
-  return out;
+  return test::placed(test::tangle(varying), pose, {3, 2, 1}, false, varying ? reference::noise(8, 4) : nullptr);
 }
 
 // Broken by: the determinant's sign left out of outwardFromObject.
@@ -83,9 +36,9 @@ TEST_F(SymmetryTest, Invariant07TheFieldTurnsWithTheLight) {
     for (const VoxelMethod& method : {test::kFluxMethod, test::kCountMethod}) {
       const reference::Field upright = fieldOf(kCube, {tangled(varying, glm::dmat3(1.0))}, method);
       double worst = 0.0;
-      for (const glm::dmat3& symmetry : symmetries()) {
+      for (const glm::dmat3& symmetry : test::cubeSymmetries()) {
         const reference::Field turned = fieldOf(kCube, {tangled(varying, symmetry)}, method);
-        worst = std::max(worst, test::relativeError(turned, moved(upright, symmetry)));
+        worst = std::max(worst, test::relativeError(turned, test::turned(upright, symmetry)));
       }
       const bool flux = method.injection == Injection::kFlux;
       RecordProperty(std::string(flux ? "flux" : "count") + (varying ? "_varying" : ""),

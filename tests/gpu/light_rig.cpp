@@ -1,7 +1,9 @@
 #include "gpu/light_rig.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <random>
 #include <stdexcept>
 
 #include "reference/compare.h"
@@ -64,6 +66,50 @@ std::vector<reference::Emitter> emittersOf(const Grid& grid, const std::vector<E
                                                         light.radiance, light.twoSided, chain);
     out.insert(out.end(), e.triangles.begin(), e.triangles.end());
   }
+  return out;
+}
+
+MeshPtr tangle(bool varying) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-0.9F, 0.9F);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < 36; ++i) {
+    const float x = place(random), y = place(random), z = place(random);
+    mesh.positions.emplace_back(x, y, z);
+    if (varying) {
+      mesh.directions.emplace_back(z + 1.0F, x, y);
+      mesh.uvs.emplace_back(y, z);
+    }
+    if (i % 3 == 0) mesh.triangles.emplace_back(i, i + 1, i + 2);
+  }
+  EXPECT_TRUE(finishMesh(mesh).ok());
+  return std::make_shared<const Mesh>(mesh);
+}
+
+std::vector<glm::dmat3> cubeSymmetries() {
+  std::vector<glm::dmat3> out;
+  std::array<int, 3> axes = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      glm::dmat3 m(0.0);
+      for (int k = 0; k < 3; ++k) m[k][axes[std::size_t(k)]] = (signs >> k & 1) != 0 ? -1.0 : 1.0;
+      out.push_back(m);
+    }
+  } while (std::next_permutation(axes.begin(), axes.end()));
+  return out;
+}
+
+reference::Field turned(const reference::Field& field, const glm::dmat3& symmetry) {
+  reference::Field out(field.dims);
+  const glm::dvec3 middle = 0.5 * glm::dvec3(field.dims);
+  reference::forEachCell(field.dims, [&](const glm::ivec3& cell) {
+    const glm::ivec3 to(glm::floor(symmetry * (glm::dvec3(cell) + 0.5 - middle) + middle));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const reference::Coefficients& l = field.at(cell)[c];
+      const glm::dvec3 d = symmetry * glm::dvec3(l.w, l.y, l.z);
+      out.at(to)[c] = {l.x, d.y, d.z, d.x};
+    }
+  });
   return out;
 }
 

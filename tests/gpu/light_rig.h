@@ -41,6 +41,13 @@ using UvOf = std::function<glm::vec2(const glm::vec3& position, const glm::vec2&
 using DirectionOf = std::function<glm::vec3(const glm::vec3& position)>;
 MeshPtr withAttributes(const MeshPtr& mesh, const UvOf& uvOf, const DirectionOf& directionOf);
 
+/// Random triangles with uvs and directions within +-.9 of the origin: nothing about them is on a tie.
+MeshPtr tangle(bool varying);
+/// The 48 symmetries of the cube.
+std::vector<glm::dmat3> cubeSymmetries();
+/// A field turned about its middle.
+reference::Field turned(const reference::Field& field, const glm::dmat3& symmetry);
+
 /// The lights as the reference sees them.
 std::vector<reference::Emitter> emittersOf(const Grid& grid, const std::vector<EmittingLight>& lights);
 
