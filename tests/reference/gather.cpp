@@ -21,7 +21,7 @@ int third(double u) {
 
 Vpl vplOf(const FluxPair& pair) {
   const double brightest = std::max({pair.areaRadiance.x, pair.areaRadiance.y, pair.areaRadiance.z});
-  return {pair.area, pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area};
+  return {pair.area, pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area, std::nullopt};
 }
 
 /// The bin of a part: that of its direction of emission, or of its normal where directions cancel.
@@ -64,6 +64,7 @@ Vpl& Vpl::operator+=(const Vpl& other) {
   areaRadiance += other.areaRadiance;
   weight += other.weight;
   weightedPosition += other.weightedPosition;
+  spread.reset();
   return *this;
 }
 
@@ -88,6 +89,7 @@ std::vector<CellVpls> cellVpls(const Grid& grid, const std::vector<Emitter>& emi
 VplTree::VplTree(const std::vector<CellVpls>& leaves) {
   for (const CellVpls& leaf : leaves) root_.push_back({leaf.cell, 1, leaf.bins, {}});
   while (root_.size() > 1) root_ = parentsOf(std::move(root_));
+  for (Node& node : root_) settle(node);
 }
 
 std::vector<VplTree::Node> VplTree::parentsOf(std::vector<Node> nodes) {
@@ -103,6 +105,11 @@ std::vector<VplTree::Node> VplTree::parentsOf(std::vector<Node> nodes) {
   std::vector<Node> out;
   for (auto& [key, parent] : parents) out.push_back(std::move(parent));
   return out;
+}
+
+void VplTree::settle(Node& node) {
+  for (auto& [bin, vpl] : node.bins) vpl.spread = spreadOf(vpl);
+  for (Node& child : node.children) settle(child);
 }
 
 void VplTree::collect(const Node& node, const std::array<glm::dvec3, 2>& box, double k, std::vector<Vpl>& out) {
@@ -130,7 +137,7 @@ double spreadOf(const Vpl& vpl) {
   };
   double low = 0.0;
   double high = vpl.area;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const double middle = 0.5 * (low + high);
     (power(middle) > vpl.area ? high : low) = middle;
   }
@@ -139,7 +146,7 @@ double spreadOf(const Vpl& vpl) {
 
 double intensityOf(const Vpl& vpl, const glm::dvec3& w) {
   const double facing = -glm::dot(vpl.areaNormal, w);
-  return 0.5 * std::max(0.0, facing + std::hypot(facing, spreadOf(vpl)));
+  return 0.5 * std::max(0.0, facing + std::hypot(facing, vpl.spread ? *vpl.spread : spreadOf(vpl)));
 }
 
 VplMoments momentsOf(const Vpl& vpl, const glm::dvec3& x, double cellEdge) {

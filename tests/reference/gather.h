@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "reference/emitter.h"
@@ -31,6 +32,7 @@ struct Vpl {
   glm::dvec3 areaRadiance{0.0};      ///< W/sr: radiance x texture over the area
   double weight = 0.0;               ///< area x brightest channel, W/sr
   glm::dvec3 weightedPosition{0.0};  ///< weight x centroid, world
+  std::optional<double> spread;      ///< spreadOf, where it was worked out
 
   Vpl& operator+=(const Vpl& other);
   glm::dvec3 position() const { return weightedPosition / weight; }  ///< p; there is none for a VPL that emits nothing
@@ -68,6 +70,7 @@ class VplTree {
     std::vector<Node> children;
   };
   static std::vector<Node> parentsOf(std::vector<Node> nodes);
+  static void settle(Node& node);
   static void collect(const Node& node, const std::array<glm::dvec3, 2>& box, double k, std::vector<Vpl>& out);
 
   std::vector<Node> root_;  ///< one, or none where nothing emits
