@@ -16,7 +16,8 @@
 namespace lpv::cli {
 namespace {
 
-/// Propagation steps of a still. Light spreads slowly from cell to cell; a live session takes as many as it can afford.
+/// Propagation steps of a still, should PROPAGATE be asked for. Light spreads slowly from cell to cell; a live session
+/// takes as many as it can afford.
 constexpr int kIterations = 512;
 /// Should this process be killed, the server forgets the session by itself.
 constexpr std::int64_t kLifeSeconds = 600;
@@ -64,6 +65,7 @@ Status render(Context& context, const Options& options) {
 
   v1::CreateSessionRequest request;
   request.mutable_settings()->mutable_ttl()->set_seconds(kLifeSeconds);
+  request.mutable_settings()->set_quality(v1::QUALITY_ACCURATE);
   request.mutable_settings()->set_iterations(kIterations);
   options.session.apply(*request.mutable_settings());
   const auto created = client->createSession(request);
@@ -89,7 +91,7 @@ Status render(Context& context, const Options& options) {
 void addRenderCommand(CLI::App& app, Commands& commands) {
   auto given = std::make_shared<Options>();
   CLI::App& command = commands.add(
-      app, "render", "One picture of a file, in a session of its own (512 iterations unless said otherwise)",
+      app, "render", "One picture of a file, in a session of its own (quality accurate unless said otherwise)",
       [given](Context& context) { return render(context, *given); });
   command.add_option("file", given->file, "glb, gltf, obj, ply or stl")->required()->type_name("FILE");
   command.add_option("-o,--output", given->out, "png, jpg, or exr: linear radiance, no tone curve")

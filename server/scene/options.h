@@ -17,7 +17,7 @@ enum class Visibility { kAuto, kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
 /// k of GATHER's distance rule by quality (MATHS.md 3b.3).
-inline constexpr double kFastRule = 2.0;
+inline constexpr double kFastRule = 3.0;
 inline constexpr double kAccurateRule = 6.0;
 
 /// Everything a session may ask of its light transport. Values whose feature is not in this version are refused by

@@ -1,8 +1,9 @@
 // Time against error: grid x distance rule x lookup x transport, through the engine as sessions use it. Truth is the
 // closed form for polygons (Lambert; Arvo 1995), without occluders; receivers are 864 points of six walls and random
-// object points at least two cells from the light (MATHS.md 4, 5). Times are of ticks in which the light has moved.
+// object points at least two cells from the light (MATHS.md 4, 5). Times are of ticks in which the light has moved and the
+// whole grid is wanted; a receiver's is what one lookup costs on one core.
 //
-//   accuracy_bench [--grids 16,32,64] [--mesh NAME] [--poses N] [--csv FILE]
+//   accuracy_bench [--grids 16,32,64] [--mesh NAME] [--way NAME] [--poses N] [--repeats N] [--table FILE]
 //
 // LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
 
@@ -48,7 +49,7 @@ struct Way {
   std::string name;
   Transport transport = Transport::kGather;
   double k = 0.0;
-  int iterationsPerCell = 0;  ///< PROPAGATE: iterations are this many times the longest edge
+  int iterationsPerCell = 0;  ///< PROPAGATE: iterations are this many times the edge of the grid
   bool clamp = false;
 };
 
@@ -58,11 +59,10 @@ std::vector<Way> ways() {
           {"PROPAGATE clamped", kPropagate, 0.0, 2, true},
           {"GATHER k 1.5", kGather, 1.5},
           {"GATHER k 2", kGather, 2.0},
-          {"GATHER k 2.25", kGather, 2.25},
-          {"GATHER k 2.5", kGather, 2.5},
           {"GATHER k 3", kGather, 3.0},
           {"GATHER k 4", kGather, 4.0},
-          {"GATHER k 6", kGather, 6.0}};
+          {"GATHER k 6", kGather, 6.0},
+          {"DIRECT", kDirect, 6.0}};
 }
 
 /// The light in the middle of a unit cube, a quarter of it across, turned and moved by parts of a cell.
@@ -140,77 +140,111 @@ Times timesOf(Engine& engine, const Scene& scene, int repeats) {
   return {1e3 * medianOf(voxelize), 1e3 * medianOf(transport), 1e3 * medianOf(cpu)};
 }
 
-std::vector<glm::dvec3> seen(const Volume& volume, Lookup lookup, const std::vector<Receiver>& receivers) {
-  std::vector<glm::dvec3> out;
-  for (const Receiver& r : receivers) out.push_back(irradianceAt(volume, lookup, r.position, r.normal).rgb);
+/// How receivers read the result: a lookup of the volume alone, or with the lights themselves where they are near (all of
+/// it with DIRECT).
+struct Reading {
+  std::string name;
+  Lookup lookup = Lookup::kCap;
+  bool nearField = false;
+};
+
+std::vector<Reading> readingsOf(const Way& way) {
+  if (way.transport == Transport::kDirect) return {{"DIRECT", Lookup::kCap, true}};
+  if (way.transport == Transport::kPropagate) return {{"SH2", Lookup::kSh2, false}};
+  return {{"SH2", Lookup::kSh2, false}, {"CAP", Lookup::kCap, false}, {"CAP, near field", Lookup::kCap, true}};
+}
+
+using Colours = std::vector<glm::dvec3>;
+
+Colours seen(const Volume& volume, const Reading& reading, const std::vector<Receiver>& receivers) {
+  const auto look = reading.nearField ? irradianceWithNearField : irradianceAt;
+  Colours out;
+  for (const Receiver& r : receivers) out.push_back(look(volume, reading.lookup, r.position, r.normal).rgb);
   return out;
 }
 
-/// What all poses say together.
-struct Collected {
-  std::vector<glm::dvec3> truth, cap, sh2;
+/// Receivers and the truth for one pose of a light.
+struct Judged {
+  std::vector<Receiver> walls, objects;
+  Colours wallTruth, objectTruth;
 };
 
-void collect(Collected& all, const Volume& volume, const std::vector<reference::Emitter>& emitters,
-             const std::vector<Receiver>& receivers) {
-  const auto append = [](std::vector<glm::dvec3>& to, const std::vector<glm::dvec3>& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(all.truth, reference::irradiances(emitters, receivers));
-  append(all.cap, seen(volume, Lookup::kCap, receivers));
-  append(all.sh2, seen(volume, Lookup::kSh2, receivers));
+std::vector<Judged> judge(const Named& light, int cells, int poses) {
+  std::vector<Judged> out;
+  for (int pose = 0; pose < poses; ++pose) {
+    const Scene scene = sceneOf(light, ways().front(), cells, pose);
+    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+    Judged& j = out.emplace_back();
+    j.walls = reference::wallReceivers(scene.grid);
+    j.objects = reference::objectReceivers(scene.grid, emitters, 200);
+    j.wallTruth = reference::irradiances(emitters, j.walls);
+    j.objectTruth = reference::irradiances(emitters, j.objects);
+  }
+  return out;
 }
 
 struct Row {
-  std::string mesh, way, lookup;
+  std::string mesh, way, reading;
   int cells = 0;
   Times times;
   Errors walls, objects;
   std::uint64_t vpls = 0;
+  double receiverUs = 0.0;
 };
 
 void print(std::ostream& out, const Row& r) {
   char line[320];
-  std::snprintf(line, sizeof line, "%s,%d,%s,%s,%llu,%.3f,%.3f,%.3f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f", r.mesh.c_str(),
-                r.cells, r.way.c_str(), r.lookup.c_str(), static_cast<unsigned long long>(r.vpls), r.times.voxelize,
-                r.times.transport, r.times.cpu, r.walls.raw, r.walls.shape, r.walls.worst, r.objects.raw,
-                r.objects.shape, r.objects.worst);
+  std::snprintf(line, sizeof line, "%s\t%d\t%s\t%s\t%llu\t%.3f\t%.3f\t%.3f\t%.2f\t%.5f\t%.5f\t%.5f\t%.5f\t%.5f\t%.5f",
+                r.mesh.c_str(), r.cells, r.way.c_str(), r.reading.c_str(), static_cast<unsigned long long>(r.vpls),
+                r.times.voxelize, r.times.transport, r.times.cpu, r.receiverUs, r.walls.raw, r.walls.shape,
+                r.walls.worst, r.objects.raw, r.objects.shape, r.objects.worst);
   out << line << std::endl;
 }
 
-std::vector<Row> measure(Engine& engine, const Named& light, const Way& way, int cells, int poses, int repeats) {
-  Collected walls, objects;
+void append(Colours& to, const Colours& from) { to.insert(to.end(), from.begin(), from.end()); }
+
+std::vector<Row> measure(Engine& engine, const Named& light, const Way& way, int cells,
+                         const std::vector<Judged>& poses, int repeats) {
+  std::vector<VolumePtr> volumes;
   std::uint64_t vpls = 0;
-  for (int pose = 0; pose < poses; ++pose) {
-    const Scene scene = sceneOf(light, way, cells, pose);
-    const TickResult result = tick(engine, scene);
+  for (int pose = 0; pose < int(poses.size()); ++pose) {
+    const TickResult result = tick(engine, sceneOf(light, way, cells, pose));
+    volumes.push_back(result.transported);
     vpls = result.report.vpls;
-    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
-    collect(walls, *result.transported, emitters, reference::wallReceivers(scene.grid));
-    collect(objects, *result.transported, emitters, reference::objectReceivers(scene.grid, emitters, 200));
   }
   const Times times = timesOf(engine, sceneOf(light, way, cells, 1), repeats);
   std::vector<Row> rows;
-  rows.push_back({light.name, way.name, "CAP", cells, times, reference::errors(walls.cap, walls.truth),
-                  reference::errors(objects.cap, objects.truth), vpls});
-  rows.push_back({light.name, way.name, "SH2", cells, times, reference::errors(walls.sh2, walls.truth),
-                  reference::errors(objects.sh2, objects.truth), vpls});
+  for (const Reading& reading : readingsOf(way)) {
+    Colours walls, wallTruth, objects, objectTruth;
+    const double before = cpuSeconds();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      append(walls, seen(*volumes[i], reading, poses[i].walls));
+      append(objects, seen(*volumes[i], reading, poses[i].objects));
+    }
+    const double perReceiver = (cpuSeconds() - before) / double(walls.size() + objects.size());
+    for (const Judged& j : poses) {
+      append(wallTruth, j.wallTruth);
+      append(objectTruth, j.objectTruth);
+    }
+    rows.push_back({light.name, way.name, reading.name, cells, times, reference::errors(walls, wallTruth),
+                    reference::errors(objects, objectTruth), vpls, 1e6 * perReceiver});
+  }
   return rows;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Time against error of the transports, as CSV");
+  CLI::App app("Time against error of the transports, as a table with tabs between columns");
   std::vector<int> grids = {16, 32, 64};
-  std::string only, csv, onlyWay;
+  std::string only, table, onlyWay;
   int poses = 2, repeats = 5;
   app.add_option("--grids", grids, "Cells along an edge")->delimiter(',');
   app.add_option("--mesh", only, "Only the mesh whose name begins so");
   app.add_option("--way", onlyWay, "Only ways whose name begins so");
   app.add_option("--poses", poses, "Poses that the errors are taken over");
   app.add_option("--repeats", repeats, "Ticks that the times are medians of");
-  app.add_option("--csv", csv, "Write the table there too");
+  app.add_option("--table", table, "Write the table there too");
   CLI11_PARSE(app, argc, argv);
 
   Expected<std::unique_ptr<Engine>> engine = startEngine({});
@@ -220,18 +254,19 @@ int main(int argc, char** argv) {
   }
   std::cerr << (*engine)->device().name << "\n";
   std::ofstream file;
-  if (!csv.empty()) file.open(csv);
+  if (!table.empty()) file.open(table);
   const char* header =
-      "mesh,cells,transport,lookup,vpls,voxelize_ms,transport_ms,tick_cpu_ms,walls_raw,walls_shape,walls_worst,"
-      "objects_raw,objects_shape,objects_worst\n";
+      "mesh\tcells\ttransport\tlookup\tvpls\tvoxelize_ms\ttransport_ms\ttick_cpu_ms\treceiver_us\twalls_raw\twalls_shape\t"
+      "walls_worst\tobjects_raw\tobjects_shape\tobjects_worst\n";
   std::cout << header;
   file << header;
   for (const Named& light : meshes()) {
     if (light.name.rfind(only, 0) != 0) continue;
     for (const int cells : grids) {
+      const std::vector<Judged> judged = judge(light, cells, poses);
       for (const Way& way : ways()) {
         if (way.name.rfind(onlyWay, 0) != 0) continue;
-        for (const Row& row : measure(**engine, light, way, cells, poses, repeats)) {
+        for (const Row& row : measure(**engine, light, way, cells, judged, repeats)) {
           print(std::cout, row);
           if (file.is_open()) print(file, row);
         }

@@ -32,7 +32,11 @@ LoadSession::~LoadSession() {
 Status LoadSession::prepare() {
   v1::CreateSessionRequest request;
   request.mutable_settings()->mutable_grid()->set_longest(load_.grid);
-  request.mutable_settings()->set_iterations(load_.iterations);
+  const bool propagate = load_.transport == "propagate";
+  request.mutable_settings()->set_transport(propagate                     ? v1::TRANSPORT_PROPAGATE
+                                            : load_.transport == "direct" ? v1::TRANSPORT_DIRECT
+                                                                          : v1::TRANSPORT_GATHER);
+  if (propagate) request.mutable_settings()->set_iterations(load_.iterations);
   const auto created = client_.createSession(request);
   if (!created) return created.status();
   id_ = client::sessionId(created->session().name());

@@ -30,7 +30,7 @@ nlohmann::json asJson(const Load& load, const Measured& m) {
           {"version", m.version},
           {"seconds", m.seconds},
           {"grid", load.grid},
-          {"iterations", load.iterations},
+          {"transport", load.transport},
           {"frame", {load.width, load.height}},
           {"surface_triangles", m.surfaceTriangles},
           {"light_triangles", m.lightTriangles},
@@ -55,10 +55,10 @@ void printStages(const char* title, const nlohmann::json& stages) {
 }
 
 void print(const nlohmann::json& j) {
-  std::printf("%s, %s light of %lld triangles in a scene of %lld, grid %d, %d iterations, %dx%d, %s\n",
+  std::printf("%s, %s light of %lld triangles in a scene of %lld, grid %d, %s, %dx%d, %s\n",
               j["version"].get<std::string>().c_str(), j["mode"] == "deform" ? "deforming" : "moving",
               j["light_triangles"].get<long long>(), j["surface_triangles"].get<long long>(), j["grid"].get<int>(),
-              j["iterations"].get<int>(), j["frame"][0].get<int>(), j["frame"][1].get<int>(),
+              j["transport"].get<std::string>().c_str(), j["frame"][0].get<int>(), j["frame"][1].get<int>(),
               j["device"].get<std::string>().c_str());
   std::printf("  edits/s %.1f  ticks/s %.1f  frames/s %.1f (%.0f kB each)  volumes/s %.1f\n",
               j["edits_per_s"].get<double>(), j["ticks_per_s"].get<double>(), j["frames_per_s"].get<double>(),
@@ -97,7 +97,7 @@ void appendRow(const std::string& path, const std::string& name, const nlohmann:
   }
   for (const char* key : {"p50", "p95", "p99", "max"}) column(std::string("latency_") + key, j["latency_ms"][key]);
   column("warm_up_max", j["warm_up"]["latency_ms"]["max"]);
-  for (const char* stage : {"voxelize", "propagate", "emitters", "shade"}) {
+  for (const char* stage : {"voxelize", "propagate", "gather", "emitters", "shade"}) {
     column(stage, j["stage_ms_median"].value(stage, 0.0));
   }
   if (isNew) file << header << "\n";
@@ -122,7 +122,10 @@ int main(int argc, char** argv) {
   app.add_option("--radiance", load.radiance, "of the light, each colour")->capture_default_str();
   app.add_option("--camera", load.camera, "eye x y z target x y z")->expected(6);
   app.add_option("--grid", load.grid, "cells along the longest edge")->capture_default_str();
-  app.add_option("--iterations", load.iterations, "propagation steps")->capture_default_str();
+  app.add_option("--transport", load.transport)
+      ->check(CLI::IsMember({"gather", "propagate", "direct"}))
+      ->capture_default_str();
+  app.add_option("--iterations", load.iterations, "steps of --transport propagate")->capture_default_str();
   app.add_option("--width", load.width)->capture_default_str();
   app.add_option("--height", load.height)->capture_default_str();
   app.add_option("--rate", load.rate, "edits per second")->capture_default_str();

@@ -22,7 +22,8 @@ struct Load {
   double radiance = 8.0;
   std::vector<double> camera;                  ///< eye, target; empty: the server's choice
   int grid = 32;
-  int iterations = 32;
+  std::string transport = "gather";            ///< or "propagate", "direct"
+  int iterations = 32;                         ///< of propagate
   int width = 640;
   int height = 360;
   double rate = 30.0;                          ///< edits per second
