@@ -14,7 +14,8 @@ static_assert(float(kNearBegin) == layout::kNearBegin && float(kNearEnd) == layo
 
 namespace {
 
-/// Corners in grid space, counter-clockwise seen from the front: a mirrored transform keeps the object-space outer side.
+/// Corners in grid space, counter-clockwise seen from the front: a mirrored transform keeps the object-space outer
+/// side.
 void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
   for (glm::uvec3 t : light.mesh->triangles) {
     if (light.mirrored) std::swap(t.y, t.z);

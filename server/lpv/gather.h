@@ -1,6 +1,6 @@
 #pragma once
-// Stage: transport GATHER (MATHS.md 3b.3-4): every cell that is asked for sums the lights' VPLs, nearby ones one by one,
-// far ones as nodes of their tree.
+// Stage: transport GATHER (MATHS.md 3b.3-4): every cell that is asked for sums the lights' VPLs, nearby ones one by
+// one, far ones as nodes of their tree.
 
 #include <cstdint>
 #include <vector>

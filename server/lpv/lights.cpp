@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <set>
 
 namespace lpv {
 
@@ -46,17 +44,6 @@ Palette redGreenBlue(const std::vector<EmittingLight>& lights) {
 }
 
 }  // namespace
-
-std::vector<std::string> groupsOf(const Scene&, std::vector<EmittingLight>& lights) {
-  std::set<std::string> names;
-  for (const EmittingLight& light : lights) names.insert(light.source == nullptr ? std::string() : light.source->group);
-  if (names.empty()) names.insert("");
-  for (EmittingLight& light : lights) {
-    const std::string name = light.source == nullptr ? std::string() : light.source->group;
-    light.group = int(std::distance(names.begin(), names.find(name)));
-  }
-  return {names.begin(), names.end()};
-}
 
 bool EmittingLight::emitsLike(const EmittingLight& other) const {
   return mesh == other.mesh && gridFromObject == other.gridFromObject && radiance == other.radiance &&

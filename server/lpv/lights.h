@@ -29,10 +29,6 @@ struct EmittingLight {
 /// The scene's emitting lights in name order. `previous` saves working out radiance from power for unchanged lights.
 std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<EmittingLight>& previous);
 
-/// Names of the groups that the lights are in, in order, and each light's place among them into `lights`; one group, the
-/// default, for no light at all.
-std::vector<std::string> groupsOf(const Scene& scene, std::vector<EmittingLight>& lights);
-
 /// The field is kept per channel of colour, not per colour: lights of one chromaticity share a channel, whose colour is
 /// applied at the end. Transport is linear, so this is exact, and one white light costs a third. A textured light has
 /// every colour.

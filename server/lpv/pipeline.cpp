@@ -61,6 +61,7 @@ std::set<std::string> lightFeatures(const SessionState& session) {
 void fillReport(const SessionState& session, TickReport& report) {
   report.features = {session.method.injection == Injection::kFlux ? "flux" : "count", nameOf(session.method.method),
                      transportName(session.field->transport), session.palette.channels == 1 ? "monochrome" : "colour"};
+  if (session.groups.size() > 1) report.features.push_back(std::to_string(session.groups.size()) + " groups");
   if (session.clampFaces) report.features.emplace_back("clamp-faces");
   for (const std::string& feature : lightFeatures(session)) report.features.push_back(feature);
   report.trianglesSkipped = session.trianglesSkipped;
@@ -197,7 +198,8 @@ Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
 Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
   const std::size_t productBytes = s.field->grid.cells() * s.groups.size() * 12 * sizeof(float);
   if (!request.frames.empty() && !s.textured && s.field->transport != Transport::kDirect) {
-    if (!s.textures) s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups,
+    if (!s.textures)
+      s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups,
                          s.field->transport == Transport::kGather);
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kTextures, &*s.textures, nullptr, pacing(s));
     s.textured = copies.counters = true;

@@ -12,7 +12,8 @@ const glm::dvec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
 /// Trilinear lookup reads the centres of the cells around a point: up to half a cell away from those it lies between.
 constexpr double kReach = 1.0;
 
-/// Marks what lies within kReach of a triangle, block by block: its box, and how far its plane passes the block's centre.
+/// Marks what lies within kReach of a triangle, block by block: its box, and how far its plane passes the block's
+/// centre.
 class BlockMarks {
  public:
   explicit BlockMarks(const glm::ivec3& dims)
@@ -43,8 +44,7 @@ class BlockMarks {
     for (int z = 0; z < across_.z; ++z) {
       for (int y = 0; y < across_.y; ++y) {
         for (int x = 0; x < across_.x; ++x) {
-          if (marks_[index(x, y, z)])
-            out.push_back(std::uint32_t(x) | std::uint32_t(y) << 8 | std::uint32_t(z) << 16);
+          if (marks_[index(x, y, z)]) out.push_back(std::uint32_t(x) | std::uint32_t(y) << 8 | std::uint32_t(z) << 16);
         }
       }
     }

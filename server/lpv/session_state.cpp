@@ -21,13 +21,17 @@ void SessionState::adopt(const Scene& scene) {
   const bool sameField = field != nullptr && field->grid == scene.grid && field->transport == options.transport;
   const bool sameMethod = method == wantedMethod;
   method = wantedMethod;
-  if (!sameField || !sameMethod || !injected || !emitAlike(now, lights)) {
+  const bool sameGrouping = ownGroups == groupsItself(options);
+  ownGroups = groupsItself(options);
+  if (!sameField || !sameMethod || !sameGrouping || !injected || !emitAlike(now, lights)) {
     adoptLights(scene, std::move(now));
   } else {
+    for (std::size_t i = 0; i < now.size(); ++i) now[i].group = lights[i].group;
     lights = std::move(now);
   }
   const int wantedIterations = options.iterationsFor(scene.grid);
-  if (!transported || iterations != wantedIterations || clampFaces != options.clampFaces || k != options.distanceRule()) {
+  if (!transported || iterations != wantedIterations || clampFaces != options.clampFaces ||
+      k != options.distanceRule()) {
     iterations = wantedIterations;
     clampFaces = options.clampFaces;
     k = options.distanceRule();
@@ -40,9 +44,17 @@ void SessionState::adopt(const Scene& scene) {
 }
 
 void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> now) {
+  std::vector<int> previous;
+  for (const EmittingLight& light : now) {
+    const auto same = [&](const EmittingLight& old) {
+      return old.source != nullptr && old.source->name == light.source->name;
+    };
+    const auto old = std::find_if(lights.begin(), lights.end(), same);
+    if (old != lights.end()) previous.push_back(old->group);
+  }
   lights = std::move(now);
   palette = choosePalette(lights);
-  groups = groupsOf(scene, lights);
+  groups = groupLights(scene, lights, previous);
   keepVoxels(scene.grid.dims);
   box = cellsAround(lights, scene.grid.dims);
   injected = false;

@@ -12,6 +12,7 @@
 #include "lpv/engine.h"
 #include "lpv/field.h"
 #include "lpv/gather.h"
+#include "lpv/grouping.h"
 #include "lpv/lights.h"
 #include "lpv/scene_cache.h"
 #include "lpv/shade.h"
@@ -42,6 +43,7 @@ struct SessionState {
   bool clampFaces = false;          ///< PROPAGATE
   double k = 0.0;                   ///< GATHER
   std::vector<std::string> groups;  ///< of lights, by name, in the order of the field's
+  bool ownGroups = false;           ///< chosen, where the scene names none
   std::unique_ptr<LightField> field;
 
   // What of it is up to date.

@@ -20,8 +20,8 @@ gpu::Defines with(gpu::Defines variant, const char* name) {
 }
 
 std::size_t recordBytes(const gpu::Defines& variant) {
-  const bool textured = std::find(variant.begin(), variant.end(), gpu::Defines::value_type("LPV_TEXTURED", "1")) !=
-                        variant.end();
+  const bool textured =
+      std::find(variant.begin(), variant.end(), gpu::Defines::value_type("LPV_TEXTURED", "1")) != variant.end();
   return (textured ? 3 : 2) * sizeof(glm::vec4);
 }
 

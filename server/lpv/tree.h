@@ -31,8 +31,7 @@ class TreeBuilder {
   static VplCounts read(const gpu::Readback& header);
   /// Puts the counted VPLs into the tree's records, which are made larger where needed. `unit`: area that a moment of 1
   /// stands for, cell^2; `scale`: fixed-point units of a moment of 1. Throws gpu::Failure (RESOURCE_EXHAUSTED).
-  void build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, double unit,
-             double scale);
+  void build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, double unit, double scale);
 
  private:
   void pass(const VplTree& tree, const gpu::Defines& variant, const char* name, int level, std::uint32_t threads);

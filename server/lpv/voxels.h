@@ -21,7 +21,7 @@ struct VoxelMethod {
   Injection injection = Injection::kCount;
   InjectionMethod method = InjectionMethod::kCompute;
   int denseSamples = 0;  ///< per triangle, kDense only
-  bool vpls = false;     ///< FLUX: into VPLs and their tree (GATHER, DIRECT), not into one lobe per cell
+  bool vpls = false;  ///< FLUX: into VPLs and their tree (GATHER, DIRECT), not into one lobe per cell
 
   bool operator==(const VoxelMethod&) const = default;
 };
@@ -51,7 +51,7 @@ struct VplTree {
   gpu::Buffer records;
   gpu::BufferTexture texels;  ///< the same, as transport reads them
   std::uint32_t recordCount = 0;
-  std::uint32_t vplCount = 0;   ///< of the leaves
+  std::uint32_t vplCount = 0;  ///< of the leaves
   std::uint32_t cellCount = 0;  ///< that hold light
   std::uint32_t degenerate = 0;  ///< triangles without area
 
@@ -72,7 +72,7 @@ struct LightVoxels {
   std::unique_ptr<VplTree> tree;  ///< instead of them, with VoxelMethod::vpls
   double unit = 1.0;  ///< FLUX: area that a moment of 1 stands for, cell^2; COUNT: 1
   double brightest = 1.0;  ///< radiance factor that a colour of 1 stands for
-  int group = 0;               ///< of the field that it was put into
+  int group = 0;  ///< of the field that it was put into
   double roundingError = 0.0;  ///< bound for one coefficient, relative to the largest possible
 
   /// Whether the voxels of a light in this box fit; a tree takes the box over.

@@ -1,6 +1,6 @@
 #pragma once
-// Irradiance from the lights themselves, without a grid between (MATHS.md 3c): few polygons by the closed form (Lambert;
-// Arvo 1995), everything else as VPLs through the light's tree. The GLSL twin is shaders/direct.glsl.
+// Irradiance from the lights themselves, without a grid between (MATHS.md 3c): few polygons by the closed form
+// (Lambert; Arvo 1995), everything else as VPLs through the light's tree. The GLSL twin is shaders/direct.glsl.
 
 #include <glm/glm.hpp>
 #include <memory>
@@ -28,8 +28,8 @@ struct DirectLights {
 };
 using DirectLightsPtr = std::shared_ptr<const DirectLights>;
 
-/// E of unit radiance of a triangle, counter-clockwise seen from its front (from both sides when `sides` is 2), its corners
-/// given from the receiver, cut at the horizon of n.
+/// E of unit radiance of a triangle, counter-clockwise seen from its front (from both sides when `sides` is 2), its
+/// corners given from the receiver, cut at the horizon of n.
 double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, int sides);
 
 }  // namespace lpv

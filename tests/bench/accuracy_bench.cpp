@@ -1,7 +1,7 @@
 // Time against error: grid x distance rule x lookup x transport, through the engine as sessions use it. Truth is the
 // closed form for polygons (Lambert; Arvo 1995), without occluders; receivers are 864 points of six walls and random
-// object points at least two cells from the light (MATHS.md 4, 5). Times are of ticks in which the light has moved and the
-// whole grid is wanted; a receiver's is what one lookup costs on one core.
+// object points at least two cells from the light (MATHS.md 4, 5). Times are of ticks in which the light has moved and
+// the whole grid is wanted; a receiver's is what one lookup costs on one core.
 //
 //   accuracy_bench [--grids 16,32,64] [--mesh NAME] [--way NAME] [--poses N] [--repeats N] [--table FILE]
 //
@@ -55,14 +55,10 @@ struct Way {
 
 std::vector<Way> ways() {
   using enum Transport;
-  return {{"PROPAGATE", kPropagate, 0.0, 2},
-          {"PROPAGATE clamped", kPropagate, 0.0, 2, true},
-          {"GATHER k 1.5", kGather, 1.5},
-          {"GATHER k 2", kGather, 2.0},
-          {"GATHER k 3", kGather, 3.0},
-          {"GATHER k 4", kGather, 4.0},
-          {"GATHER k 6", kGather, 6.0},
-          {"DIRECT", kDirect, 6.0}};
+  return {{"PROPAGATE", kPropagate, 0.0, 2}, {"PROPAGATE clamped", kPropagate, 0.0, 2, true},
+          {"GATHER k 1.5", kGather, 1.5},    {"GATHER k 2", kGather, 2.0},
+          {"GATHER k 3", kGather, 3.0},      {"GATHER k 4", kGather, 4.0},
+          {"GATHER k 6", kGather, 6.0},      {"DIRECT", kDirect, 6.0}};
 }
 
 /// The light in the middle of a unit cube, a quarter of it across, turned and moved by parts of a cell.
@@ -140,8 +136,8 @@ Times timesOf(Engine& engine, const Scene& scene, int repeats) {
   return {1e3 * medianOf(voxelize), 1e3 * medianOf(transport), 1e3 * medianOf(cpu)};
 }
 
-/// How receivers read the result: a lookup of the volume alone, or with the lights themselves where they are near (all of
-/// it with DIRECT).
+/// How receivers read the result: a lookup of the volume alone, or with the lights themselves where they are near (all
+/// of it with DIRECT).
 struct Reading {
   std::string name;
   Lookup lookup = Lookup::kCap;
@@ -256,7 +252,8 @@ int main(int argc, char** argv) {
   std::ofstream file;
   if (!table.empty()) file.open(table);
   const char* header =
-      "mesh\tcells\ttransport\tlookup\tvpls\tvoxelize_ms\ttransport_ms\ttick_cpu_ms\treceiver_us\twalls_raw\twalls_shape\t"
+      "mesh\tcells\ttransport\tlookup\tvpls\tvoxelize_ms\ttransport_ms\ttick_cpu_ms\treceiver_us\twalls_raw\twalls_"
+      "shape\t"
       "walls_worst\tobjects_raw\tobjects_shape\tobjects_worst\n";
   std::cout << header;
   file << header;
