@@ -28,7 +28,7 @@ float triangleIrradiance(vec3 a, vec3 b, vec3 c, vec3 n, float sides) {
     const vec3 p = corners[i], q = corners[(i + 1) % 3];
     const float hp = dot(p, n), hq = dot(q, n);
     if (hp <= 0.0 && hq <= 0.0) continue;
-    const vec3 cut = hp * hq < 0.0 ? p + (q - p) * (hp / (hp - hq)) : hp <= 0.0 ? p : q;
+    const vec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
     if (hp > 0.0 && hq <= 0.0) leaves = cut;
     if (hp <= 0.0 && hq > 0.0) returns = cut;
     sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
