@@ -28,7 +28,7 @@ float triangleIrradiance(vec3 a, vec3 b, vec3 c, vec3 n, float sides) {
     const vec3 p = corners[i], q = corners[(i + 1) % 3];
     const float hp = dot(p, n), hq = dot(q, n);
     if (hp <= 0.0 && hq <= 0.0) continue;
-    const vec3 cut = hp * hq < 0.0 ? p + (q - p) * (hp / (hp - hq)) : hp <= 0.0 ? p : q;
+    const vec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
     if (hp > 0.0 && hq <= 0.0) leaves = cut;
     if (hp <= 0.0 && hq > 0.0) returns = cut;
     sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
@@ -58,16 +58,16 @@ vec3 vplIrradiance(int at, int stride, vec3 x, vec3 n, float sides) {
   return stride == 3 ? e * texelFetch(direct, at + 2).rgb : vec3(e);
 }
 
-/// As GATHER walks it (shaders/gather.comp), but for a point. A walk that becomes too long takes nodes whole.
-vec3 treeIrradiance(int first, int records, int stride, vec3 x, vec3 n, float sides, float k) {
+/// As GATHER walks it (shaders/gather.comp), but for a point. From `most` rounds on nodes are taken whole.
+vec3 treeIrradiance(int first, int records, int stride, vec3 x, vec3 n, float sides, float k, inout int rounds,
+                    int most) {
   vec3 sum = vec3(0.0);
-  int rounds = 0;
   for (int at = 0; at < records;) {
     const vec4 node = texelFetch(direct, first + at * stride), next = texelFetch(direct, first + at * stride + 1);
     const int vpls = int(next.x), after = int(next.y);
     const vec3 d = node.xyz - x;
     const bool leaf = after == at + 1 + vpls;
-    const bool whole = leaf || dot(d, d) > k * k * node.w * node.w || rounds > kMaxRounds;
+    const bool whole = leaf || dot(d, d) > k * k * node.w * node.w || rounds > most;
     const int last = whole ? at + vpls : at;
     for (int i = at + 1; i <= last; ++i) sum += vplIrradiance(first + i * stride, stride, x, n, sides);
     rounds += 1 + last - at;
@@ -76,17 +76,22 @@ vec3 treeIrradiance(int first, int records, int stride, vec3 x, vec3 n, float si
   return sum;
 }
 
-/// E in W/m^2 at a grid position on a surface with unit normal n.
+/// E in W/m^2 at a grid position on a surface with unit normal n. All lights together are given kMaxRounds, each an
+/// equal share of what those before it left.
 vec3 directIrradiance(vec3 x, vec3 n) {
   const vec4 what = texelFetch(direct, 0);
+  const int lights = int(what.x);
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < int(what.x); ++i) {
+  int rounds = 0;
+  for (int i = 0; i < lights; ++i) {
     const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
     const int first = int(where.x), count = int(where.y);
     if (radiance.w == 0.0) {
       sum += radiance.rgb * polygonIrradiance(first, count, x, n, where.z);
+      rounds += 4 * count;  // a triangle and its edges
     } else {
-      sum += radiance.rgb * treeIrradiance(first, count, int(where.w), x, n, where.z, what.y);
+      const int most = rounds + (kMaxRounds - rounds) / (lights - i);
+      sum += radiance.rgb * treeIrradiance(first, count, int(where.w), x, n, where.z, what.y, rounds, most);
     }
   }
   return sum;

@@ -36,13 +36,22 @@ vec3 gridPosition(float depth) {
   return frame.eye.xyz + frame.depth.x / (depth + frame.depth.y) * ray;
 }
 
+#if LPV_DIRECT == 1
+/// As in server/scene/direct.h.
+float farFromEmitters(vec3 p) {
+  const vec3 dims = vec3(frame.dims.xyz);
+  if (any(lessThan(p, vec3(-0.5))) || any(greaterThan(p, dims + 0.5))) return 0.0;
+  return smoothstep(kNearBegin, kNearEnd, textureLod(proximity, p / dims, 0.0).x);
+}
+#endif
+
 vec3 irradiance(vec3 p, vec3 n) {
 #if LPV_DIRECT == 2
   return directIrradiance(p, n);
 #else
   const vec3 e = irradianceAt(p, n, frame.dims.xyz, frame.palette.rgb);
 #if LPV_DIRECT == 1
-  const float far = smoothstep(kNearBegin, kNearEnd, textureLod(proximity, p / vec3(frame.dims.xyz), 0.0).x);
+  const float far = farFromEmitters(p);
   if (far < 1.0) return mix(directIrradiance(p, n), e, far);
 #endif
   return e;

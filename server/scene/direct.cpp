@@ -65,7 +65,7 @@ double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, i
     const glm::dvec3 &p = corners[i], &q = corners[(i + 1) % 3];
     const double hp = glm::dot(p, n), hq = glm::dot(q, n);
     if (hp <= 0.0 && hq <= 0.0) continue;
-    const glm::dvec3 cut = hp * hq < 0.0 ? p + (q - p) * (hp / (hp - hq)) : hp <= 0.0 ? p : q;
+    const glm::dvec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
     if (hp > 0.0 && hq <= 0.0) leaves = cut;
     if (hp <= 0.0 && hq > 0.0) returns = cut;
     sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
