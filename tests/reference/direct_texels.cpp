@@ -20,6 +20,14 @@ glm::dvec3 pointIn(Random& random, double low, double high) {
   return {x, y, uniform(random, low, high)};
 }
 
+Vpl vplOf(const DirectVpl& v) {
+  Vpl vpl;
+  vpl.area = vpl.weight = v.area;
+  vpl.areaNormal = v.areaNormal;
+  vpl.weightedPosition = v.area * v.position;
+  return vpl;
+}
+
 std::size_t recordsOf(const DirectNode& node) {
   std::size_t records = 1 + node.vpls.size();
   for (const DirectNode& child : node.children) records += recordsOf(child);
@@ -34,8 +42,7 @@ void addRecords(const DirectNode& node, bool coloured, std::size_t at, std::vect
   };
   add(glm::vec4(node.centre, node.edge), {float(node.vpls.size()), float(at + recordsOf(node)), 0, 0}, glm::vec4(0));
   for (const DirectVpl& v : node.vpls) {
-    const double rest = std::max(0.0, v.area - glm::length(v.areaNormal)) / 4.0;
-    add(glm::vec4(v.position, v.area), glm::vec4(v.areaNormal, rest), glm::vec4(v.colour, 0.0));
+    add(glm::vec4(v.position, v.area), glm::vec4(v.areaNormal, spreadOf(vplOf(v))), glm::vec4(v.colour, 0.0));
   }
   at += 1 + node.vpls.size();
   for (const DirectNode& child : node.children) {
@@ -45,10 +52,7 @@ void addRecords(const DirectNode& node, bool coloured, std::size_t at, std::vect
 }
 
 glm::dvec3 ofVpl(const DirectVpl& v, bool twoSided, const glm::dvec3& x, const glm::dvec3& n) {
-  Vpl vpl;
-  vpl.area = vpl.weight = v.area;
-  vpl.areaNormal = v.areaNormal;
-  vpl.weightedPosition = v.area * v.position;
+  Vpl vpl = vplOf(v);
   double e = std::max(0.0, glm::dot(momentsOf(vpl, x, 1.0).vectorIrradiance, n));
   vpl.areaNormal = -v.areaNormal;
   if (twoSided) e += std::max(0.0, glm::dot(momentsOf(vpl, x, 1.0).vectorIrradiance, n));

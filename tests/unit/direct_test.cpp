@@ -182,7 +182,7 @@ void expectSum(const std::string& name, const std::vector<reference::DirectLight
       }
     }
     EXPECT_GT(largest, 0.0) << name;
-    // `rest` is kept as a float.
+    // The spread is kept as a float.
     EXPECT_LE(apart, 1e-7 * largest) << name << ", k " << k;
   }
 }
