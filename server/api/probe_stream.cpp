@@ -100,17 +100,18 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   void workLocked() {
     if (working_ || !result_ || waiting_.empty()) return;
     working_ = true;
-    context_.pool->post([self = me(), points = std::move(waiting_.front()), result = *result_, volumeOnly = volumeOnly_] {
-      pb::ProbeResponse answer;
-      answerPoints(result, points, volumeOnly, &answer);
-      {
-        const std::lock_guard lock(self->mutex_);
-        self->answers_.push_back(std::move(answer));
-        self->working_ = false;
-        self->workLocked();
-      }
-      self->wake();
-    });
+    context_.pool->post(
+        [self = me(), points = std::move(waiting_.front()), result = *result_, volumeOnly = volumeOnly_] {
+          pb::ProbeResponse answer;
+          answerPoints(result, points, volumeOnly, &answer);
+          {
+            const std::lock_guard lock(self->mutex_);
+            self->answers_.push_back(std::move(answer));
+            self->working_ = false;
+            self->workLocked();
+          }
+          self->wake();
+        });
     waiting_.pop_front();
   }
 

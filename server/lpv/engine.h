@@ -60,8 +60,8 @@ struct TickRequest {
 };
 
 struct StageTime {
-  std::string
-      stage;  ///< "upload", "voxelize", "inject", "propagate", "gather", "volume", "gbuffer", "emitters", "shade", "readback"
+  std::string stage;  ///< "upload", "voxelize", "inject", "propagate", "gather", "volume", "gbuffer", "emitters",
+ ///< "shade", "readback"
   double seconds = 0.0;  ///< wall clock from the stage's first piece to its fence, other sessions' pieces left out
 };
 

@@ -40,10 +40,10 @@ struct LightField {
   std::array<FieldBuffer, 2> steps;        ///< propagation goes back and forth between them; GATHER sums in one
   std::optional<FieldBuffer> sum;          ///< clamped form only
   int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does):
-                                           ///< PROPAGATE flux through cells, else SH of incident radiance
-  bool clamped = false;                    ///< the transported field is in `sum`
-  gpu::Buffer nearestVpl;                  ///< GATHER: float per cell, cells to the nearest VPL near it
-  gpu::Buffer receivers, cursors;          ///< GATHER: blocks under way, and how far each has come
+                   ///< PROPAGATE flux through cells, else SH of incident radiance
+  bool clamped = false;  ///< the transported field is in `sum`
+  gpu::Buffer nearestVpl;  ///< GATHER: float per cell, cells to the nearest VPL near it
+  gpu::Buffer receivers, cursors;  ///< GATHER: blocks under way, and how far each has come
 
   /// The injected field, for transports that do not start from one.
   void makeInjected();

@@ -110,7 +110,9 @@ Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const Li
   gpu::Program& program = shade_.get({{"LPV_CHANNELS", grid && lit.volume->channels > 1 ? "3" : "1"},
                                       {"LPV_GROUPS", std::to_string(grid ? lit.volume->groups : 1)},
                                       {"LPV_LOOKUP", std::to_string(int(lit.lookup))},
-                                      {"LPV_DIRECT", !grid ? "2" : gathered ? "1" : "0"},
+                                      {"LPV_DIRECT", !grid      ? "2"
+                                                     : gathered ? "1"
+                                                                : "0"},
                                       {"LPV_DISPLAY", direct ? "1" : "0"}});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;

@@ -10,7 +10,7 @@ enum class Stage { kUpload, kVoxelize, kInject, kPropagate, kGather, kVolume, kG
 inline constexpr std::size_t kStages = 10;
 
 /// As TickReport names them.
-inline constexpr std::array<const char*, kStages> kStageNames = {"upload",  "voxelize", "inject", "propagate", "gather",  "volume",
-                                                                 "gbuffer", "emitters", "shade",  "readback"};
+inline constexpr std::array<const char*, kStages> kStageNames = {
+    "upload", "voxelize", "inject", "propagate", "gather", "volume", "gbuffer", "emitters", "shade", "readback"};
 
 }  // namespace lpv

@@ -50,7 +50,8 @@ struct SessionOptions {
   double distanceRule() const;
 };
 
-/// INVALID_ARGUMENT for values out of range or that do not go together, UNIMPLEMENTED for values of later versions, both by field.
+/// INVALID_ARGUMENT for values out of range or that do not go together, UNIMPLEMENTED for values of later versions,
+/// both by field.
 Status checkOptions(const SessionOptions& options);
 
 }  // namespace lpv

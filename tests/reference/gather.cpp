@@ -21,7 +21,8 @@ int third(double u) {
 
 Vpl vplOf(const FluxPair& pair) {
   const double brightest = std::max({pair.areaRadiance.x, pair.areaRadiance.y, pair.areaRadiance.z});
-  return {pair.area, pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area, std::nullopt};
+  return {pair.area,   pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area,
+          std::nullopt};
 }
 
 /// The bin of a part: that of its direction of emission, or of its normal where directions cancel.
