@@ -144,8 +144,8 @@ struct GatherParams {
   ivec4 dims;              // cells; w: blocks before this piece's first
   vec4 weight;             // per channel: radiance of a colour of 1, in units of the channel's palette radiance
   vec4 rule;               // x: k of the distance rule, y: 1 for lights that emit from both sides, else 0
-  ivec4 tree;              // x: records; y: 1 for the first piece of the first light (writes, else adds); z: first
-                           // channel of the light's group; w: which turn of the walk this is, from 0
+  ivec4 tree;              // x: records; z: first channel of the light's group; w: which turn of a walk through a
+                           // large tree this is, from 0
 };
 
 struct InjectParams {
