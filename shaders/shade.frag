@@ -9,14 +9,15 @@
 #ifndef LPV_DISPLAY
 #error "LPV_DISPLAY: 0 or 1"
 #endif
-// LPV_DIRECT: what receivers look at: 0 the volume, 1 the lights themselves where they are near, 2 always.
+// LPV_DIRECT: where receivers look at the lights themselves: 0 nowhere, 1 beyond the grid, 2 near emitters too, 3
+// everywhere.
 #ifndef LPV_DIRECT
-#error "LPV_DIRECT: 0, 1 or 2"
+#error "LPV_DIRECT: 0, 1, 2 or 3"
 #endif
 #if LPV_DIRECT
 #include "direct.glsl"
 #endif
-#if LPV_DIRECT == 1
+#if LPV_DIRECT == 2
 layout(binding = kProximity) uniform sampler3D proximity;
 #endif
 
@@ -36,21 +37,25 @@ vec3 gridPosition(float depth) {
   return frame.eye.xyz + frame.depth.x / (depth + frame.depth.y) * ray;
 }
 
-#if LPV_DIRECT == 1
+#if LPV_DIRECT == 1 || LPV_DIRECT == 2
 /// As in server/scene/direct.h.
 float farFromEmitters(vec3 p) {
   const vec3 dims = vec3(frame.dims.xyz);
   if (any(lessThan(p, vec3(-0.5))) || any(greaterThan(p, dims + 0.5))) return 0.0;
+#if LPV_DIRECT == 1
+  return 1.0;
+#else
   return smoothstep(kNearBegin, kNearEnd, textureLod(proximity, p / dims, 0.0).x);
+#endif
 }
 #endif
 
 vec3 irradiance(vec3 p, vec3 n) {
-#if LPV_DIRECT == 2
+#if LPV_DIRECT == 3
   return directIrradiance(p, n);
 #else
   const vec3 e = irradianceAt(p, n, frame.dims.xyz, frame.palette.rgb);
-#if LPV_DIRECT == 1
+#if LPV_DIRECT == 1 || LPV_DIRECT == 2
   const float far = farFromEmitters(p);
   if (far < 1.0) return mix(directIrradiance(p, n), e, far);
 #endif

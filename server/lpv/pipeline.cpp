@@ -240,7 +240,9 @@ Pieces Pipeline::drawFrame(SessionState& s, const TickRequest& request, const Fr
   if (!view.gbuffer->shows(frame, scene))
     co_await gbufferRenderer_.run(*view.gbuffer, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
   co_await emitterRenderer_.run(targets.emitters, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
-  const LitBy lit = {s.field->transport, scene.options.lookup, s.textures ? &*s.textures : nullptr, &s.direct};
+  const bool nearField = scene.options.quality == Quality::kAccurate;
+  const LitBy lit = {s.field->transport, scene.options.lookup, nearField, s.textures ? &*s.textures : nullptr,
+                     &s.direct};
   co_await shader_.run(targets, *view.gbuffer, lit, frame, pacing(s));
 }
 

@@ -37,6 +37,15 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy
   if (lit->volume->proximity) lit->volume->proximity.bind(layout::kProximity);
 }
 
+/// Where receivers look at the lights themselves: the values of LPV_DIRECT in shade.frag.
+enum class LightsSeen { kNowhere, kBeyondTheGrid, kNearEmittersToo, kEverywhere };
+
+LightsSeen lightsSeen(const LitBy& lit) {
+  if (lit.volume == nullptr) return LightsSeen::kEverywhere;
+  if (lit.transport != Transport::kGather) return LightsSeen::kNowhere;
+  return lit.nearField ? LightsSeen::kNearEmittersToo : LightsSeen::kBeyondTheGrid;
+}
+
 void prepareFullScreen() {
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glDisable(GL_DEPTH_TEST);
@@ -106,13 +115,11 @@ Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const Li
                    Pacing pacing) {
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
-  const bool gathered = lit.transport == Transport::kGather, grid = lit.volume != nullptr;
+  const bool grid = lit.volume != nullptr;
   gpu::Program& program = shade_.get({{"LPV_CHANNELS", grid && lit.volume->channels > 1 ? "3" : "1"},
                                       {"LPV_GROUPS", std::to_string(grid ? lit.volume->groups : 1)},
                                       {"LPV_LOOKUP", std::to_string(int(lit.lookup))},
-                                      {"LPV_DIRECT", !grid      ? "2"
-                                                     : gathered ? "1"
-                                                                : "0"},
+                                      {"LPV_DIRECT", std::to_string(int(lightsSeen(lit)))},
                                       {"LPV_DISPLAY", direct ? "1" : "0"}});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;

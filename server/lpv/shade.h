@@ -36,6 +36,7 @@ struct FrameTargets {
 struct LitBy {
   Transport transport = Transport::kPropagate;
   Lookup lookup = Lookup::kSh2;
+  bool nearField = false;  ///< GATHER: near emitters receivers look at the lights; else the volume is all they see
   const IncidentTextures* volume = nullptr;  ///< null with DIRECT
   const DirectBuffer* direct = nullptr;      ///< not read with PROPAGATE
 };

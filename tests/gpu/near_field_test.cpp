@@ -121,6 +121,22 @@ TEST_F(NearFieldTest, ProbesAreWhatPixelsAre) {
   }
 }
 
+// Quality FAST spares frames the near field: within the grid a pixel is the volume's lookup, however near the light.
+// Broken by: the near field whatever the quality.
+TEST_F(NearFieldTest, FastFramesReadTheVolumeAlone) {
+  Scene scene = floorScene(Transport::kGather, reference::quad());
+  scene.options.quality = Quality::kFast;
+  const FloorView view = floorView(scene, 1.0);
+  const Made made = make(scene, view);
+  std::vector<glm::dvec3> lookups, probes;
+  for (const auto& r : view.points) {
+    lookups.push_back(irradianceAt(*made.volume, scene.options.lookup, r.position, r.normal).rgb);
+    probes.push_back(irradianceWithNearField(*made.volume, scene.options.lookup, r.position, r.normal).rgb);
+  }
+  EXPECT_LE(test::relativeErrors(made.floor, lookups).raw, 5e-3);  // texture filtering has 8 bits
+  EXPECT_GE(test::relativeErrors(made.floor, probes).raw, 0.02);
+}
+
 // A floor that is larger than the grid: beyond its end pixels look at the lights, as probes do.
 // Broken by: pixels dark there, probes at the volume.
 TEST_F(NearFieldTest, OutsideTheGridLightsAreLookedAt) {
