@@ -33,37 +33,61 @@ const int kSums = 1;
 Column sums[kSums];
 vec4 closest = vec4(0.0);  // 1 / distance of the nearest VPL
 
-const float kNearest = 1e-3;     // cells: where the direction towards a VPL is lost
-const float kMostFalloff = 4.0;  // 1 / r^2 is cut at half a cell
+void add(inout Column to, Column from, float factor) {
+  to.fluence += factor * from.fluence;
+  to.x += factor * from.x;
+  to.y += factor * from.y;
+  to.z += factor * from.z;
+}
 
+const float kNearest = 1e-3;     // cells: where the direction towards a VPL is lost
+const float kFurthestIn = 2.0;   // 1 / r is cut at half a cell
+
+/// What vpls.glsl describes, expanded to second order: with K the kernel of a flat emitter, N.d d / r^4 (fluence: N.d /
+/// r^3), K + slope / 2 extent : grad grad K, where slope is how much of the emitter faces the receiver.
 void addVpl(int at, vec2 receiver, vec4 depth) {
   const vec4 first = texelFetch(tree, at), second = texelFetch(tree, at + 1);
+  const vec4 diagonal = texelFetch(tree, at + 2), others = texelFetch(tree, at + 3);
   const vec2 across = first.xy - receiver;
   const vec4 along = first.z - depth;
   const vec4 inverse = inversesqrt(max(dot(across, across) + along * along, kNearest * kNearest));
   closest = max(closest, inverse);
-  const vec4 facing = -(dot(second.xy, across) + second.z * along) * inverse;
-  const vec4 rounded = sqrt(facing * facing + second.w * second.w);
+  const vec4 away = dot(second.xy, across) + second.z * along;
+  const vec4 facing = -away * inverse;
+  const float spread = second.w;
+  const vec4 within = clamp(facing, -spread, spread);
 #if LPV_TWO_SIDED
-  const vec4 intensity = rounded;
+  const vec4 intensity = (within * within + spread * spread) / (2.0 * spread) + max(abs(facing) - spread, 0.0);
+  const vec4 slope = within / spread;
 #else
-  const vec4 intensity = 0.5 * max(facing + rounded, 0.0);
+  const vec4 intensity = (within + spread) * (within + spread) / (4.0 * spread) + max(facing - spread, 0.0);
+  const vec4 slope = (within + spread) / (2.0 * spread);
 #endif
-  const vec4 fluence = intensity * min(inverse * inverse, kMostFalloff);
-  const vec4 flux = fluence * inverse;
+  const vec4 near = min(inverse, kFurthestIn), falloff = near * near;
+
+  const vec4 mx = diagonal.x * across.x + others.x * across.y + others.y * along;  // extent d
+  const vec4 my = others.x * across.x + diagonal.y * across.y + others.z * along;
+  const vec4 mz = others.y * across.x + others.z * across.y + diagonal.z * along;
+  const vec3 bent = vec3(diagonal.x * second.x + others.x * second.y + others.y * second.z,  // extent N
+                         others.x * second.x + diagonal.y * second.y + others.z * second.z,
+                         others.y * second.x + others.z * second.y + diagonal.z * second.z);
+  const vec4 skew = dot(bent.xy, across) + bent.z * along;
+  const vec4 depths = falloff * (mx * across.x + my * across.y + mz * along);
+  const vec4 x = kSteadiness * diagonal.w * falloff, x2 = x * x;
+  const vec4 weight = slope * falloff * falloff / (1.0 + x2 * x2);
+  const vec4 fluence =
+      intensity * falloff + weight * near * (3.0 * skew + away * (1.5 * diagonal.w - 7.5 * depths));
+  const vec4 radial =
+      intensity * falloff * inverse + weight * falloff * (4.0 * skew + away * (2.0 * diagonal.w - 12.0 * depths));
+  const vec4 oblique = 4.0 * weight * falloff * away;
+  const Column sum = Column(fluence, radial * across.x + oblique * mx - weight * bent.x,
+                            radial * across.y + oblique * my - weight * bent.y,
+                            radial * along + oblique * mz - weight * bent.z);
 #if LPV_TEXTURED
-  const vec3 colour = texelFetch(tree, at + 2).rgb;
-  for (int k = 0; k < 3; ++k) {
-    sums[k].fluence += colour[k] * fluence;
-    sums[k].x += colour[k] * flux * across.x;
-    sums[k].y += colour[k] * flux * across.y;
-    sums[k].z += colour[k] * flux * along;
-  }
+  const vec3 colour = texelFetch(tree, at + 4).rgb;
+  for (int k = 0; k < 3; ++k) add(sums[k], sum, colour[k]);
 #else
-  sums[0].fluence += fluence;
-  sums[0].x += flux * across.x;
-  sums[0].y += flux * across.y;
-  sums[0].z += flux * along;
+  add(sums[0], sum, 1.0);
 #endif
 }
 
@@ -90,8 +114,10 @@ void store(ivec3 cell, int z) {
     if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
     const int s = min(k, kSums - 1);
     const vec3 flux = vec3(sums[s].x[z], sums[s].y[z], sums[s].z[z]);
+    // A series cut off can give what no light does; only beside nodes taken from too near.
+    const float fluence = max(sums[s].fluence[z], 0.0), possible = fluence / max(length(flux), 1e-30);
     field[haloIndex(cell, params.dims.xyz, params.tree.z + k)] +=
-        params.weight[k] * vec4(kY0 * sums[s].fluence[z], kY1 * flux.yzx);
+        params.weight[k] * vec4(kY0 * fluence, kY1 * min(possible, 1.0) * flux.yzx);
   }
 }
 

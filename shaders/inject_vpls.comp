@@ -25,7 +25,7 @@ void main() {
     const vec4 lobes = vec4(kLobe0 * params.lobe.x * records[at].w, kLobe1 * params.lobe.y * records[at + 1].yzx);
     for (int k = 0; k < LPV_CHANNELS; ++k) {
 #if LPV_TEXTURED
-      emitted[k] += lobes * records[at + 2][k];
+      emitted[k] += lobes * records[at + 4][k];
 #else
       emitted[k] += lobes;
 #endif

@@ -106,6 +106,9 @@ LPV_CONST int kVoxelHeaderWords = 8;    // groups x, y, z, count, triangles of z
 // --- VPLs and their tree (MATHS.md 3b)
 LPV_CONST int kNormalBins = 54;         // per cell: 3 x 3 on each face of a cube
 LPV_CONST int kMaxLevels = 9;           // of a tree: blocks of 1, 2, 4 .. 256 cells
+LPV_CONST int kPlainRecordTexels = 4;   // vec4 of a record (shaders/vpls.glsl) ...
+LPV_CONST int kTexturedRecordTexels = 5;  // ... and of one with a colour
+LPV_CONST float kSteadiness = 2.5;      // second order counts 1 / (1 + (2.5 x)^4), x: extent over squared distance
 LPV_CONST int kMostProbes = 64;         // places of the table that a VPL is looked for in
 LPV_CONST float kFarFromVpls = 1e4;     // cells: nothing near
 LPV_CONST float kNearBegin = 2.0;       // cells from an emitter: up to here receivers look at the lights themselves,
@@ -143,7 +146,7 @@ struct TreeParams {
 struct GatherParams {
   ivec4 dims;              // cells; w: blocks before this piece's first
   vec4 weight;             // per channel: radiance of a colour of 1, in units of the channel's palette radiance
-  vec4 rule;               // x: k of the distance rule, y: 1 for lights that emit from both sides, else 0
+  vec4 rule;               // x: k of the distance rule
   ivec4 tree;              // x: records; z: first channel of the light's group; w: which turn of a walk through a
                            // large tree this is, from 0
 };

@@ -18,8 +18,11 @@ void storeVpl(uint record, Vpl v) {
   const int at = int(record) * kRecordTexels;
   records[at] = vec4(v.position, v.area);
   records[at + 1] = vec4(v.direction, v.spread);
+  const mat3 e = v.extent;
+  records[at + 2] = vec4(e[0][0], e[1][1], e[2][2], e[0][0] + e[1][1] + e[2][2]);
+  records[at + 3] = vec4(e[0][1], e[0][2], e[1][2], 0.0);
 #if LPV_TEXTURED
-  records[at + 2] = vec4(v.colour, 0.0);
+  records[at + 4] = vec4(v.colour, 0.0);
 #endif
 }
 #endif
@@ -58,6 +61,7 @@ void storeHeader(int level, ivec3 block, Node node) {
   const float edge = float(1 << level);
   records[at] = vec4((vec3(block) + 0.5) * edge, edge);
   records[at + 1] = vec4(float(binsIn(node.bins)), float(node.first + node.records), 0.0, 0.0);
+  for (int i = 2; i < kRecordTexels; ++i) records[at + i] = vec4(0.0);
 }
 
 void main() {
@@ -125,6 +129,7 @@ void main() {
   v.area *= params.scale.x;
   v.direction *= params.scale.x;
   v.spread = spreadOf(v.area, v.direction);
+  v.extent = extentInCell(v.area, v.direction);
   const Node node = nodeAt(nodeIndex(0, cell));
   storeVpl(node.first + 1u + placeOf(node.bins, key & 63u), v);
 }
@@ -138,37 +143,57 @@ Vpl vplAt(uint record) {
   v.area = records[at].w;
   v.direction = records[at + 1].xyz;
   v.spread = records[at + 1].w;
+  const vec3 d = records[at + 2].xyz, o = records[at + 3].xyz;
+  v.extent = mat3(d.x, o.x, o.y, o.x, d.y, o.z, o.y, o.z, d.z);
 #if LPV_TEXTURED
-  v.colour = records[at + 2].rgb;
+  v.colour = records[at + 4].rgb;
 #endif
   return v;
 }
 
-/// The children's VPLs of one bin as one; positions count by what they send out.
+/// One of a node's children's VPLs; false where that child has none of this bin.
+bool childsVpl(int level, ivec3 block, int i, uint bin, out Vpl v) {
+  ivec3 child;
+  if (!childOf(level, block, i, child)) return false;
+  const Node node = nodeAt(nodeIndex(level - 1, child));
+  if (!hasBin(node.bins, bin)) return false;
+  v = vplAt(node.first + 1u + placeOf(node.bins, bin));
+  return true;
+}
+
+/// What places count by: what is sent out from them.
+float weightOf(Vpl v) {
+#if LPV_TEXTURED
+  return v.area * max(v.colour.r, max(v.colour.g, v.colour.b));
+#else
+  return v.area;
+#endif
+}
+
+/// The children's VPLs of one bin as one.
 Vpl merged(int level, ivec3 block, uint bin) {
-  Vpl sum;
+  Vpl sum, v;
   sum.position = sum.direction = sum.colour = vec3(0.0);
   sum.area = 0.0;
+  sum.extent = mat3(0.0);
   float weights = 0.0;
   const vec3 from = (vec3(block) + 0.5) * float(1 << level);
   for (int i = 0; i < 8; ++i) {
-    ivec3 child;
-    if (!childOf(level, block, i, child)) continue;
-    const Node node = nodeAt(nodeIndex(level - 1, child));
-    if (!hasBin(node.bins, bin)) continue;
-    const Vpl v = vplAt(node.first + 1u + placeOf(node.bins, bin));
+    if (!childsVpl(level, block, i, bin, v)) continue;
     sum.area += v.area;
     sum.direction += v.direction;
 #if LPV_TEXTURED
     sum.colour += v.area * v.colour;
-    const float weight = v.area * max(v.colour.r, max(v.colour.g, v.colour.b));
-#else
-    const float weight = v.area;
 #endif
-    sum.position += weight * (v.position - from);
-    weights += weight;
+    sum.position += weightOf(v) * (v.position - from);
+    weights += weightOf(v);
   }
   sum.position = from + (weights > 0.0 ? sum.position / weights : vec3(0.0));
+  for (int i = 0; i < 8; ++i) {
+    if (weights == 0.0 || !childsVpl(level, block, i, bin, v)) continue;
+    const vec3 away = v.position - sum.position;
+    sum.extent += weightOf(v) / weights * (v.extent + outerProduct(away, away));
+  }
 #if LPV_TEXTURED
   sum.colour = sum.area > 0.0 ? sum.colour / sum.area : vec3(0.0);
 #endif

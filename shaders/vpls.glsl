@@ -1,44 +1,49 @@
 // Virtual point lights as transport reads them (MATHS.md 3b). A record is a node's header or one of its VPLs, which
 // follow it, one per normal bin that holds light.
 //   header  (centre, edge) (VPLs, the record after the node and all below it, -, -)
-//   VPL     (position, area) (area x direction, spread)  with a texture: (colour, -)
+//   VPL     (position, area) (area x direction, spread) (extent xx, yy, zz, their sum) (extent xy, xz, yz, -)
+//           with a texture: (colour, -)
 // Grid space: cell units. Colours are shares of the light's brightest texel.
 //
-// A VPL of flat emitter of area x direction N sends max(0, t), t = N.w, in direction w. Where the merged directions
-// differ, the cosine's edge at the horizon is rounded off: (t + sqrt(t^2 + spread^2)) / 2, with the spread that keeps
-// the power, pi x area; the first moment is right for any. For all directions alike it is the flat emitter's, for
-// directions that cancel an even glow. (MATHS.md 3b.4 has max(0, t) + (area - |N|) / 4: the same power and moment, but
-// a quarter of what is missing lights the back too, and the front twice.)
+// What a VPL sends in direction w. A flat emitter of area x direction N sends max(0, t), t = N.w. Where directions were
+// merged, t is the mean of a distribution; taken as even over [t - spread, t + spread], its positive part is
+//   (t + spread)^2 / (4 spread) between -spread and spread, 0 below, t above.
+// With spreadOf() that has the power, pi x area, and the first moment of what was merged. (MATHS.md 3b.4 has max(0, t) +
+// (area - |N|) / 4: the same power and moment, but what faces the receiver alone is lit twice, and the back at all.)
+//
+// Where it sends it from. Merged emitters are spread about their position; extent is the covariance of where light
+// leaves, cell^2. What arrives is expanded about the position up to second order (MATHS.md 3b.2), which is what makes
+// nodes usable from near; the series is damped where it does not converge, within about twice the extent.
 #ifndef LPV_TEXTURED
 #error "LPV_TEXTURED: 0 or 1"
 #endif
 
 #if LPV_TEXTURED
-const int kRecordTexels = 3;
+const int kRecordTexels = kTexturedRecordTexels;
 #else
-const int kRecordTexels = 2;
+const int kRecordTexels = kPlainRecordTexels;
 #endif
 
 struct Vpl {
   vec3 position;
   float area;
   vec3 direction;  // area x mean direction of emission
-  float spread;    // of the directions around their mean, an area
+  float spread;    // of N.w among what was merged, an area
+  mat3 extent;     // covariance of positions
   vec3 colour;
 };
 
-/// sqrt(1 + e^2) + e^2 asinh(1 / e) = area / |area x direction|, e = spread / |area x direction|, by Newton's method: the
-/// left side is convex and the first guess, its limit for large e, never too small by more than one step.
+/// The spread that keeps the power: with n = |area x direction|, n + spread^2 / (3 n) = area while the spread is no
+/// larger than n, else n^2 / (3 spread) + spread = area.
 float spreadOf(float area, vec3 direction) {
-  const float size = length(direction);
-  if (size <= 1e-6 * area) return 0.5 * area;
-  const float missing = area / size - 1.0;
-  if (missing <= 1e-6) return 0.0;
-  float e = min(sqrt(missing), 0.5 * (missing + 1.0));
-  for (int i = 0; i < 6; ++i) {
-    const float root = sqrt(1.0 + e * e), slope = 2.0 * e * log((1.0 + root) / e);
-    // sqrt(1 + e^2) - 1 without the loss of digits.
-    e = max(e + (missing - e * e / (1.0 + root)) / slope - 0.5 * e, 1e-4);
-  }
-  return e * size;
+  const float n = length(direction), missing = max(area - n, 0.0);
+  if (missing <= 1e-6 * area) return 1e-6 * area;
+  if (3.0 * area <= 4.0 * n) return sqrt(3.0 * n * missing);
+  return 0.5 * (area + sqrt(max(area * area - 4.0 / 3.0 * n * n, 0.0)));
+}
+
+/// What is in one cell is taken for a flat square: its own second moments are not worth their place in the table.
+mat3 extentInCell(float area, vec3 direction) {
+  const vec3 n = direction / area;
+  return min(area, 1.0) / 12.0 * (mat3(1.0) - outerProduct(n, n));
 }

@@ -26,9 +26,13 @@ void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
   }
 }
 
+int texelsPerRecord(const LightVoxels& voxels) {
+  return voxels.sets > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+}
+
 /// Texels of a tree's records.
 std::size_t recordTexels(const LightVoxels& voxels) {
-  return voxels.tree->recordCount * std::size_t(voxels.sets > 1 ? 3 : 2);
+  return voxels.tree->recordCount * std::size_t(texelsPerRecord(voxels));
 }
 
 }  // namespace
@@ -52,7 +56,7 @@ void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vec
     if (arePolygons(lights[i])) continue;
     head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->brightest, 1.0);
     head[2 + 2 * i] = {float(count), float(voxels[i]->tree->recordCount), lights[i].twoSided ? 2.0F : 1.0F,
-                       voxels[i]->sets > 1 ? 3.0F : 2.0F};
+                       float(texelsPerRecord(*voxels[i]))};
     count += recordTexels(*voxels[i]);
   }
   if (texels.size() < count * sizeof(glm::vec4)) {

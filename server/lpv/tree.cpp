@@ -22,7 +22,7 @@ gpu::Defines with(gpu::Defines variant, const char* name) {
 std::size_t recordBytes(const gpu::Defines& variant) {
   const bool textured =
       std::find(variant.begin(), variant.end(), gpu::Defines::value_type("LPV_TEXTURED", "1")) != variant.end();
-  return (textured ? 3 : 2) * sizeof(glm::vec4);
+  return std::size_t(textured ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels) * sizeof(glm::vec4);
 }
 
 /// Grows in powers of two: a light that moves has a few VPLs more or less every tick.

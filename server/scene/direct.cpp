@@ -17,7 +17,7 @@ struct Part {
   const glm::vec4* first = nullptr;
   int count = 0;   ///< triangles or records
   int sides = 1;
-  int stride = 2;  ///< texels of a record
+  int stride = 4;  ///< texels of a record
 };
 
 double polygonIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n) {
@@ -30,15 +30,47 @@ double polygonIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3
   return sum;
 }
 
-glm::dvec3 vplIrradiance(const Part& part, int record, const glm::dvec3& x, const glm::dvec3& n) {
-  const glm::dvec4 first(part.first[record * part.stride]), second(part.first[record * part.stride + 1]);
-  const glm::dvec3 d = glm::dvec3(first) - x;
+/// Mean of the positive values of what is even over [t - spread, t + spread].
+double positivePart(double t, double spread) {
+  const double within = std::clamp(t, -spread, spread);
+  return (within + spread) * (within + spread) / (4.0 * spread) + std::max(t - spread, 0.0);
+}
+
+constexpr double kNoSpread = 1e-12;
+constexpr double kSteadiness = 2.5;  ///< shaders/layout.h
+constexpr int kColouredRecord = 5;   ///< texels; others have 4
+
+/// What arrives at distance d of a VPL's light, as a vector: shaders/gather.comp.
+glm::dvec3 vplFlux(const glm::vec4* record, const glm::dmat3& extent, const glm::dvec3& d, int sides) {
+  const glm::dvec3 direction(record[1]);
+  const double spread = double(record[1].w), size = double(record[2].w);
   const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
-  const double facing = -glm::dot(glm::dvec3(second), d) * inverse;
-  const double rounded = std::sqrt(facing * facing + second.w * second.w);
-  const double intensity = part.sides > 1 ? rounded : 0.5 * (facing + rounded);
-  const double e = intensity * std::max(0.0, glm::dot(n, d) * inverse) * std::min(inverse * inverse, 4.0);
-  return part.stride == 3 ? e * glm::dvec3(part.first[record * 3 + 2]) : glm::dvec3(e);
+  const double away = glm::dot(direction, d), facing = -away * inverse;
+  double intensity = positivePart(facing, spread), slope = std::clamp(0.5 * (facing / spread + 1.0), 0.0, 1.0);
+  if (sides > 1) {
+    intensity += positivePart(-facing, spread);
+    slope = 2.0 * slope - 1.0;
+  }
+  const double near = std::min(inverse, 2.0), falloff = near * near;
+  const glm::dvec3 m = extent * d, bent = extent * direction;
+  const double weight = slope * falloff * falloff / (1.0 + std::pow(kSteadiness * size * falloff, 4.0));
+  const double radial =
+      intensity * falloff * inverse +
+      weight * falloff * (4.0 * glm::dot(bent, d) + away * (2.0 * size - 12.0 * falloff * glm::dot(m, d)));
+  return radial * d + 4.0 * weight * falloff * away * m - weight * bent;
+}
+
+glm::dvec3 vplIrradiance(const Part& part, int at, const glm::dvec3& x, const glm::dvec3& n) {
+  const glm::vec4* record = part.first + at * part.stride;
+  const glm::dvec3 on(record[2]), off(record[3]), d = glm::dvec3(record[0]) - x;
+  const glm::dmat3 extent(on.x, off.x, off.y, off.x, on.y, off.z, off.y, off.z, on.z);
+  const glm::dvec3 flux = vplFlux(record, extent, d, part.sides);
+  const double height = glm::dot(n, d);
+  const double heights = std::max(std::sqrt(std::max(3.0 * glm::dot(n, extent * n), 0.0)), kNoSpread);
+  const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
+  const double above = positivePart(height, heights) - height;  // of the horizon: more than the whole extent's mean
+  const double e = std::max(0.0, glm::dot(n, flux) + glm::length(flux) * inverse * above);
+  return part.stride == kColouredRecord ? e * glm::dvec3(record[4]) : glm::dvec3(e);
 }
 
 glm::dvec3 treeIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n, double k) {

@@ -17,8 +17,8 @@ enum class Visibility { kAuto, kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
 /// k of GATHER's distance rule by quality (MATHS.md 3b.3).
-inline constexpr double kFastRule = 3.0;
-inline constexpr double kAccurateRule = 6.0;
+inline constexpr double kFastRule = 1.5;
+inline constexpr double kAccurateRule = 3.0;
 
 /// Everything a session may ask of its light transport. Values whose feature is not in this version are refused by
 /// checkOptions with UNIMPLEMENTED, by name.

@@ -12,7 +12,7 @@
 namespace lpv {
 namespace {
 
-constexpr double kFast = 1.5, kAccurate = 6.0;
+constexpr double kFast = kFastRule, kAccurate = kAccurateRule;
 const glm::dvec3 kWhite(2.0);
 
 /// A cube of n^3 cells, 4 m about the origin.

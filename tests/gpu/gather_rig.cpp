@@ -15,11 +15,15 @@ const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
 
 std::array<int, 3> keyOf(const glm::ivec3& cell) { return {cell.z, cell.y, cell.x}; }
 
+int texelsPerRecord(const LightVoxels& voxels) {
+  return voxels.sets > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+}
+
 /// Reads records one after the other.
 class RecordReader {
  public:
   explicit RecordReader(const LightVoxels& voxels)
-      : texels_(read<glm::vec4>(voxels.tree->records)), perRecord_(voxels.sets > 1 ? 3 : 2) {}
+      : texels_(read<glm::vec4>(voxels.tree->records)), perRecord_(texelsPerRecord(voxels)) {}
 
   std::uint32_t at() const { return at_; }
 
@@ -46,7 +50,10 @@ class RecordReader {
     v.area = double(texel(0).w);
     v.direction = glm::dvec3(texel(1));
     v.spread = double(texel(1).w);
-    if (perRecord_ > 2) v.colour = glm::dvec3(texel(2));
+    const glm::dvec3 on(texel(2)), off(texel(3));
+    v.extent = glm::dmat3(on.x, off.x, off.y, off.x, on.y, off.z, off.y, off.z, on.z);
+    EXPECT_NEAR(texel(2).w, on.x + on.y + on.z, 1e-5 * (on.x + on.y + on.z));
+    if (perRecord_ == layout::kTexturedRecordTexels) v.colour = glm::dvec3(texel(4));
     ++at_;
     return v;
   }
@@ -73,19 +80,12 @@ std::map<std::array<int, 3>, std::vector<int>> binsOf(const VplTree& tree) {
 
 void addIncident(reference::Field& field, const Grid& grid, const EmittingLight& light, double k) {
   const reference::VplTree tree(reference::cellVpls(grid, emittersOf(grid, {light})));
-  const reference::Coefficients basis = reference::basis(glm::dvec3(1.0));
   reference::forEachCell((grid.dims + kBlock - 1) / kBlock, [&](const glm::ivec3& block) {
     const glm::ivec3 low = block * kBlock, high = glm::min(low + kBlock, grid.dims) - 1;
     const std::vector<reference::Vpl> vpls = tree.seenFrom(low, high, k);
     reference::forEachCell(high - low + 1, [&](const glm::ivec3& cell) {
-      for (const reference::Vpl& vpl : vpls) {
-        const reference::VplMoments m = reference::momentsOf(vpl, grid.cellCentre(low + cell), grid.cell);
-        const glm::dvec3& d = m.vectorIrradiance;
-        for (int c = 0; c < 3; ++c) {
-          field.at(low + cell)[std::size_t(c)] +=
-              vpl.radiance()[c] * basis * reference::Coefficients(m.fluence, d.y, d.z, d.x);
-        }
-      }
+      const auto incident = reference::incidentFrom(vpls, grid.cellCentre(low + cell), grid.cell);
+      for (std::size_t c = 0; c < 3; ++c) field.at(low + cell)[c] += incident[c];
     });
   });
 }
@@ -168,8 +168,18 @@ reference::Field GatherTest::gathered(const Grid& grid, const std::vector<Emitti
 std::vector<std::uint32_t> recordBits(const LightVoxels& voxels) {
   if (voxels.tree->recordCount == 0) return {};
   std::vector<std::uint32_t> words = read<std::uint32_t>(voxels.tree->records);
-  words.resize(std::size_t(voxels.tree->recordCount) * (voxels.sets > 1 ? 12 : 8));
+  words.resize(std::size_t(voxels.tree->recordCount) * 4 * std::size_t(texelsPerRecord(voxels)));
   return words;
+}
+
+reference::Vpl referenceOf(const VplRecord& record) {
+  reference::Vpl vpl;
+  vpl.area = vpl.weight = record.area;
+  vpl.areaNormal = record.direction;
+  vpl.areaRadiance = glm::dvec3(record.area);
+  vpl.weightedPosition = record.area * record.position;
+  vpl.weightedSquare = record.area * (record.extent + glm::outerProduct(record.position, record.position));
+  return vpl;
 }
 
 TreeNode treeOf(const LightVoxels& voxels) {
@@ -213,9 +223,11 @@ VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double brighte
   for (const reference::CellVpls& cell : reference::cellVpls(grid, emittersOf(grid, {front}))) {
     for (const auto& [bin, vpl] : cell.bins) {
       const double face = grid.cell * grid.cell;
-      vpls[{keyOf(cell.cell), bin}] = {(vpl.position() - grid.origin) / grid.cell, vpl.area / face,
+      vpls[{keyOf(cell.cell), bin}] = {(vpl.position() - grid.origin) / grid.cell,
+                                       vpl.area / face,
                                        vpl.areaNormal / face,
-                                       std::max(0.0, vpl.area - glm::length(vpl.areaNormal)) / (4.0 * face),
+                                       reference::spreadOf(vpl) / face,
+                                       vpl.extent() / face,
                                        vpl.radiance() / (light.radiance * brightest)};
     }
   }

@@ -75,8 +75,12 @@ struct VplRecord {
   double area = 0.0;
   glm::dvec3 direction{0.0};  ///< area x mean direction of emission
   double spread = 0.0;
+  glm::dmat3 extent{0.0};
   glm::dvec3 colour{1.0};
 };
+
+/// As the reference has it, white.
+reference::Vpl referenceOf(const VplRecord& record);
 
 /// A header and what is below it.
 struct TreeNode {

@@ -89,7 +89,7 @@ TEST_F(GatherFieldTest, ChoosesTheReferencesNodes) {
   for (const MeshPtr& mesh : {reference::quad(), reference::tube(), reference::sphereOf(12, 8)}) {
     const EmittingLight light = test::placed(mesh, test::poseOf({7.4, 5.3, 8.2}, glm::dvec3(6.0)), kRadiance);
     expectReferences("long grid", {light}, grid);
-    EXPECT_GT(test::relativeError(gathered(grid, {light}, 1.5), gathered(grid, {light}, test::kNoMerging)), 1e-3);
+    EXPECT_GT(test::relativeError(gathered(grid, {light}, 1.5), gathered(grid, {light}, test::kNoMerging)), 3e-4);
   }
   for (double x = 3.3; x < 45.0; x += 5.7) {
     const EmittingLight light =
@@ -163,9 +163,10 @@ TEST_F(GatherFieldTest, WhereTheGridEndsItIsTheReferences) {
         name + " on the outer face",
         {test::placed(reference::quad(), test::poseOf(face, {4.0, -3.0, 2.0}, glm::radians(180.0), {1, 0, 0}), kWhite)},
         grid);
+    const double size = dims == glm::ivec3(1) ? 0.5 : 2.0;  // the one cell's centre is not inside, where it is dark
     expectReferences(
         name + " across a corner",
-        {test::placed(reference::sphereOf(12, 8), test::poseOf(glm::dvec3(dims) - 0.3, glm::dvec3(2.0)), kWhite)},
+        {test::placed(reference::sphereOf(12, 8), test::poseOf(glm::dvec3(dims) - 0.3, glm::dvec3(size)), kWhite)},
         grid);
   }
 }
@@ -232,13 +233,10 @@ TEST_F(GatherFieldTest, AWalkGoesOnWhereItStopped) {
     double fluence = 0.0;
     for (const test::TreeNode& leaf : leaves) {
       for (const test::VplRecord& v : leaf.vpls) {
-        const glm::dvec3 d = v.position - glm::dvec3(cell) - 0.5;
-        const double r2 = glm::dot(d, d);
-        const double facing = -glm::dot(v.direction, d) / std::sqrt(r2);
-        fluence += 0.5 * (facing + std::hypot(facing, v.spread)) / std::max(r2, 0.25);
+        fluence += reference::momentsOf(test::referenceOf(v), glm::dvec3(cell) + 0.5, 1.0).fluence;
       }
     }
-    EXPECT_NEAR(reference::fluenceOf(got.at(cell)[0]) / fluence, 1.0, 1e-4) << cell.x;
+    EXPECT_NEAR(reference::fluenceOf(got.at(cell)[0]), fluence, 1e-4 * fluence) << cell.x;  // 0 within the sphere
   }
 }
 

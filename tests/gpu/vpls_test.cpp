@@ -28,6 +28,7 @@ struct VplErrors {
   double area = 0.0;  ///< cell^2, as a share of the largest VPL's
   double direction = 0.0;  ///< area x direction, likewise
   double position = 0.0;  ///< cells, where the area is at least 1e-3 of the largest
+  double extent = 0.0;  ///< cell^2, likewise
   double colour = 0.0;  ///< as a share of the largest colour, likewise
   std::size_t unmatched = 0;
 };
@@ -52,6 +53,7 @@ VplErrors errorsOf(const test::VplMap& got, const test::VplMap& want) {
     e.direction = std::max(e.direction, largestOf(g.direction - vpl.direction) / area);
     if (vpl.area < 1e-3 * area) continue;
     e.position = std::max(e.position, largestOf(g.position - vpl.position));
+    for (int i = 0; i < 3; ++i) e.extent = std::max(e.extent, largestOf(g.extent[i] - vpl.extent[i]));
     e.colour = std::max(e.colour, largestOf(g.colour - vpl.colour) / colour);
   }
   e.unmatched += got.size() + e.unmatched - want.size();
@@ -70,12 +72,13 @@ void expectReferences(const LightVoxels& voxels, const EmittingLight& light, con
   EXPECT_LE(e.area, 1e-6) << name;
   EXPECT_LE(e.direction, 1e-6) << name;
   EXPECT_LE(e.position, 1e-4) << name;
+  EXPECT_LE(e.extent, 1e-6) << name;
   EXPECT_LE(e.colour, 1e-5) << name;
 }
 
 // Broken by: the middle third of normalBin() up to 1/2; opposite normals in one bin; a part's centroid that of the
-// whole triangle, or its boundary's moment over 2.9 areas; abs() of the direction; no carry in addWide(); entries left
-// in the table, or their high words.
+// whole triangle, or its boundary's moment over 2.9 areas; abs() of the direction; an extent along the normal; no carry
+// in addWide(); entries left in the table, or their high words.
 TEST_F(VplsTest, LeavesAreTheReferences) {
   const std::vector<std::pair<std::string, MeshPtr>> meshes = {{"quad", reference::quad()},
                                                                {"pyramid", reference::pyramid()},
@@ -135,12 +138,14 @@ TEST_F(VplsTest, LeavesCarryTheLightsPower) {
 struct Sums {
   double area = 0.0, weight = 0.0;
   glm::dvec3 direction{0.0}, position{0.0}, colour{0.0};
+  glm::dmat3 square{0.0};
   void add(const test::VplRecord& v) {
     const double brightest = v.area * std::max({v.colour.r, v.colour.g, v.colour.b});
     area += v.area;
     weight += brightest;
     direction += v.direction;
     position += brightest * v.position;
+    square += brightest * (v.extent + glm::outerProduct(v.position, v.position));
     colour += v.area * v.colour;
   }
 };
@@ -180,6 +185,13 @@ void expectMerged(const test::TreeNode& node) {
   EXPECT_NEAR(own.area, below.area, 1e-6 * below.area);
   EXPECT_LE(largestOf(own.direction - below.direction), 1e-6 * below.area);
   EXPECT_LE(largestOf(own.position / own.weight - below.position / below.weight), 1e-6 * node.edge);
+  const glm::dvec3 at = own.position / own.weight;  // about it: what is far from the origin has few digits there
+  for (int i = 0; i < 3; ++i) {
+    const auto about = [&](const Sums& s) {
+      return s.square[i] / s.weight - at[i] * s.position / s.weight - at * (s.position[i] / s.weight - at[i]);
+    };
+    EXPECT_LE(largestOf(about(own) - about(below)), 2e-6 * node.edge * node.edge);
+  }
   EXPECT_LE(largestOf(own.colour - below.colour), 1e-6 * largestOf(below.colour));
 }
 
@@ -198,7 +210,8 @@ const std::vector<EmittingLight>& treeLights() {
 }
 
 // Every record is reached once by the headers' "after", and says what the records below it say. Broken by: a record
-// more or less anywhere; nodes with one child that have records; places weighted by area, colours not; no spread.
+// more or less anywhere; nodes with one child that have records; places weighted by area, colours not; no spread;
+// extents without the distances between the children.
 TEST_F(VplsTest, NodesAreTheirChildrenMerged) {
   for (const EmittingLight& light : treeLights()) {
     SCOPED_TRACE(testing::Message() << light.mesh->triangles.size() << " triangles");

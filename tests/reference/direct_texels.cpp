@@ -1,6 +1,7 @@
 #include "reference/direct_texels.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <random>
 
 #include "reference/ground_truth.h"
@@ -20,11 +21,14 @@ glm::dvec3 pointIn(Random& random, double low, double high) {
   return {x, y, uniform(random, low, high)};
 }
 
+glm::dmat3 inFloats(const glm::dmat3& m) { return glm::dmat3(glm::mat3(m)); }
+
 Vpl vplOf(const DirectVpl& v) {
   Vpl vpl;
   vpl.area = vpl.weight = v.area;
   vpl.areaNormal = v.areaNormal;
   vpl.weightedPosition = v.area * v.position;
+  vpl.weightedSquare = v.area * (v.extent + glm::outerProduct(v.position, v.position));
   return vpl;
 }
 
@@ -36,13 +40,20 @@ std::size_t recordsOf(const DirectNode& node) {
 
 /// Depth first; `at`: the record that comes next.
 void addRecords(const DirectNode& node, bool coloured, std::size_t at, std::vector<glm::vec4>& out) {
-  const auto add = [&](const glm::vec4& first, const glm::vec4& second, const glm::vec4& third) {
-    out.insert(out.end(), {first, second});
-    if (coloured) out.push_back(third);
+  const auto add = [&](std::initializer_list<glm::vec4> texels) {
+    out.insert(out.end(), texels.begin(), texels.end() - (coloured ? 0 : 1));
   };
-  add(glm::vec4(node.centre, node.edge), {float(node.vpls.size()), float(at + recordsOf(node)), 0, 0}, glm::vec4(0));
+  const glm::vec4 none(0.0F);
+  add({glm::vec4(node.centre, node.edge),
+       {float(node.vpls.size()), float(at + recordsOf(node)), 0, 0},
+       none,
+       none,
+       none});
   for (const DirectVpl& v : node.vpls) {
-    add(glm::vec4(v.position, v.area), glm::vec4(v.areaNormal, spreadOf(vplOf(v))), glm::vec4(v.colour, 0.0));
+    const glm::dmat3& e = v.extent;
+    add({glm::vec4(v.position, v.area), glm::vec4(v.areaNormal, std::max(spreadOf(vplOf(v)), 1e-6 * v.area)),
+         glm::vec4(e[0][0], e[1][1], e[2][2], e[0][0] + e[1][1] + e[2][2]), glm::vec4(e[0][1], e[0][2], e[1][2], 0.0),
+         glm::vec4(v.colour, 0.0)});
   }
   at += 1 + node.vpls.size();
   for (const DirectNode& child : node.children) {
@@ -52,11 +63,14 @@ void addRecords(const DirectNode& node, bool coloured, std::size_t at, std::vect
 }
 
 glm::dvec3 ofVpl(const DirectVpl& v, bool twoSided, const glm::dvec3& x, const glm::dvec3& n) {
-  Vpl vpl = vplOf(v);
-  double e = std::max(0.0, glm::dot(momentsOf(vpl, x, 1.0).vectorIrradiance, n));
-  vpl.areaNormal = -v.areaNormal;
-  if (twoSided) e += std::max(0.0, glm::dot(momentsOf(vpl, x, 1.0).vectorIrradiance, n));
-  return e * v.colour;
+  const Vpl front = vplOf(v);
+  glm::dvec3 flux = momentsOf(front, x, 1.0).vectorIrradiance;
+  if (twoSided) {
+    Vpl back = front;
+    back.areaNormal = -front.areaNormal;
+    flux += momentsOf(back, x, 1.0).vectorIrradiance;
+  }
+  return irradianceOf(flux, front, x, n, 1.0) * v.colour;
 }
 
 glm::dvec3 ofNode(const DirectNode& node, bool twoSided, double k, const glm::dvec3& x, const glm::dvec3& n) {
@@ -79,6 +93,8 @@ DirectNode randomNode(Random& random, const glm::dvec3& corner, double edge, int
     v.areaNormal = edge * edge * pointIn(random, -0.4, 0.4);
     v.area = double(float((1.0 + 0.2 * i) * glm::length(v.areaNormal)));
     v.colour = pointIn(random, 0.1, 1.0);
+    const glm::dvec3 a = 0.3 * edge * pointIn(random, -1.0, 1.0), b = 0.2 * edge * pointIn(random, -1.0, 1.0);
+    v.extent = inFloats(glm::outerProduct(a, a) + glm::outerProduct(b, b));
     node.vpls.push_back(v);
   }
   for (int child = 0; levels > 1 && child < 8; ++child) {
@@ -99,7 +115,7 @@ std::vector<glm::vec4> directTexels(const std::vector<DirectLight>& lights, doub
     const bool tree = light.triangles.empty();
     const std::size_t count = tree ? recordsOf(light.root) : light.triangles.size();
     out[1 + 2 * i] = glm::vec4(light.radiance, tree ? 1.0 : 0.0);
-    out[2 + 2 * i] = {float(out.size()), float(count), light.twoSided ? 2 : 1, tree ? light.coloured ? 3 : 2 : 0};
+    out[2 + 2 * i] = {float(out.size()), float(count), light.twoSided ? 2 : 1, tree ? light.coloured ? 5 : 4 : 0};
     if (tree) addRecords(light.root, light.coloured, 0, out);
     for (const auto& triangle : light.triangles) {
       for (const glm::dvec3& corner : triangle) out.emplace_back(corner, 0.0);

@@ -16,6 +16,7 @@ struct DirectVpl {
   glm::dvec3 position{0.0};
   double area = 0.0;
   glm::dvec3 areaNormal{0.0};
+  glm::dmat3 extent{0.0};
   glm::dvec3 colour{1.0};
 };
 
@@ -33,7 +34,7 @@ struct DirectLight {
   bool twoSided = false;
   std::vector<std::array<glm::dvec3, 3>> triangles;
   DirectNode root;
-  bool coloured = false;  ///< records of three texels
+  bool coloured = false;  ///< records of five texels, not four
 };
 
 /// Rounded to floats, as the shader and DirectLights read them.

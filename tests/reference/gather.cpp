@@ -21,8 +21,8 @@ int third(double u) {
 
 Vpl vplOf(const FluxPair& pair) {
   const double brightest = std::max({pair.areaRadiance.x, pair.areaRadiance.y, pair.areaRadiance.z});
-  return {pair.area,   pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area,
-          std::nullopt};
+  return {pair.area, pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area,
+          {}};
 }
 
 /// The bin of a part: that of its direction of emission, or of its normal where directions cancel.
@@ -32,19 +32,6 @@ int binOf(const FluxPair& pair, const glm::dvec3& direction, const glm::dvec3& n
 
 void merge(Vpls54& into, const Vpls54& from) {
   for (const auto& [bin, vpl] : from) into[bin] += vpl;
-}
-
-/// One receiver: all VPLs, all colours.
-std::array<Coefficients, 3> incidentFrom(const std::vector<Vpl>& vpls, const glm::dvec3& x, double cellEdge) {
-  std::array<Coefficients, 3> sum{};
-  for (const Vpl& vpl : vpls) {
-    const VplMoments m = momentsOf(vpl, x, cellEdge);
-    const glm::dvec3& d = m.vectorIrradiance;
-    const Coefficients moments(m.fluence, d.y, d.z, d.x);
-    for (int colour = 0; colour < 3; ++colour) sum[std::size_t(colour)] += vpl.radiance()[colour] * moments;
-  }
-  for (Coefficients& c : sum) c *= basis(glm::dvec3(1.0));  // (Y00, Y1 three times)
-  return sum;
 }
 
 }  // namespace
@@ -65,9 +52,18 @@ Vpl& Vpl::operator+=(const Vpl& other) {
   areaRadiance += other.areaRadiance;
   weight += other.weight;
   weightedPosition += other.weightedPosition;
-  spread.reset();
+  weightedSquare += other.weightedSquare;
   return *this;
 }
+
+void Vpl::settleInCell(double cellEdge) {
+  const glm::dvec3 n = areaNormal / area;
+  const double square = std::min(area, cellEdge * cellEdge) / 12.0;
+  const glm::dmat3 flat = glm::dmat3(1.0) - glm::outerProduct(n, n);
+  weightedSquare = weight * (square * flat + glm::outerProduct(position(), position()));
+}
+
+glm::dmat3 Vpl::extent() const { return weightedSquare / weight - glm::outerProduct(position(), position()); }
 
 std::vector<CellVpls> cellVpls(const Grid& grid, const std::vector<Emitter>& emitters) {
   std::map<Key, CellVpls> cells;
@@ -83,14 +79,16 @@ std::vector<CellVpls> cellVpls(const Grid& grid, const std::vector<Emitter>& emi
     cell.bins[binOf(pair, vpl.areaNormal, -e.normal())] += vpl;
   }
   std::vector<CellVpls> out;
-  for (auto& [key, cell] : cells) out.push_back(std::move(cell));
+  for (auto& [key, cell] : cells) {
+    for (auto& [bin, vpl] : cell.bins) vpl.settleInCell(grid.cell);
+    out.push_back(std::move(cell));
+  }
   return out;
 }
 
 VplTree::VplTree(const std::vector<CellVpls>& leaves) {
   for (const CellVpls& leaf : leaves) root_.push_back({leaf.cell, 1, leaf.bins, {}});
   while (root_.size() > 1) root_ = parentsOf(std::move(root_));
-  for (Node& node : root_) settle(node);
 }
 
 std::vector<VplTree::Node> VplTree::parentsOf(std::vector<Node> nodes) {
@@ -106,11 +104,6 @@ std::vector<VplTree::Node> VplTree::parentsOf(std::vector<Node> nodes) {
   std::vector<Node> out;
   for (auto& [key, parent] : parents) out.push_back(std::move(parent));
   return out;
-}
-
-void VplTree::settle(Node& node) {
-  for (auto& [bin, vpl] : node.bins) vpl.spread = spreadOf(vpl);
-  for (Node& child : node.children) settle(child);
 }
 
 void VplTree::collect(const Node& node, const std::array<glm::dvec3, 2>& box, double k, std::vector<Vpl>& out) {
@@ -130,12 +123,10 @@ std::vector<Vpl> VplTree::seenFrom(const glm::ivec3& low, const glm::ivec3& high
 }
 
 double spreadOf(const Vpl& vpl) {
-  const double size = glm::length(vpl.areaNormal);
-  if (vpl.area <= size) return 0.0;
-  // Twice the power over 2 pi: the integral of sqrt(size^2 u^2 + e^2) over u in [-1, 1], which grows with e.
-  const auto power = [&](double e) {
-    return std::hypot(size, e) + (size > 0.0 ? e * e / size * std::asinh(size / e) : e);
-  };
+  const double n = glm::length(vpl.areaNormal);
+  if (vpl.area <= n) return 0.0;
+  // Power over pi: twice the mean over directions of the even part of I, max(|t|, (t^2 + h^2) / 2h); it grows with h.
+  const auto power = [&](double h) { return h < n ? n + h * h / (3.0 * n) : h + n * n / (3.0 * h); };
   double low = 0.0;
   double high = vpl.area;
   for (int i = 0; i < 100; ++i) {
@@ -145,17 +136,94 @@ double spreadOf(const Vpl& vpl) {
   return 0.5 * (low + high);
 }
 
+namespace {
+
+/// Mean of max(0, t) over [t - h, t + h], and its derivative by t.
+struct Positive {
+  double value = 0.0, slope = 0.0;
+};
+
+Positive positivePart(double t, double h) {
+  if (t >= h) return {t, t > 0.0 ? 1.0 : 0.0};
+  if (t <= -h) return {};
+  return {(t + h) * (t + h) / (4.0 * h), (t + h) / (2.0 * h)};
+}
+
+/// A : grad grad of f at d, by the product rule, f a product of (a.d), d_k or 1, and r^-power.
+struct Second {
+  const glm::dmat3& a;  ///< symmetric
+  const glm::dvec3& d;
+  double r = 0.0;
+
+  /// r^-power: its value, its gradient, its A : grad grad.
+  double radial(int power) const { return std::pow(r, -power); }
+  glm::dvec3 radialGradient(int power) const { return -double(power) * std::pow(r, -power - 2) * d; }
+  double radialSecond(int power) const {
+    const double trace = a[0][0] + a[1][1] + a[2][2];
+    return power * std::pow(r, -power - 2) * ((power + 2) * glm::dot(d, a * d) / (r * r) - trace);
+  }
+  /// A : grad grad of (n.d) r^-power.
+  double ofLinear(const glm::dvec3& n, int power) const {
+    return 2.0 * glm::dot(n, a * radialGradient(power)) + glm::dot(n, d) * radialSecond(power);
+  }
+  /// The same of (n.d) d r^-power, component by component.
+  glm::dvec3 ofQuadratic(const glm::dvec3& n, int power) const {
+    glm::dvec3 out;
+    for (int k = 0; k < 3; ++k) {
+      glm::dvec3 e(0.0);
+      e[k] = 1.0;
+      const double product = glm::dot(n, d) * d[k], productSecond = 2.0 * glm::dot(n, a * e);
+      const glm::dvec3 productGradient = n * d[k] + glm::dot(n, d) * e;
+      out[k] = productSecond * radial(power) + 2.0 * glm::dot(productGradient, a * radialGradient(power)) +
+               product * radialSecond(power);
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
 double intensityOf(const Vpl& vpl, const glm::dvec3& w) {
-  const double facing = -glm::dot(vpl.areaNormal, w);
-  return 0.5 * std::max(0.0, facing + std::hypot(facing, vpl.spread ? *vpl.spread : spreadOf(vpl)));
+  return positivePart(-glm::dot(vpl.areaNormal, w), spreadOf(vpl)).value;
 }
 
 VplMoments momentsOf(const Vpl& vpl, const glm::dvec3& x, double cellEdge) {
   const glm::dvec3 d = vpl.position() - x;
   const double r = glm::length(d);
   const glm::dvec3 w = d / std::max(r, 1e-3 * cellEdge);
-  const double fluence = intensityOf(vpl, w) / std::max(r * r, cellEdge * cellEdge / 4.0);
-  return {fluence, fluence * w};
+  const Positive sent = positivePart(-glm::dot(vpl.areaNormal, w), spreadOf(vpl));
+  const double kept = std::max(r, cellEdge / 2.0), fluence = sent.value / (kept * kept);
+  const glm::dmat3 extent = vpl.extent();
+  const double share = 2.5 * (extent[0][0] + extent[1][1] + extent[2][2]) / (kept * kept);
+  const double weight = -0.5 * sent.slope / (1.0 + std::pow(share, 4.0));
+  // Inside half a cell the powers of r are those of half a cell.
+  const Second second{extent, d, kept};
+  return {fluence + weight * second.ofLinear(vpl.areaNormal, 3),
+          fluence * w + weight * second.ofQuadratic(vpl.areaNormal, 4)};
+}
+
+double irradianceOf(const glm::dvec3& flux, const Vpl& vpl, const glm::dvec3& x, const glm::dvec3& n, double cellEdge) {
+  const glm::dvec3 d = vpl.position() - x;
+  const double height = glm::dot(n, d), spread = std::sqrt(std::max(0.0, 3.0 * glm::dot(n, vpl.extent() * n)));
+  const double above = positivePart(height, spread).value - height;
+  return std::max(0.0, glm::dot(n, flux) + glm::length(flux) * above / std::max(glm::length(d), 1e-3 * cellEdge));
+}
+
+std::array<Coefficients, 3> incidentFrom(const std::vector<Vpl>& vpls, const glm::dvec3& x, double cellEdge) {
+  std::array<Coefficients, 3> sum{};
+  for (const Vpl& vpl : vpls) {
+    const VplMoments m = momentsOf(vpl, x, cellEdge);
+    const glm::dvec3& d = m.vectorIrradiance;
+    const Coefficients moments(m.fluence, d.y, d.z, d.x);
+    for (int colour = 0; colour < 3; ++colour) sum[std::size_t(colour)] += vpl.radiance()[colour] * moments;
+  }
+  for (Coefficients& c : sum) {
+    const double fluence = std::max(0.0, c.x), flux = std::sqrt(c.y * c.y + c.z * c.z + c.w * c.w);
+    const double possible = flux > fluence ? fluence / flux : 1.0;
+    c = Coefficients(fluence, possible * c.y, possible * c.z, possible * c.w);
+    c *= basis(glm::dvec3(1.0));  // (Y00, Y1 three times)
+  }
+  return sum;
 }
 
 Field gather(const Grid& grid, const std::vector<Emitter>& emitters, double k) {

@@ -2,13 +2,12 @@
 // GATHER in double (MATHS.md 3b): a tree of merged virtual point lights (VPLs), summed at every cell centre.
 //
 // A VPL is everything that emits within one block of the tree about normals of one bin; a block of one cell is a leaf.
-// A node's VPLs are the sums of its children's, bin by bin. No second moments: nodes are points.
+// A node's VPLs are the sums of its children's, bin by bin, with the second moments of where they emit.
 
 #include <array>
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "reference/emitter.h"
@@ -32,9 +31,12 @@ struct Vpl {
   glm::dvec3 areaRadiance{0.0};      ///< W/sr: radiance x texture over the area
   double weight = 0.0;               ///< area x brightest channel, W/sr
   glm::dvec3 weightedPosition{0.0};  ///< weight x centroid, world
-  std::optional<double> spread;      ///< spreadOf, where it was worked out
+  glm::dmat3 weightedSquare{0.0};    ///< weight x (extent + centroid centroid^T)
 
   Vpl& operator+=(const Vpl& other);
+  /// Takes what is there for a flat square in a cell of that edge, facing N: where its parts lie is not kept.
+  void settleInCell(double cellEdge);
+  glm::dmat3 extent() const;  ///< covariance of where light leaves, m^2
   glm::dvec3 position() const { return weightedPosition / weight; }  ///< p; there is none for a VPL that emits nothing
   glm::dvec3 radiance() const { return areaRadiance / area; }  ///< c
 };
@@ -55,7 +57,7 @@ std::vector<CellVpls> cellVpls(const Grid& grid, const std::vector<Emitter>& emi
 /// Blocks of 1, 2, 4, .. cells along an edge, aligned to the grid's origin, up to one that holds the grid.
 class VplTree {
  public:
-  explicit VplTree(const std::vector<CellVpls>& leaves);
+  explicit VplTree(const std::vector<CellVpls>& leaves);  ///< settled in their cells
 
   /// The VPLs that the receivers of one block sum, `low` and `high` their outermost cells: those of the nodes with edge
   /// L whose block's centre is more than k L from the box spanned by the receivers' centres, and of the leaves where
@@ -70,7 +72,6 @@ class VplTree {
     std::vector<Node> children;
   };
   static std::vector<Node> parentsOf(std::vector<Node> nodes);
-  static void settle(Node& node);
   static void collect(const Node& node, const std::array<glm::dvec3, 2>& box, double k, std::vector<Vpl>& out);
 
   std::vector<Node> root_;  ///< one, or none where nothing emits
@@ -79,18 +80,29 @@ class VplTree {
 /// Receivers share their choice of nodes in blocks of this many cells along an edge, aligned to the grid's origin.
 inline constexpr int kReceiverBlock = 4;
 
-/// How far a VPL's directions spread, as an area e: I(w) = (t + sqrt(t^2 + e^2)) / 2, t = -N.w, has the power pi A. By
-/// bisection of the closed form of that integral; 0 where all directions are alike, A / 2 where they cancel.
+/// How far t = N.w spreads where directions were merged, as an area h: I(w) is the mean of max(0, t) over [t - h, t +
+/// h]. Has the power pi A: by bisection of the integral's closed form; 0 where all directions are alike, A where they
+/// cancel.
 double spreadOf(const Vpl& vpl);
 /// What it sends to a receiver that sees it in direction w (a departure from MATHS.md 3b.4, see shaders/vpls.glsl).
 double intensityOf(const Vpl& vpl, const glm::dvec3& w);
 
-/// Fluence and vector irradiance at x of one VPL of radiance 1 (MATHS.md 3b.4).
+/// Fluence and vector irradiance at x of one VPL of radiance 1 (MATHS.md 3b.4), expanded to second order in where it
+/// emits: K + s / 2 extent : grad grad K with the kernels K of a flat emitter, N.d / r^3 and N.d d / r^4 (signs aside),
+/// s = dI / dt, damped by 1 / (1 + (2.5 trace(extent) / r^2)^4). r is never less than half a cell there.
 struct VplMoments {
   double fluence = 0.0;
   glm::dvec3 vectorIrradiance{0.0};
 };
 VplMoments momentsOf(const Vpl& vpl, const glm::dvec3& x, double cellEdge);
+
+/// Irradiance at x on a surface with normal n of a VPL's flux (one side's, or both sides'): what of the VPL's extent is
+/// above n's horizon counts.
+double irradianceOf(const glm::dvec3& flux, const Vpl& vpl, const glm::dvec3& x, const glm::dvec3& n, double cellEdge);
+
+/// SH of incident radiance at x of one light's VPLs, per colour: phi >= 0 and |D| <= phi, which a series cut off does
+/// not know of.
+std::array<Coefficients, 3> incidentFrom(const std::vector<Vpl>& vpls, const glm::dvec3& x, double cellEdge);
 
 /// SH of incident radiance at every cell centre.
 Field gather(const Grid& grid, const std::vector<Emitter>& emitters, double k);

@@ -98,8 +98,8 @@ TEST(VplMoments, OfAClosedSurfaceAreAQuarterOfItsAreaAllAround) {
   }
 }
 
-// Power and first moment of what a VPL sends, by quadrature over all directions. Broken by: (area - |N|) / 4 for the
-// spread; the spread of half the missing area.
+// Power and first moment of what a VPL sends, by quadrature over all directions. Broken by: the missing area for the
+// spread; one closed form for both of its cases.
 TEST(VplIntensity, HasThePowerOfItsAreaAndTheMomentOfItsDirection) {
   for (const double share : {0.0, 0.3, 0.8, 0.98, 0.9999}) {
     Vpl vpl;
