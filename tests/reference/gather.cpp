@@ -123,17 +123,11 @@ std::vector<Vpl> VplTree::seenFrom(const glm::ivec3& low, const glm::ivec3& high
 }
 
 double spreadOf(const Vpl& vpl) {
-  const double n = glm::length(vpl.areaNormal);
-  if (vpl.area <= n) return 0.0;
-  // Power over pi: twice the mean over directions of the even part of I, max(|t|, (t^2 + h^2) / 2h); it grows with h.
-  const auto power = [&](double h) { return h < n ? n + h * h / (3.0 * n) : h + n * n / (3.0 * h); };
-  double low = 0.0;
-  double high = vpl.area;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = 0.5 * (low + high);
-    (power(middle) > vpl.area ? high : low) = middle;
-  }
-  return 0.5 * (low + high);
+  const double n = glm::length(vpl.areaNormal), area = vpl.area;
+  if (area <= n) return 0.0;
+  // Power over pi is n + h^2 / (3 n) up to h = n, h + n^2 / (3 h) beyond.
+  if (area <= 4.0 / 3.0 * n) return std::sqrt(3.0 * n * (area - n));
+  return 0.5 * (area + std::sqrt(area * area - 4.0 / 3.0 * n * n));
 }
 
 namespace {
