@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "output.h"
+#include "values.h"
 
 namespace lpv::cli {
 namespace {
@@ -25,6 +26,8 @@ Status showStats(Context& context) {
               {"blobs", std::to_string(stats->blobs())},
               {"blob bytes", std::to_string(stats->blob_bytes())},
               {"resident bytes", std::to_string(stats->resident_bytes())},
+              {"worst measured error",
+               stats->has_worst_measured_error() ? shortText(stats->worst_measured_error()) : "not yet"},
               {"uptime", std::to_string(stats->uptime().seconds()) + " s"}});
   return {};
 }

@@ -24,6 +24,9 @@ std::string gridText(const v1::Session& session) {
 
 void printSession(const Context& context, const v1::Session& session) {
   if (context.json()) return print(toJson(session));
+  const std::string measured = session.has_measured_error() ? shortText(session.measured_error()) + " at revision " +
+                                                                  std::to_string(session.measured_revision())
+                                                            : "not yet";
   printTable({{"id", client::sessionId(session.name())},
               {"name", session.settings().display_name()},
               {"revision", std::to_string(session.revision())},
@@ -33,6 +36,8 @@ void printSession(const Context& context, const v1::Session& session) {
               {"triangles", std::to_string(session.triangle_count())},
               {"clients", std::to_string(session.client_count())},
               {"subscribers", std::to_string(session.subscriber_count())},
+              {"expected error", shortText(session.expected_error())},
+              {"measured error", measured},
               {"settings", toJson(session.settings())}});
 }
 

@@ -93,11 +93,12 @@ struct SessionFlags::Given {
                            "Of gathering (fast)");
     app.add_option("--iterations", iterations, "Propagation steps (the grid's longest edge)")->type_name("N");
     addSwitch(app, "--clamp-faces", clampFaces, "Propagation: clamp face intensities at 0");
-    app.add_option("--k", k, "Distance rule of gathering, 1..64 (2 fast, 6 accurate)")->type_name("K");
+    app.add_option("--k", k, "Distance rule of gathering, 1..64 (1.5 fast, 3 accurate)")->type_name("K");
     addChoice<v1::Lookup>(app, "--lookup", lookup,
                           {{"cap", v1::LOOKUP_CAP}, {"sh2", v1::LOOKUP_SH2}, {"nearest", v1::LOOKUP_NEAREST}},
                           "How irradiance is read from the volume (sh2 with propagate, else cap)");
-    app.add_option("--max-error", maxError, "Wanted relative error of irradiance")->type_name("E");
+    app.add_option("--max-error", maxError, "Wanted relative error of irradiance: the server picks what reaches it")
+        ->type_name("E");
   }
 
   void addSceneTo(CLI::App& app) {

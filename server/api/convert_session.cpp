@@ -1,8 +1,10 @@
 #include "api/convert_session.h"
 
+#include <algorithm>
 #include <set>
 
 #include "api/convert_geometry.h"
+#include "scene/error_goal.h"
 
 namespace lpv::api {
 namespace {
@@ -176,6 +178,8 @@ void toProto(const SessionOptions& o, pb::SessionSettings* out) {
     out->mutable_grid()->mutable_dims()->set_x(o.grid.dims.x);
     out->mutable_grid()->mutable_dims()->set_y(o.grid.dims.y);
     out->mutable_grid()->mutable_dims()->set_z(o.grid.dims.z);
+  } else if (o.grid.automatic) {
+    out->mutable_grid()->set_automatic(true);
   } else {
     out->mutable_grid()->set_longest(o.grid.longest != 0 ? o.grid.longest : kDefaultCellsOfLongestEdge);
   }
@@ -215,6 +219,12 @@ void toProto(const SessionSummary& in, pb::Session* out) {
   out->set_triangle_count(in.triangles);
   out->set_client_count(int(in.clients));
   out->set_subscriber_count(int(in.subscribers));
+  const SessionOptions options = carriedOut(in.options);
+  out->set_expected_error(expectedError(options, std::max({in.grid.dims.x, in.grid.dims.y, in.grid.dims.z})));
+  if (in.measured) {
+    out->set_measured_error(in.measured->error);
+    out->set_measured_revision(in.measured->revision);
+  }
   out->set_durability(pb::DURABILITY_MEMORY);
 }
 

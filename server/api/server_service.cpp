@@ -1,6 +1,8 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <optional>
 
 #include "api/services.h"
 
@@ -10,8 +12,9 @@ namespace {
 constexpr const char* kFeatures[] = {
     "injection.count",  "injection.flux", "injection.textures",  "injection.directions", "method.compute",
     "method.raster",    "method.dense",   "transport.propagate", "transport.gather",     "transport.direct",
-    "quality.accurate", "lookup.sh2",     "lookup.cap",          "lookup.nearest",       "lights.groups",
-    "frames.jpeg",      "frames.png",     "frames.exr",          "volume.half",          "volume.float"};
+    "quality.accurate", "max_error",      "grid.automatic",      "lookup.sh2",           "lookup.cap",
+    "lookup.nearest",   "lights.groups",  "frames.jpeg",         "frames.png",           "frames.exr",
+    "volume.half",      "volume.float"};
 
 void toProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);
@@ -62,12 +65,14 @@ Status getStats(Context& context, const pb::GetStatsRequest&, pb::GetStatsRespon
   std::int64_t blobs = 0;
   std::int64_t blobBytes = 0;
   std::size_t subscribers = 0;
+  std::optional<double> worst;
   const std::vector<SessionPtr> sessions = context.registry->all();
   for (const SessionPtr& session : sessions) {
     const SessionSummary summary = session->summary();
     blobs += std::int64_t(summary.blobs);
     blobBytes += summary.blobBytes;
     subscribers += summary.subscribers;
+    if (summary.measured) worst = std::max(worst.value_or(0.0), summary.measured->error);
   }
   response->set_sessions(int(sessions.size()));
   response->set_subscribers(int(subscribers));
@@ -79,6 +84,7 @@ Status getStats(Context& context, const pb::GetStatsRequest&, pb::GetStatsRespon
   response->set_blobs(blobs);
   response->set_blob_bytes(blobBytes);
   response->set_resident_bytes(residentBytes());
+  if (worst) response->set_worst_measured_error(*worst);
   const auto uptime = std::chrono::system_clock::now() - context.started;
   response->mutable_uptime()->set_seconds(std::chrono::duration_cast<std::chrono::seconds>(uptime).count());
   return {};

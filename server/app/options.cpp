@@ -25,15 +25,17 @@ void addLimits(CLI::App& app, Limits& limits) {
   limit("--max-blob-bytes", limits.maxBlobBytes, "bytes of one blob", 1, 1e9);
   limit("--max-edits-per-second", limits.maxEditsPerSecond, "edits of one client", 1, 100000);
   limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
-  const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what) {
+  const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what, int least) {
     app.add_option_function<int>(
            flag, [&value](const int& given) { value = std::chrono::seconds(given); }, what)
-        ->check(CLI::Range(1, 86400))
+        ->check(CLI::Range(least, 86400))
         ->default_str(std::to_string(value.count()))
         ->group("Limits");
   };
-  seconds("--upload-idle", limits.uploadIdle, "seconds without a part after which an upload is given up");
-  seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take");
+  seconds("--upload-idle", limits.uploadIdle, "seconds without a part after which an upload is given up", 1);
+  seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take", 1);
+  seconds("--self-check", limits.selfCheck, "seconds between comparisons of a session's light with the truth; 0 = none",
+          0);
 }
 
 /// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "scene/error_goal.h"
 #include "scene/sh.h"
 #include "scene/volume.h"
 
@@ -158,10 +159,10 @@ std::vector<int> renumbered(std::vector<int> groups) {
   return groups;
 }
 
-std::vector<int> chosen(const std::vector<EmittingLight>& lights, const Grid& grid, const std::vector<int>& previous) {
+std::vector<int> chosen(const std::vector<EmittingLight>& lights, const Grid& grid, const std::vector<int>& previous,
+                        double goal) {
   const Apart apart(lights, grid);
-  if (previous.size() == lights.size() && errorOf(apart, previous, countOf(previous)) <= 2.0 * kGroupingError)
-    return previous;
+  if (previous.size() == lights.size() && errorOf(apart, previous, countOf(previous)) <= 2.0 * goal) return previous;
   std::vector<std::size_t> order(lights.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::vector<double> brightness;
@@ -170,7 +171,7 @@ std::vector<int> chosen(const std::vector<EmittingLight>& lights, const Grid& gr
   std::vector<int> groups;
   for (int count = 1; count <= std::min(kMaxGroups, int(lights.size())); ++count) {
     groups = dealt(apart, order, count);
-    if (errorOf(apart, groups, count) <= kGroupingError) break;
+    if (errorOf(apart, groups, count) <= goal) break;
   }
   return renumbered(std::move(groups));
 }
@@ -192,14 +193,17 @@ double groupingError(const std::vector<EmittingLight>& lights, const Grid& grid,
 }
 
 bool groupsItself(const SessionOptions& o) {
-  return o.transport == Transport::kGather && o.quality == Quality::kAccurate && o.lookup == Lookup::kCap;
+  const bool asked = o.quality == Quality::kAccurate || o.maxError > 0.0;
+  return o.transport == Transport::kGather && asked && o.lookup == Lookup::kCap;
 }
 
 std::vector<std::string> groupLights(const Scene& scene, std::vector<EmittingLight>& lights,
                                      const std::vector<int>& previous) {
   const bool named = std::any_of(lights.begin(), lights.end(), [](const auto& l) { return !groupName(l).empty(); });
   if (named || !groupsItself(scene.options) || lights.size() < 2) return byHand(lights);
-  const std::vector<int> groups = chosen(lights, scene.grid, previous);
+  const glm::ivec3& dims = scene.grid.dims;
+  const double goal = groupingGoal(scene.options, std::max({dims.x, dims.y, dims.z}));
+  const std::vector<int> groups = chosen(lights, scene.grid, previous, goal);
   for (std::size_t i = 0; i < lights.size(); ++i) lights[i].group = groups[i];
   std::vector<std::string> names = {""};
   for (int i = 2; i <= countOf(groups); ++i) names.push_back("auto " + std::to_string(i));

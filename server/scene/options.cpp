@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/error_goal.h"
+
 namespace lpv {
 namespace {
 
@@ -78,8 +80,7 @@ double SessionOptions::distanceRule() const {
 Status checkOptions(const SessionOptions& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (Status s = checkTogether(o); !s.ok()) return s;
-  if (o.grid.automatic) return later("grid.automatic", "on", "grid.longest or grid.dims");
-  if (o.maxError != 0.0) return later("max_error", std::to_string(o.maxError), "0 and choose the settings yourself");
+  if (Status s = checkErrorGoal(o); !s.ok()) return s;
   if (o.visibility == Visibility::kOn) return later("visibility", "ON", "AUTO or OFF");
   if (o.bounces != 0) return later("bounces", std::to_string(o.bounces), "0");
   if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");

@@ -33,7 +33,7 @@ struct SessionOptions {
   int iterations = 0;                   ///< PROPAGATE: 0 = the grid's longest dimension; 1..kMaxIterations
   double k = 0.0;                       ///< GATHER, DIRECT: distance rule of the tree; 0 = from quality
   Lookup lookup = Lookup::kCap;
-  double maxError = 0.0;                ///< wanted raw relative L2; 0 = not asked
+  double maxError = 0.0;                ///< wanted raw relative L2 (scene/error_goal.h); 0 = not asked
   Visibility visibility = Visibility::kAuto;
   int bounces = 0;
   double haze = 0.0;                    ///< extinction per metre; 0 = none
@@ -46,7 +46,7 @@ struct SessionOptions {
   void followTransport();
 
   int iterationsFor(const Grid& g) const;
-  /// k of GATHER's distance rule.
+  /// k of GATHER's distance rule, of settings as they are carried out.
   double distanceRule() const;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/error_goal.h"
+
 namespace lpv {
 namespace {
 
@@ -29,9 +31,7 @@ std::vector<Versioned<T>> newer(const std::map<std::string, Versioned<T>>& objec
 
 Document::Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher)
     : limits_(limits), hasher_(std::move(hasher)), options_(options) {
-  const Expected<Grid> grid =
-      options.grid.hasBounds ? makeGrid(options.grid, options.grid.bounds) : fitGrid(options.grid, Bounds());
-  grid_ = *grid;  // the caller has checked the options
+  grid_ = *gridFor(options, Bounds());  // the caller has checked the options
   staged_ = snapshot();
 }
 
@@ -151,7 +151,7 @@ Status Document::refit(bool always) {
   const bool inside =
       glm::all(glm::lessThanEqual(now.min, bounds.min)) && glm::all(glm::greaterThanEqual(now.max, bounds.max));
   if (!always && inside && gridRevision_ != 0) return {};
-  const Expected<Grid> grid = fitGrid(options_.grid, bounds);
+  const Expected<Grid> grid = gridFor(options_, bounds);
   if (!grid) return grid.status();
   if (!(*grid == grid_)) {
     grid_ = *grid;
@@ -197,9 +197,8 @@ void Document::recount() {
 Status Document::setOptions(const SessionOptions& options) {
   if (options == options_) return {};
   if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
-  if (!(options.grid == options_.grid)) {
-    const Expected<Grid> grid =
-        options.grid.hasBounds ? makeGrid(options.grid, options.grid.bounds) : fitGrid(options.grid, content());
+  if (!(carriedOut(options).grid == carriedOut(options_).grid)) {
+    const Expected<Grid> grid = gridFor(options, content());
     if (!grid) return grid.status().within("settings.grid");
     grid_ = *grid;
     gridRevision_ = revision_ + 1;
@@ -214,7 +213,7 @@ ScenePtr Document::snapshot() {
   if (snapshot_) return snapshot_;
   auto scene = std::make_shared<Scene>();
   scene->revision = revision_;
-  scene->options = options_;
+  scene->options = carriedOut(options_);
   scene->grid = grid_;
   for (const auto& [name, light] : lights_) scene->lights.emplace_hint(scene->lights.end(), name, light.object);
   for (const auto& [name, surface] : surfaces_) {

@@ -49,9 +49,7 @@ Status Registry::checkNew(const std::string& wantedId) const {
 Expected<SessionPtr> Registry::create(const std::string& wantedId, const SessionOptions& options,
                                       const SessionManners& manners, const std::string& requestId) {
   if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
-  const Expected<Grid> grid =
-      options.grid.hasBounds ? makeGrid(options.grid, options.grid.bounds) : fitGrid(options.grid, Bounds());
-  if (!grid) return grid.status().within("settings.grid");
+  if (const Expected<Grid> grid = gridFor(options, Bounds()); !grid) return grid.status().within("settings.grid");
   if (requestId.size() > kMaxRequestIdBytes) {
     return invalid("request_id", "request_id has " + std::to_string(requestId.size()) + " bytes, allowed are 128");
   }

@@ -38,6 +38,7 @@ SessionSummary Session::summary() const {
   out.blobs = blobs_.count();
   out.blobBytes = blobs_.bytes();
   out.lastUsed = lastUsed_;
+  out.measured = measured_;
   return out;
 }
 

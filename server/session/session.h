@@ -44,6 +44,12 @@ struct Workshop {
   MeshHasher hasher;
 };
 
+/// What selfCheck found last.
+struct MeasuredError {
+  double error = 0.0;  ///< raw relative L2 of irradiance
+  std::uint64_t revision = 0;
+};
+
 /// A session in numbers.
 struct SessionSummary {
   std::string id;
@@ -62,6 +68,7 @@ struct SessionSummary {
   std::size_t blobs = 0;
   std::int64_t blobBytes = 0;
   std::chrono::system_clock::time_point lastUsed;
+  std::optional<MeasuredError> measured;
 };
 
 /// Settings of a session that are not its light transport's.
@@ -69,6 +76,9 @@ struct SessionManners {
   std::chrono::seconds ttl{3600};  ///< 0 = never expires
   std::string displayName;
 };
+
+/// A session that shows frames alone has a volume made for its check this many times less often.
+inline constexpr int kUnaskedChecks = 6;
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
@@ -194,6 +204,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void markSent(Subscriber& subscriber, const Result& result, Clock::time_point now);
   std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
   void deliver(std::vector<Delivery> deliveries);
+  void checkLater(const ScenePtr& scene, const VolumePtr& volume);
 
   const std::string id_;
   const SessionKey key_;
@@ -218,6 +229,11 @@ class Session : public std::enable_shared_from_this<Session> {
   bool tickUnderWay_ = false;
   std::optional<Closing> closed_;  ///< why, once it is
   Clock::time_point nextTick_{};
+  Clock::time_point nextCheck_{};  ///< of a volume that is there
+  Clock::time_point nextUnaskedCheck_ =
+      Clock::now() + kUnaskedChecks * workshop_.limits.selfCheck;  ///< of one made for it
+  bool checking_ = false;
+  std::optional<MeasuredError> measured_;
   std::optional<Clock::time_point> kickAt_;
   std::chrono::system_clock::time_point lastUsed_;
 };

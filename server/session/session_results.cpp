@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "session/self_check.h"
 #include "session/session.h"
 
 namespace lpv {
@@ -171,6 +172,7 @@ std::optional<Session::Planned> Session::planTick(Clock::time_point now) {
     if (next != Clock::time_point::max()) kickLater(next);
     return std::nullopt;
   }
+  if (workshop_.limits.selfCheck.count() > 0 && now >= nextUnaskedCheck_) plan.request.transported = true;
   plan.request.session = key_;
   plan.request.scene = document_.snapshot();
   plan.epoch = epoch_;
@@ -258,7 +260,24 @@ std::vector<Session::Delivery> Session::settle(const Planned& plan, TickResult& 
   if (tick.transported) settleVolume(plan, meta, VolumeStage::kTransported, tick.transported, &out);
   if (tick.injected) settleVolume(plan, meta, VolumeStage::kInjected, tick.injected, &out);
   settleFrames(plan, meta, tick.frames, &out);
+  if (tick.transported) checkLater(plan.request.scene, tick.transported);
   return out;
+}
+
+/// Now and then, on a worker, one at a time.
+void Session::checkLater(const ScenePtr& scene, const VolumePtr& volume) {
+  const Clock::time_point now = Clock::now();
+  const std::chrono::seconds interval = workshop_.limits.selfCheck;
+  if (interval.count() == 0 || checking_ || now < nextCheck_) return;
+  checking_ = true;
+  nextCheck_ = now + interval;
+  nextUnaskedCheck_ = now + kUnaskedChecks * interval;
+  workshop_.pool->post([self = shared_from_this(), scene, volume] {
+    const std::optional<double> error = selfCheck(*scene, *volume, std::uint32_t(scene->revision));
+    const std::lock_guard lock(self->mutex_);
+    self->checking_ = false;
+    if (error) self->measured_ = {*error, scene->revision};
+  });
 }
 
 /// A volume goes to every reader with credit that lacks it, also to those that came or got their credit back while the

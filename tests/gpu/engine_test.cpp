@@ -74,10 +74,18 @@ TEST_F(EngineContractTest, EveryPropertyThatEmitsRevoxelizes) {
   EXPECT_THAT(stagesOf(run(request)), Contains("voxelize"));
 }
 
-// Broken by: never keeping voxels in keepVoxels(); keeping any that were made.
-TEST_F(EngineContractTest, OnlyLightsWhoseGeometryChangedAreVoxelized) {
-  for (const Injection injection : {Injection::kCount, Injection::kFlux}) {
+/// Transport and injection of a session.
+using Way = std::pair<Transport, Injection>;
+
+// A light's tree is made where it is voxelized, and only there. Broken by: never keeping voxels in keepVoxels();
+// keeping any that were made.
+TEST_F(EngineContractTest, MovingOneOfFiftyLightsVoxelizesItAndRebuildsOneTree) {
+  SessionKey session = 0;
+  for (const auto& [transport, injection] :
+       {Way{Transport::kPropagate, Injection::kCount}, Way{Transport::kPropagate, Injection::kFlux},
+        Way{Transport::kGather, Injection::kFlux}}) {
     Scene scene = test::smallScene();
+    scene.options.transport = transport;
     scene.options.injection = injection;
     for (int i = 0; i < 49; ++i) {
       auto light = std::make_shared<Light>(*scene.lights.at("light"));
@@ -85,7 +93,7 @@ TEST_F(EngineContractTest, OnlyLightsWhoseGeometryChangedAreVoxelized) {
       light->radiance = {1.0 + i, 50.0 - i, 1.0};
       scene.lights["other " + std::to_string(100 + i)] = light;
     }
-    TickRequest request = test::requestOf(scene, injection == Injection::kCount ? 1 : 2);
+    TickRequest request = test::requestOf(scene, ++session);
     request.transported = true;
     EXPECT_EQ(run(request).report.lightsVoxelized, 50U);
     const auto tickWith = [&](const std::function<void(Light&)>& edit) {

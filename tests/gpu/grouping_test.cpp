@@ -8,6 +8,7 @@
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
 #include "reference/receivers.h"
+#include "scene/error_goal.h"
 
 namespace lpv {
 namespace {

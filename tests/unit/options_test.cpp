@@ -56,11 +56,9 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
 
 // When a feature is built, its line here moves to the test above.
 TEST(CheckOptions, NamesFeaturesOfLaterVersions) {
-  expectCode({{"max_error", "max_error", [](SessionOptions& o) { o.maxError = 0.01; }},
-              {"visibility", "ON", [](SessionOptions& o) { o.visibility = Visibility::kOn; }},
+  expectCode({{"visibility", "ON", [](SessionOptions& o) { o.visibility = Visibility::kOn; }},
               {"bounces", "2", [](SessionOptions& o) { o.bounces = 2; }},
-              {"haze", "haze", [](SessionOptions& o) { o.haze = 0.1; }},
-              {"grid.automatic", "automatic", [](SessionOptions& o) { o.grid.automatic = true; }}},
+              {"haze", "haze", [](SessionOptions& o) { o.haze = 0.1; }}},
              Code::kUnimplemented);
 }
 

@@ -1,0 +1,113 @@
+#include "scene/error_goal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace lpv {
+
+namespace {
+
+constexpr std::array kRules = {kFastRule, kAccurateRule, 6.0};
+
+/// GATHER with CAP.
+struct Measured {
+  int cells = 0;
+  std::array<double, kRules.size()> error;  ///< by rule
+};
+constexpr std::array kGather = {
+    Measured{8, {0.16, 0.16, 0.16}},     Measured{16, {0.0085, 0.0085, 0.0085}}, Measured{24, {0.007, 0.007, 0.007}},
+    Measured{32, {0.005, 0.005, 0.005}}, Measured{48, {0.004, 0.0035, 0.003}},   Measured{64, {0.0035, 0.003, 0.002}},
+};
+constexpr double kTwoBands = 0.25;     ///< SH2 of any field, and more so of the nearest cell
+constexpr double kPropagated = 1.0;    ///< of PROPAGATE, whatever the grid: 37 to 99 %
+constexpr double kLookedAt = 0.004;    ///< DIRECT through trees of VPLs; polygons are exact
+constexpr double kNoGrid = 1.0;        ///< below the smallest grid measured
+constexpr double kLeastForGroups = 0.002;
+
+double gathered(int cells, double k) {
+  double error = kNoGrid;
+  for (const Measured& row : kGather) {
+    if (row.cells > cells) break;
+    error = row.error[0];
+    for (std::size_t i = 1; i < kRules.size() && kRules[i] <= k; ++i) error = row.error[i];
+  }
+  return k < kRules[0] ? std::max(error, 2.0 * gathered(cells, kRules[0])) : error;
+}
+
+int cellsOf(const GridOptions& grid) {
+  const int most = std::max({grid.dims.x, grid.dims.y, grid.dims.z});
+  if (most > 0) return most;
+  return grid.longest > 0 ? grid.longest : kDefaultCellsOfLongestEdge;
+}
+
+/// Least work first: the grid's cells weigh more than how far nodes are opened.
+SessionOptions withRuleFor(SessionOptions o) {
+  if (o.k > 0.0 || o.transport != Transport::kGather) return o;
+  for (const double k : kRules) {
+    o.k = k;
+    if (expectedError(o, cellsOf(o.grid)) <= o.maxError) break;
+  }
+  return o;
+}
+
+std::string percent(double error) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g (%.3g %%)", error, 100.0 * error);
+  return text;
+}
+
+/// The best that GATHER is expected to do.
+double best() {
+  SessionOptions o;
+  o.k = kRules.back();
+  return expectedError(o, kMaxCellsPerAxis);
+}
+
+}  // namespace
+
+double expectedError(const SessionOptions& o, int longestCells) {
+  if (o.transport == Transport::kPropagate) return kPropagated;
+  if (o.transport == Transport::kDirect) return kLookedAt;
+  const double volume = gathered(longestCells, o.distanceRule());
+  return o.lookup == Lookup::kCap ? volume : std::max(volume, kTwoBands);
+}
+
+SessionOptions carriedOut(const SessionOptions& options) {
+  SessionOptions o = options;
+  if (o.grid.automatic) o.grid.longest = kDefaultCellsOfLongestEdge;
+  if (o.maxError == 0.0) return o;
+  if (!o.grid.automatic) return withRuleFor(o);
+  for (const Measured& row : kGather) {
+    o = options;
+    o.grid.longest = row.cells;
+    o = withRuleFor(o);
+    if (expectedError(o, row.cells) <= o.maxError) break;
+  }
+  return o;
+}
+
+Expected<Grid> gridFor(const SessionOptions& options, const Bounds& content) {
+  const GridOptions grid = carriedOut(options).grid;
+  return grid.hasBounds ? makeGrid(grid, grid.bounds) : fitGrid(grid, content);
+}
+
+Status checkErrorGoal(const SessionOptions& options) {
+  if (options.maxError == 0.0) return {};
+  const SessionOptions o = carriedOut(options);
+  const double expected = expectedError(o, cellsOf(o.grid));
+  if (expected <= o.maxError) return {};
+  std::string way = "transport GATHER with lookup CAP and grid.automatic reaches " + percent(best());
+  if (o.transport == Transport::kDirect) way = "no transport is expected to do better";
+  return invalid("max_error", "max_error is " + percent(o.maxError) + ", these settings are expected to reach " +
+                                  percent(expected) + "; ask for that, or change them: " + way);
+}
+
+double groupingGoal(const SessionOptions& o, int longestCells) {
+  if (o.maxError == 0.0) return kGroupingError;
+  const double expected = expectedError(o, longestCells);
+  return std::max(kLeastForGroups, std::sqrt(std::max(0.0, o.maxError * o.maxError - expected * expected)));
+}
+
+}  // namespace lpv
