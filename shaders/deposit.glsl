@@ -4,6 +4,7 @@
 // Words of a cell: how many VPLs came (COUNT: lobes, N of eq. 1; FLUX: pairs), then moments in fixed point.
 //   plain COUNT     sum of lobe directions (x, y, z); the zeroth moment is N itself         1 + 3 words
 //   plain FLUX      area, area x direction (x, y, z), 64 bits each: low word, high word     1 + 8
+//   LPV_SETS        plain COUNT of at most kSetTriangles: which triangles came, a bit each, and nothing else    1
 //   textured        (C, C x direction) per colour: 4 moments for each of red, green, blue  1 + 12, 1 + 24
 // LPV_VPLS: FLUX for GATHER has a table of VPLs instead, shaders/vpl_table.glsl.
 #ifndef LPV_FLUX
@@ -17,6 +18,10 @@
 #define LPV_VPLS 0
 #endif
 
+#ifndef LPV_SETS
+#define LPV_SETS 0
+#endif
+
 #if LPV_TEXTURED
 const int kSets = 3;
 #else
@@ -24,6 +29,8 @@ const int kSets = 1;
 #endif
 #if LPV_FLUX
 const int kAccumulatorWords = 1 + 8 * kSets;
+#elif LPV_SETS
+const int kAccumulatorWords = 1;
 #elif LPV_TEXTURED
 const int kAccumulatorWords = 13;
 #else
@@ -52,7 +59,7 @@ uint nextInList() {
 }
 
 #if !LPV_VPLS
-/// The first VPL of a cell appends it to the list.
+/// Adds to a cell's first word; the first VPL of a cell appends it to the list.
 int touchedCell(ivec3 position, uint lobes) {
   const int cell = (position.z * params.dims.y + position.y) * params.dims.x + position.x;
   if (atomicAdd(words[cell * kAccumulatorWords], lobes) == 0u) {
@@ -106,6 +113,9 @@ void addMoments(ivec3 cell, double area, dmat3 direction, dvec3 colour) {
     for (int i = 0; i < 3; ++i) addWide(base + 8 * k + 2 + 2 * i, zeroth * direction[k][i]);
   }
 }
+#elif LPV_SETS
+/// Triangle number `index`, which comes once to a cell.
+void addToSet(ivec3 cell, uint index) { touchedCell(cell, 1u << index); }
 #else
 /// `lobes` of one colour, the sum of their directions given.
 void addLobes(ivec3 cell, uint lobes, vec3 directions, vec3 colour) {
