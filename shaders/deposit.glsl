@@ -50,12 +50,27 @@ layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHea
 
 #ifndef LPV_RECORD_PAIRS
 
-/// One more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
-/// since it also counts triangles without area.
-uint nextInList() {
-  const uint slot = atomicAdd(voxelHeader[3], 1u);
-  if (slot > 0u && slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
+/// `count` more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
+/// since it also counts triangles without area. The number of the first.
+uint appendToList(uint count) {
+  const uint slot = atomicAdd(voxelHeader[3], count);
+  const uint groups = (slot + count - 1u) / uint(kCellGroup) - (max(slot, 1u) - 1u) / uint(kCellGroup);
+  if (groups > 0u) atomicAdd(voxelHeader[0], groups);
   return slot;
+}
+
+/// A place in the list. All threads come here at once and wait for one number: those that run in step ask together.
+uint nextInList() {
+#ifdef LPV_BALLOT
+  const uint64_t together = ballotARB(true);
+  const uvec2 all_ = unpackUint2x32(together), before = unpackUint2x32(together & gl_SubGroupLtMaskARB);
+  const uint rank = uint(bitCount(before.x) + bitCount(before.y));
+  uint slot = 0u;
+  if (rank == 0u) slot = appendToList(uint(bitCount(all_.x) + bitCount(all_.y)));
+  return readFirstInvocationARB(slot) + rank;
+#else
+  return appendToList(1u);
+#endif
 }
 
 #if !LPV_VPLS

@@ -87,7 +87,9 @@ LPV_CONST int kUvAttribute = 2;         // vec2
 
 // --- voxelization
 LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
-LPV_CONST int kSmallColumns = 48;       // triangles with more columns are split
+LPV_CONST int kSmallColumns = 48;       // triangles with more columns are split,
+LPV_CONST int kManyTriangles = 512;     // or, where there are so many that all threads have one,
+LPV_CONST int kManyColumns = 160;       // with more than this
 LPV_CONST int kSmallVaryingColumns = 32;  // the same with texture or directions
 LPV_CONST int kColumnsPerThread = 16;    // of a split one without, about
 LPV_CONST int kMaxSlices = 8;           // work items of one split triangle

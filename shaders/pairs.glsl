@@ -93,7 +93,7 @@ dvec3 reachOf(dvec3 steps, dvec3 moreSteps, double across) {
 }
 
 /// Columns that columnsInRow() is too generous by: more than rounding, and more columns than a grid has.
-const double kColumnMargin = 0.0625lf;
+const double kColumnMargin = 0.0009765625lf;
 const int kBeyondColumns = 1 << 20;
 
 CellTests cellTests(LatticeTriangle t) {

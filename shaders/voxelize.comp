@@ -2,6 +2,11 @@
 //
 // LPV_SMALL: a thread per triangle; triangles over many columns are handed on as work items.
 // LPV_LARGE: a work-group per work item, a thread per column.
+#extension GL_ARB_shader_ballot : enable
+#extension GL_ARB_gpu_shader_int64 : enable
+#if defined(GL_ARB_shader_ballot) && defined(GL_ARB_gpu_shader_int64)
+#define LPV_BALLOT
+#endif
 #include "voxelize.glsl"
 
 #if !defined(LPV_SMALL) && !defined(LPV_LARGE)
@@ -17,7 +22,6 @@ layout(local_size_x = kColumnGroup) in;
 layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
 
 const bool kVarying = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1;
-const int kUnsplitColumns = kVarying ? kSmallVaryingColumns : kSmallColumns;
 const int kSlices = kVarying ? kMaxVaryingSlices : kMaxSlices;
 const int kThreadColumns = kVarying ? 1 : kColumnsPerThread;
 
@@ -49,7 +53,8 @@ void main() {
     return;
   }
   const int columns = columnCount(e.lattice);
-  if (columns > kUnsplitColumns || (columns > 1 && laborious(e.varying_))) handOn(local, sharesOf(e.lattice, columns).slices);
+  const int most = kVarying ? kSmallVaryingColumns : params.triangles.y < kManyTriangles ? kSmallColumns : kManyColumns;
+  if (columns > most || (columns > 1 && laborious(e.varying_))) handOn(local, sharesOf(e.lattice, columns).slices);
   else if (columns > 0) voxelizeRows(e, 0, 1, 0, 1);
 }
 
