@@ -63,10 +63,10 @@ uint appendToList(uint count) {
 uint nextInList() {
 #ifdef LPV_BALLOT
   const uint64_t together = ballotARB(true);
-  const uvec2 all_ = unpackUint2x32(together), before = unpackUint2x32(together & gl_SubGroupLtMaskARB);
+  const uvec2 askers = unpackUint2x32(together), before = unpackUint2x32(together & gl_SubGroupLtMaskARB);
   const uint rank = uint(bitCount(before.x) + bitCount(before.y));
   uint slot = 0u;
-  if (rank == 0u) slot = appendToList(uint(bitCount(all_.x) + bitCount(all_.y)));
+  if (rank == 0u) slot = appendToList(uint(bitCount(askers.x) + bitCount(askers.y)));
   return readFirstInvocationARB(slot) + rank;
 #else
   return appendToList(1u);

@@ -68,7 +68,7 @@ LPV_CONST int kProximityOut = 3;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
-LPV_CONST int kColumnGroup = 16;        // large triangles: columns of one work item at a time
+LPV_CONST int kColumnGroup = 16;        // large triangles: threads of one work item
 LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes

@@ -1,7 +1,7 @@
 // Voxelization in compute.
 //
 // LPV_SMALL: a thread per triangle; triangles over many columns are handed on as work items.
-// LPV_LARGE: a work-group per work item, a thread per column.
+// LPV_LARGE: a work-group per work item, a thread for a row of columns or every n-th column of one.
 #extension GL_ARB_shader_ballot : enable
 #extension GL_ARB_gpu_shader_int64 : enable
 #if defined(GL_ARB_shader_ballot) && defined(GL_ARB_gpu_shader_int64)
