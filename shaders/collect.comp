@@ -8,6 +8,16 @@ layout(std140, binding = kParams) uniform Block { VoxelizeParams params; };
 #include "deposit.glsl"
 layout(std430, binding = kVoxelMoments) writeonly buffer Moments { vec4 moments[]; };
 
+#if LPV_SETS
+/// Lobes of the triangles in a set, rounded and summed as addLobes() does.
+ivec3 sumOfSet(uint set) {
+  const float scale = float(params.scale.x);
+  ivec3 sum = ivec3(0);
+  for (; set != 0u; set &= set - 1u) sum += ivec3(roundEven(scale * params.normals[findLSB(set)].xyz));
+  return sum;
+}
+#endif
+
 float fixedPoint(int at) {
 #if LPV_FLUX
   uvec2 bits = uvec2(words[at], words[at + 1]);
@@ -27,11 +37,18 @@ void main() {
   const uint slot = gl_GlobalInvocationID.x;
   if (slot >= voxelHeader[3]) return;
   const int base = int(voxels[slot].x) * kAccumulatorWords;
+#if LPV_SETS
+  const uint set = words[base];
+  const uint count = uint(bitCount(set));
+#else
   const uint count = words[base];
+#endif
   const float unit = float(1.0lf / params.scale.x);
   words[base] = 0u;
   voxels[slot].y = count;
-#if LPV_FLUX || LPV_TEXTURED
+#if LPV_SETS
+  moments[slot] = vec4(float(count), vec3(sumOfSet(set)) * unit);
+#elif LPV_FLUX || LPV_TEXTURED
   const int stride = LPV_FLUX == 1 ? 2 : 1;
   for (int k = 0; k < kSets; ++k) {
     vec4 m;

@@ -4,6 +4,7 @@
 // Words of a cell: how many VPLs came (COUNT: lobes, N of eq. 1; FLUX: pairs), then moments in fixed point.
 //   plain COUNT     sum of lobe directions (x, y, z); the zeroth moment is N itself         1 + 3 words
 //   plain FLUX      area, area x direction (x, y, z), 64 bits each: low word, high word     1 + 8
+//   LPV_SETS        plain COUNT of at most kSetTriangles: which triangles came, a bit each, and nothing else    1
 //   textured        (C, C x direction) per colour: 4 moments for each of red, green, blue  1 + 12, 1 + 24
 // LPV_VPLS: FLUX for GATHER has a table of VPLs instead, shaders/vpl_table.glsl.
 #ifndef LPV_FLUX
@@ -17,6 +18,10 @@
 #define LPV_VPLS 0
 #endif
 
+#ifndef LPV_SETS
+#define LPV_SETS 0
+#endif
+
 #if LPV_TEXTURED
 const int kSets = 3;
 #else
@@ -24,6 +29,8 @@ const int kSets = 1;
 #endif
 #if LPV_FLUX
 const int kAccumulatorWords = 1 + 8 * kSets;
+#elif LPV_SETS
+const int kAccumulatorWords = 1;
 #elif LPV_TEXTURED
 const int kAccumulatorWords = 13;
 #else
@@ -43,16 +50,31 @@ layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHea
 
 #ifndef LPV_RECORD_PAIRS
 
-/// One more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
-/// since it also counts triangles without area.
-uint nextInList() {
-  const uint slot = atomicAdd(voxelHeader[3], 1u);
-  if (slot > 0u && slot % uint(kCellGroup) == 0u) atomicAdd(voxelHeader[0], 1u);
+/// `count` more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
+/// since it also counts triangles without area. The number of the first.
+uint appendToList(uint count) {
+  const uint slot = atomicAdd(voxelHeader[3], count);
+  const uint groups = (slot + count - 1u) / uint(kCellGroup) - (max(slot, 1u) - 1u) / uint(kCellGroup);
+  if (groups > 0u) atomicAdd(voxelHeader[0], groups);
   return slot;
 }
 
+/// A place in the list. All threads come here at once and wait for one number: those that run in step ask together.
+uint nextInList() {
+#ifdef LPV_BALLOT
+  const uint64_t together = ballotARB(true);
+  const uvec2 askers = unpackUint2x32(together), before = unpackUint2x32(together & gl_SubGroupLtMaskARB);
+  const uint rank = uint(bitCount(before.x) + bitCount(before.y));
+  uint slot = 0u;
+  if (rank == 0u) slot = appendToList(uint(bitCount(askers.x) + bitCount(askers.y)));
+  return readFirstInvocationARB(slot) + rank;
+#else
+  return appendToList(1u);
+#endif
+}
+
 #if !LPV_VPLS
-/// The first VPL of a cell appends it to the list.
+/// Adds to a cell's first word; the first VPL of a cell appends it to the list.
 int touchedCell(ivec3 position, uint lobes) {
   const int cell = (position.z * params.dims.y + position.y) * params.dims.x + position.x;
   if (atomicAdd(words[cell * kAccumulatorWords], lobes) == 0u) {
@@ -106,6 +128,9 @@ void addMoments(ivec3 cell, double area, dmat3 direction, dvec3 colour) {
     for (int i = 0; i < 3; ++i) addWide(base + 8 * k + 2 + 2 * i, zeroth * direction[k][i]);
   }
 }
+#elif LPV_SETS
+/// Triangle number `index`, which comes once to a cell.
+void addToSet(ivec3 cell, uint index) { touchedCell(cell, 1u << index); }
 #else
 /// `lobes` of one colour, the sum of their directions given.
 void addLobes(ivec3 cell, uint lobes, vec3 directions, vec3 colour) {

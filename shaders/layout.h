@@ -68,7 +68,7 @@ LPV_CONST int kProximityOut = 3;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;      // small triangles: a thread each
-LPV_CONST int kColumnGroup = 16;        // large triangles: columns of one work item at a time
+LPV_CONST int kColumnGroup = 16;        // large triangles: threads of one work item
 LPV_CONST int kCellGroup = 64;          // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;         // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;         // 32 x 1, with fewer idle threads in narrow boxes
@@ -87,14 +87,17 @@ LPV_CONST int kUvAttribute = 2;         // vec2
 
 // --- voxelization
 LPV_CONST int kLatticeUnits = 256;      // lattice units per cell edge (MATHS.md 2, snapping)
-LPV_CONST int kSmallColumns = 48;       // triangles with more columns are split
+LPV_CONST int kSmallColumns = 48;       // triangles with more columns are split,
+LPV_CONST int kManyTriangles = 512;     // or, where there are so many that all threads have one,
+LPV_CONST int kManyColumns = 160;       // with more than this
 LPV_CONST int kSmallVaryingColumns = 32;  // the same with texture or directions
-LPV_CONST int kColumnsPerThread = 4;    // of a split one without, at least
+LPV_CONST int kColumnsPerThread = 16;    // of a split one without, about
 LPV_CONST int kMaxSlices = 8;           // work items of one split triangle
 LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends a thread's loops after 2^16
                                         // rounds in all, without a word
 LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
 LPV_CONST int kFluxBits = 50;           // FLUX: the light's whole area is 2^50 in fixed point, its sums 64 bits wide
+LPV_CONST int kSetTriangles = 32;       // COUNT of a light with so few: a cell keeps which of them came to it
 LPV_CONST int kSamplesPerThread = 32;   // dense sampling
 
 // A list whose length also is an indirect dispatch: one group per work item.
@@ -133,6 +136,7 @@ struct VoxelizeParams {
   vec4 textureMean;        // rgb mean of all texels
   ivec4 boxLower;          // VPLs: first cell of the light's box
   ivec4 boxSize;           // VPLs: its cells along x, y, z; w: entries of the table, a power of two
+  vec4 normals[kSetTriangles];  // sets of triangles: unit, outward, grid space
 };
 
 struct TreeParams {
@@ -193,7 +197,7 @@ struct DrawParams {
 
 #ifdef __cplusplus
 static_assert(sizeof(Counters) == 16);
-static_assert(sizeof(VoxelizeParams) == 384 && offsetof(VoxelizeParams, dims) == 288);
+static_assert(sizeof(VoxelizeParams) == 896 && offsetof(VoxelizeParams, dims) == 288);
 static_assert(sizeof(TreeParams) == 128 && offsetof(TreeParams, unit) == 96);
 static_assert(sizeof(GatherParams) == 64);
 static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4

@@ -6,8 +6,6 @@
 struct LatticeTriangle {
   dvec3 v0, v1, v2;   // lattice units; exact integers
   dvec3 normal;       // cross product of edges, exact; zero when degenerate
-  dvec2 slope;        // how much less depth per step across
-  dvec3 reach[3];     // of the edges from v0, v1, v2: see overlaps()
   ivec3 dims;         // of the grid, turned the same way
   int axis;           // which axis is dominant: 0 x, 1 y, 2 z
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
@@ -38,13 +36,6 @@ ivec2 cellRange(double least, double most, double units, int cells) {
 
 bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
 
-/// How far apart a cell and the triangle may be on the three axes of an edge, edge x (each direction of the grid), in the
-/// measure of overlaps().
-dvec3 reachOf(dvec3 edge, dvec3 normal) {
-  const dvec3 e = abs(edge);
-  return max(double(kLatticeUnits) * (e.yzx + e.zxy), dvec3(1.0lf)) + abs(normal);
-}
-
 LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   LatticeTriangle t;
   precise dvec3 normal = cross(b - a, c - a);
@@ -54,10 +45,6 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.v1 = turned(b, t.axis);
   t.v2 = turned(c, t.axis);
   t.normal = turned(normal, t.axis);
-  t.slope = t.normal.xy / t.normal.z;
-  t.reach[0] = reachOf(t.v1 - t.v0, t.normal);
-  t.reach[1] = reachOf(t.v2 - t.v1, t.normal);
-  t.reach[2] = reachOf(t.v0 - t.v2, t.normal);
   t.dims = turned(dims, t.axis);
   dvec3 least = min(t.v0, min(t.v1, t.v2));
   dvec3 most = max(t.v0, max(t.v1, t.v2));
@@ -84,51 +71,92 @@ int columnCount(LatticeTriangle t) {
   return t.upper.z < t.lower.z ? 0 : max(n.x, 0) * max(n.y, 0);
 }
 
-/// Cells of one column to be tested: 1.001 around the plane's depth at the column's centre (MATHS.md 2).
-ivec2 depthRange(LatticeTriangle t, ivec2 column) {
-  if (t.lower.z == t.upper.z) return ivec2(t.lower.z);
-  const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
-  const double depth = (t.v0.z - dot(t.slope, centre - t.v0.xy)) / double(kLatticeUnits);
-  const double first = clamp(floor(depth - 1.001lf), -1.0lf, double(t.dims.z));
-  const double last = clamp(floor(depth + 1.001lf), -1.0lf, double(t.dims.z));
-  return ivec2(max(t.lower.z, int(first)), min(t.upper.z, int(last)));
+/// What the 10 axes that are left after the boxes ask of a cell: the normal, and each edge x each direction of the grid.
+/// All are linear in the cell's place, so each is the number at cell (0, 0, 0) and a step along each axis, exact integers
+/// again. An edge's axes come three at a time: one number per edge.
+struct CellTests {
+  dvec3 ex, ey, ez;                // steps: the edges' components x 2 cells
+  dvec3 besideX, besideY, besideZ; // axis edge x (direction) at cell (0, 0, 0), doubled, with the third corner's end
+  dvec3 reachX, reachY, reachZ;    // overlap where nearer to 0 than this
+  dvec3 planeStep;
+  double plane, planeReach;        // the same for the normal, not doubled
+  double perDepth;                 // 1 / planeStep.z
+  dvec3 perColumn, columnReach;    // 1 / ey, 0 where that is 0; reachZ in columns and a little more
+};
+
+/// How far apart a cell and the triangle may be on the axis edge x (direction), for three edges whose components across
+/// the direction are given: strict overlap of [at, at + across] with [-h, h], h half a cell's extent along the axis, is
+/// where the intervals' centres are nearer than half their lengths. All doubled, so that nothing is halved:
+/// 2 h + |across|; with h = 0, an axis that says nothing, one more than that, which every integer is nearer than.
+dvec3 reachOf(dvec3 steps, dvec3 moreSteps, double across) {
+  return max(0.5lf * (abs(steps) + abs(moreSteps)), dvec3(1.0lf)) + abs(across);
 }
 
-/// Strict overlap of [at, at + across] with [-h, h], h half a cell's extent along the axis: where the intervals' centres
-/// are nearer than half their lengths. All doubled, so that nothing is halved: 2 h + |across| is the reach; with h = 0,
-/// an axis that says nothing, it is one more than that, which every integer is nearer than.
-bool overlaps(double at, double across, double reach) { return abs(2.0lf * at + across) < reach; }
+/// Columns that columnsInRow() is too generous by: more than rounding, and more columns than a grid has.
+const double kColumnMargin = 0.0009765625lf;
+const int kBeyondColumns = 1 << 20;
 
-/// One axis across the column, edge x (direction of the column). Both ends of the edge, `p` among them, project to the
-/// same place, and the third corner as far from it as the normal is long on that axis.
-bool overlapsBeside(LatticeTriangle t, dvec2 p, dvec2 e, double reach) {
-  precise const double end = e.x * p.y - e.y * p.x;
-  return overlaps(end, t.normal.z, reach);
+CellTests cellTests(LatticeTriangle t) {
+  const double cell = double(kLatticeUnits);
+  const dvec3 a = t.v0 - 0.5lf * cell, b = t.v1 - 0.5lf * cell, c = t.v2 - 0.5lf * cell;
+  const dvec3 px = dvec3(a.x, b.x, c.x), py = dvec3(a.y, b.y, c.y), pz = dvec3(a.z, b.z, c.z);
+  CellTests s;
+  s.ex = 2.0lf * cell * (px.yzx - px);
+  s.ey = 2.0lf * cell * (py.yzx - py);
+  s.ez = 2.0lf * cell * (pz.yzx - pz);
+  // Both ends of an edge project to the same place, and the third corner as far from it as the normal is long there.
+  precise const dvec3 x = (s.ey * pz - s.ez * py) / cell + t.normal.x, y = (s.ez * px - s.ex * pz) / cell + t.normal.y,
+                      z = (s.ex * py - s.ey * px) / cell + t.normal.z;
+  s.besideX = x;
+  s.besideY = y;
+  s.besideZ = z;
+  s.reachX = reachOf(s.ey, s.ez, t.normal.x);
+  s.reachY = reachOf(s.ez, s.ex, t.normal.y);
+  s.reachZ = reachOf(s.ex, s.ey, t.normal.z);
+  precise const double plane = dot(t.normal, a);
+  s.plane = plane;
+  s.planeStep = -cell * t.normal;
+  s.planeReach = 0.5lf * cell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z));
+  s.perDepth = 1.0lf / s.planeStep.z;
+  for (int k = 0; k < 3; ++k) {
+    const bool across = s.ey[k] != 0.0lf;
+    s.perColumn[k] = across ? 1.0lf / s.ey[k] : 0.0lf;
+    s.columnReach[k] = across ? s.reachZ[k] * abs(s.perColumn[k]) + kColumnMargin : double(kBeyondColumns);
+  }
+  return s;
 }
 
-/// The axes that see no depth: all that tells apart the columns of the triangle's box.
-bool meetsColumn(LatticeTriangle t, ivec2 column) {
-  const dvec2 centre = (dvec2(column) + 0.5lf) * double(kLatticeUnits);
-  return overlapsBeside(t, t.v0.xy - centre, t.v1.xy - t.v0.xy, t.reach[0].z) &&
-         overlapsBeside(t, t.v1.xy - centre, t.v2.xy - t.v1.xy, t.reach[1].z) &&
-         overlapsBeside(t, t.v2.xy - centre, t.v0.xy - t.v2.xy, t.reach[2].z);
+/// First and last column of a row of the box that the triangle can meet; rounding may add one, but leaves out none.
+ivec2 columnsInRow(LatticeTriangle t, CellTests s, int row) {
+  const dvec3 middle = (double(row) * s.ex - s.besideZ) * s.perColumn;
+  const dvec3 least = middle - s.columnReach, most = middle + s.columnReach;
+  const double first = max(max(least.x, least.y), max(least.z, double(t.lower.x)));
+  const double last = min(min(most.x, most.y), min(most.z, double(t.upper.x)));
+  return ivec2(ceil(dvec2(first, -last))) * ivec2(1, -1);
 }
 
-/// The two other axes of one edge, edge x (the unit vectors across the column).
-bool overlapsAcross(LatticeTriangle t, dvec3 p, dvec3 e, dvec3 reach) {
-  precise const double x = e.y * p.z - e.z * p.y, y = e.z * p.x - e.x * p.z;
-  return overlaps(x, t.normal.x, reach.x) && overlaps(y, t.normal.y, reach.y);
-}
+bool overlap(dvec3 at, dvec3 reach) { return all(lessThan(abs(at), reach)); }
 
-/// The axes that see depth, for a cell of a column that the triangle meets. In one layer, or in a face plane, there is
-/// nothing left to ask.
-bool meetsDepth(LatticeTriangle t, ivec3 cell) {
-  if (t.oneLayer) return true;
-  const double halfCell = 0.5lf * double(kLatticeUnits);
-  const dvec3 centre = (dvec3(cell) + 0.5lf) * double(kLatticeUnits);
-  const dvec3 a = t.v0 - centre, b = t.v1 - centre, c = t.v2 - centre;
-  precise const double depth = dot(t.normal, a);
-  return abs(depth) < halfCell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z)) &&
-         overlapsAcross(t, a, t.v1 - t.v0, t.reach[0]) && overlapsAcross(t, b, t.v2 - t.v1, t.reach[1]) &&
-         overlapsAcross(t, c, t.v0 - t.v2, t.reach[2]);
+/// First and last cell of one column that the triangle makes a pair with; first > last where there is none.
+ivec2 depthsInColumn(LatticeTriangle t, CellTests s, ivec2 column) {
+  const double i = double(column.x), j = double(column.y);
+  // The axes that see no depth. In one layer, or in a face plane, there is nothing else to ask.
+  precise const dvec3 beside = s.besideZ + i * s.ey - j * s.ex;
+  const bool met = overlap(beside, s.reachZ);
+  // The others are asked of the three cells that can be near enough to the plane: those around its depth at the column's
+  // centre (MATHS.md 2). Its rounding is made up for by a fourth candidate, below, that then takes the first one's place.
+  precise const double plane = s.plane + i * s.planeStep.x + j * s.planeStep.y;
+  const double lowest = clamp(floor(-plane * s.perDepth - 0.501lf), double(t.lower.z) - 3.0lf, double(t.upper.z) + 1.0lf);
+  precise const double farthest = plane + lowest * s.planeStep.z;
+  const double first = abs(farthest) < s.planeReach ? lowest : lowest + 1.0lf;
+  precise const dvec3 x = s.besideX + j * s.ez - first * s.ey, y = s.besideY - i * s.ez + first * s.ex;
+  precise const double p = plane + first * s.planeStep.z;
+  const bool m0 = abs(p) < s.planeReach && overlap(x, s.reachX) && overlap(y, s.reachY);
+  precise const dvec3 x1 = x - s.ey, y1 = y + s.ex, x2 = x1 - s.ey, y2 = y1 + s.ex;
+  precise const double p1 = p + s.planeStep.z, p2 = p1 + s.planeStep.z;
+  const bool m1 = abs(p1) < s.planeReach && overlap(x1, s.reachX) && overlap(y1, s.reachY);
+  const bool m2 = abs(p2) < s.planeReach && overlap(x2, s.reachX) && overlap(y2, s.reachY);
+  ivec2 depths = int(first) + ivec2(m0 ? 0 : m1 ? 1 : m2 ? 2 : 3, m2 ? 2 : m1 ? 1 : m0 ? 0 : -1);
+  depths = t.oneLayer ? ivec2(t.lower.z) : ivec2(max(depths.x, t.lower.z), min(depths.y, t.upper.z));
+  return met ? depths : ivec2(0, -1);
 }

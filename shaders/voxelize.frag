@@ -9,7 +9,5 @@ void main() {
   if (!loadTriangle(triangle, e)) return;
   const ivec2 column = ivec2(gl_FragCoord.xy);
   if (any(lessThan(column, e.lattice.lower.xy)) || any(greaterThan(column, e.lattice.upper.xy))) return;
-  const ivec2 place = column - e.lattice.lower.xy;
-  const int number = place.y * (e.lattice.upper.x - e.lattice.lower.x + 1) + place.x;
-  voxelizeColumns(e, number, 1, number + 1);
+  voxelizeColumn(e, column);
 }

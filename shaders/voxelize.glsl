@@ -124,36 +124,36 @@ void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
 }
 #endif
 
-/// Column number `index` of the triangle's box, row by row. Exact: there are at most 2^16, and half a column is far more
-/// than the division's error.
-ivec2 columnOf(LatticeTriangle t, int index) {
-  const int across = t.upper.x - t.lower.x + 1;
-  const int row = int((float(index) + 0.5) / float(across));
-  return t.lower.xy + ivec2(index - row * across, row);
-}
-
-/// A walk through the candidates for pairs, column by column: every `step`-th column from number `next` on.
+/// A walk through a triangle's pairs: in every `rowStep`-th row, every `step`-th of the columns that it meets from number
+/// `first` on.
 struct Walk {
-  int next, step, end;
-  ivec3 cell;  // turned
-  int last;    // of the cell's column
+  int first, step, rowStep;
+  ivec3 cell;      // turned
+  int lastColumn;  // of the cell's row
+  int lastDepth;   // of its column
 };
 
-/// Goes on to the next pair; false when there is none. What is done to a pair costs far more than finding it: threads
-/// that run in step wait for each other here, and then all of them have one.
-bool nextPair(LatticeTriangle t, bool whole, inout Walk walk) {
+/// Goes on to the next pair; false when there is none. What is done to a pair costs more than finding it: threads that
+/// run in step wait for each other here, and then all of them have one.
+bool nextPair(LatticeTriangle t, CellTests tests, bool whole, inout Walk walk) {
   bool found = false;
-  while (!found && (walk.cell.z < walk.last || walk.next < walk.end)) {
-    if (walk.cell.z < walk.last) {
+  while (!found && (walk.cell.z < walk.lastDepth || walk.cell.x + walk.step <= walk.lastColumn ||
+                    walk.cell.y + walk.rowStep <= t.upper.y)) {
+    if (walk.cell.z < walk.lastDepth) {
       ++walk.cell.z;
     } else {
-      const ivec2 column = columnOf(t, walk.next);
-      const ivec2 depth = depthRange(t, column);
-      walk.cell = ivec3(column, depth.x);
-      walk.last = whole || meetsColumn(t, column) ? depth.y : depth.x - 1;
-      walk.next += walk.step;
+      walk.cell.x += walk.step;
+      if (walk.cell.x > walk.lastColumn) {
+        walk.cell.y += walk.rowStep;
+        const ivec2 columns = whole ? ivec2(t.lower.x) : columnsInRow(t, tests, walk.cell.y);
+        walk.cell.x = columns.x + walk.first;
+        walk.lastColumn = columns.y;
+      }
+      const ivec2 depths = whole ? ivec2(t.lower.z) : depthsInColumn(t, tests, walk.cell.xy);
+      walk.cell.z = depths.x;
+      walk.lastDepth = walk.cell.x <= walk.lastColumn ? depths.y : depths.x - 1;
     }
-    found = walk.cell.z <= walk.last && (whole || meetsDepth(t, walk.cell));
+    found = walk.cell.z <= walk.lastDepth;
   }
   return found;
 }
@@ -163,6 +163,8 @@ void depositPair(EmittingTriangle e, ivec3 cell, bool whole) {
   record(e, turnedBack(cell, e.lattice.axis));
 #elif LPV_FLUX
   depositPart(e, cell, whole);
+#elif LPV_SETS
+  addToSet(turnedBack(cell, e.lattice.axis), e.index);
 #else
   Lobes lobes;
   if (whole) lobes = lobesAtPoint(e.varying_, dvec2(1.0lf / 3.0lf));
@@ -171,9 +173,19 @@ void depositPair(EmittingTriangle e, ivec3 cell, bool whole) {
 #endif
 }
 
-/// The pairs in every `step`-th column of the triangle's box from number `first` to before `end`.
-void voxelizeColumns(EmittingTriangle e, int first, int step_, int end) {
+void voxelizeAlong(EmittingTriangle e, Walk walk) {
   const bool whole = isWhole(e.lattice);
-  Walk walk = Walk(first, step_, end, ivec3(0), -1);
-  while (nextPair(e.lattice, whole, walk)) depositPair(e, walk.cell, whole);
+  const CellTests tests = cellTests(e.lattice);
+  while (nextPair(e.lattice, tests, whole, walk)) depositPair(e, walk.cell, whole);
+}
+
+/// The pairs of every `rowStep`-th row of columns from number `row` on, and of them every `step`-th column from number
+/// `first` on.
+void voxelizeRows(EmittingTriangle e, int row, int rowStep, int first, int step_) {
+  voxelizeAlong(e, Walk(first, step_, rowStep, ivec3(0, e.lattice.lower.y + row - rowStep, 0), -1, -1));
+}
+
+/// The pairs of one column of the triangle's box.
+void voxelizeColumn(EmittingTriangle e, ivec2 column) {
+  voxelizeAlong(e, Walk(0, 1, e.lattice.dims.y, ivec3(column.x - 1, column.y, 0), column.x, -1));
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <glm/gtx/component_wise.hpp>
 
 #include "gpu/failure.h"
 #include "gpu/gl.h"
@@ -24,10 +25,17 @@ glm::dmat4 outwardFromObject(const glm::dmat4& gridFromObject) {
           glm::dvec4(side * glm::cross(a, b), 0.0), glm::dvec4(0.0)};
 }
 
+/// Whether cells keep which triangles came to them instead of sums.
+bool keepsSets(const VoxelSource& source) {
+  return source.method.injection == Injection::kCount && source.method.method != InjectionMethod::kDense &&
+         !source.textured() && !source.directed() && source.mesh->triangles.size() <= layout::kSetTriangles;
+}
+
 /// Words of a cell, as shaders/deposit.glsl has them.
 std::size_t accumulatorWords(const VoxelSource& source) {
   const bool flux = source.method.injection == Injection::kFlux;
   if (flux) return source.textured() ? 25 : 9;
+  if (keepsSets(source)) return 1;
   return source.textured() ? 13 : 4;
 }
 
@@ -43,6 +51,7 @@ gpu::Defines variantOf(const VoxelSource& source) {
                           {"LPV_TEXTURED", source.textured() ? "1" : "0"},
                           {"LPV_DIRECTIONS", source.directed() ? "1" : "0"}};
   if (source.method.vpls) variant.emplace_back("LPV_VPLS", "1");
+  if (keepsSets(source)) variant.emplace_back("LPV_SETS", "1");
   return variant;
 }
 
@@ -77,15 +86,28 @@ void makeTable(LightField& field, const VoxelSource& source, std::uint32_t entri
 
 constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmptyList = {1, 1, 1};
 
+/// A triangle's area x outward normal, in the grid's unit, cell^2.
+glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& areaFromObject) {
+  const glm::dvec3 p(mesh.positions[t.x]), q(mesh.positions[t.y]), r(mesh.positions[t.z]);
+  return areaFromObject * glm::cross(q - p, r - p);
+}
+
 /// Area of all triangles in the grid's unit, cell^2: what the largest moment can be.
 double gridArea(const Mesh& mesh, const glm::dmat4& areaFromObject) {
   const glm::dmat3 map(areaFromObject);
   double area = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 p(mesh.positions[t.x]), q(mesh.positions[t.y]), r(mesh.positions[t.z]);
-    area += glm::length(map * glm::cross(q - p, r - p));
-  }
+  for (const glm::uvec3& t : mesh.triangles) area += glm::length(areaNormal(mesh, t, map));
   return area;
+}
+
+/// For collect.comp; nothing comes to a cell from a triangle without area.
+void listNormals(layout::VoxelizeParams& params, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::dvec3 area = areaNormal(mesh, mesh.triangles[i], glm::dmat3(params.areaFromObject));
+    // Scaled first: the squares of a tiny triangle's normal would not fit.
+    const double size = glm::compMax(glm::abs(area));
+    if (size > 0.0) params.normals[i] = glm::vec4(glm::normalize(area / size), 0.0);
+  }
 }
 
 /// Scales of a light's fixed point, into `params` and `voxels`.
@@ -126,6 +148,7 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
     job.params.textureMean = glm::vec4(texture->mean / texture->brightest, 0.0);
   }
   chooseScales(job.params, voxels);
+  if (keepsSets(source)) listNormals(job.params, *source.mesh);
   return job;
 }
 

@@ -127,9 +127,10 @@ TEST_F(InjectTest, TrianglesWithoutAreaAreCounted) {
 }
 
 // The guard at its limit (MATHS.md 6.11): as many aligned lobes in one cell as the shift was chosen for. Their sum must
-// be exact; with one bit more it overflows and comes out negative. Broken by: a shift one larger in fixedPointFor.
+// be exact; with one bit more it overflows and comes out negative. Broken by: a shift one larger in fixedPointFor;
+// one triangle more than kSetTriangles in keepsSets().
 TEST_F(InjectTest, AccumulatorsHoldTheLargestSumThereCanBe) {
-  for (const int count : {2048, 2049, 33446}) {
+  for (const int count : {32, 33, 2048, 2049, 33446}) {
     const std::array<glm::vec3, 3> triangle = {glm::vec3(0.2F, 0.2F, 0.5F), glm::vec3(0.8F, 0.2F, 0.5F),
                                                glm::vec3(0.2F, 0.8F, 0.5F)};
     const test::InjectRig rig(

@@ -1,9 +1,10 @@
 // The GPU's set of (triangle, cell) pairs = the exact integer oracle's (MATHS.md 6.8). Together at least 10^7
 // decisions; pairs_long_test.cpp has 10^9.
 //
-// Broken by, in pairs.glsl: `<=` in overlaps() (touching counts), or the third corner's `across` left out there;
-// reachOf() without the least reach of 1 (an axis that says nothing decides); 0.501 for 1.001 in depthRange(); depth
-// asked of a triangle in one layer; a snap in float (only a hair before and after the snap); cellRange() without the
+// Broken by, in pairs.glsl: `<=` in overlap() (touching counts), or the third corner's normal left out of besideX;
+// reachOf() without the least reach of 1 (an axis that says nothing decides); 0.001 for 0.501 in depthsInColumn(), or
+// `lowest` always its first candidate; depth asked of a triangle in one layer; columns rounded inwards, or a
+// kColumnMargin below 0; a snap in float (only a hair before and after the snap); cellRange() without the
 // grid's outer upper face; no cell for a triangle that degenerates by snapping.
 
 #include <cmath>
