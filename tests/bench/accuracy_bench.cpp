@@ -24,6 +24,8 @@
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
 #include "reference/receivers.h"
+#include "reference/texel.h"
+#include "reference/textures.h"
 #include "reference/volume.h"
 
 namespace {
@@ -35,6 +37,7 @@ using reference::Receiver;
 struct Named {
   std::string name;
   MeshPtr mesh;
+  TexturePtr texture = nullptr;
 };
 
 std::vector<Named> meshes() {
@@ -42,6 +45,7 @@ std::vector<Named> meshes() {
           {"pyramid", reference::pyramid()},
           {"tube", reference::tube()},
           {"sphere 720", reference::sphere()},
+          {"screen", reference::quad(), reference::noise(8, 8)},
           {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
 }
 
@@ -83,6 +87,7 @@ Scene sceneOf(const Named& light, const Way& way, int cells, int pose) {
   auto lamp = std::make_shared<Light>();
   lamp->name = "lamp";
   lamp->mesh = light.mesh;
+  lamp->texture = light.texture;
   lamp->transform = poseOf(pose, *light.mesh, scene.grid.cell);
   scene.lights["lamp"] = lamp;
   return scene;
@@ -163,16 +168,40 @@ Colours seen(const Volume& volume, const Reading& reading, const std::vector<Rec
 struct Judged {
   std::vector<Receiver> walls, objects;
   Colours wallTruth, objectTruth;
+  Colours wallLookup, objectLookup;  ///< what CAP makes of exact moments at the receiver itself
 };
+
+Colours exactLookups(const std::vector<reference::Emitter>& emitters, const std::vector<Receiver>& receivers) {
+  Colours out;
+  for (const Receiver& r : receivers) {
+    const auto incident = reference::incidentSh(emitters, r.position);
+    out.emplace_back(irradianceCap(incident[0], r.normal), irradianceCap(incident[1], r.normal),
+                     irradianceCap(incident[2], r.normal));
+  }
+  return out;
+}
+
+/// Triangles of one radiance each: a texture is taken apart finer than its texels.
+std::vector<reference::Emitter> polygonsOf(Named light, int cells, int pose) {
+  const TexturePtr texture = light.texture;
+  light.texture = nullptr;
+  if (texture != nullptr) light.mesh = reference::quadOf(96);
+  std::vector<reference::Emitter> out = reference::emittersOf(sceneOf(light, ways().front(), cells, pose)).triangles;
+  if (texture == nullptr) return out;
+  for (reference::Emitter& e : out) e.radiance *= reference::bilinear(*texture, e.uvAt(glm::dvec3(1.0 / 3.0)));
+  return out;
+}
 
 std::vector<Judged> judge(const Named& light, int cells, int poses) {
   std::vector<Judged> out;
   for (int pose = 0; pose < poses; ++pose) {
-    const Scene scene = sceneOf(light, ways().front(), cells, pose);
-    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+    const Grid grid = sceneOf(light, ways().front(), cells, pose).grid;
+    const std::vector<reference::Emitter> emitters = polygonsOf(light, cells, pose);
     Judged& j = out.emplace_back();
-    j.walls = reference::wallReceivers(scene.grid);
-    j.objects = reference::objectReceivers(scene.grid, emitters, 200);
+    j.walls = reference::wallReceivers(grid);
+    j.objects = reference::objectReceivers(grid, emitters, 200);
+    j.wallLookup = exactLookups(emitters, j.walls);
+    j.objectLookup = exactLookups(emitters, j.objects);
     j.wallTruth = reference::irradiances(emitters, j.walls);
     j.objectTruth = reference::irradiances(emitters, j.objects);
   }
@@ -198,6 +227,24 @@ void print(std::ostream& out, const Row& r) {
 }
 
 void append(Colours& to, const Colours& from) { to.insert(to.end(), from.begin(), from.end()); }
+
+/// Without a grid: what the lookup alone costs in error.
+Row lookupRow(const Named& light, int cells, const std::vector<Judged>& poses) {
+  Colours walls, wallTruth, objects, objectTruth;
+  for (const Judged& j : poses) {
+    append(walls, j.wallLookup);
+    append(wallTruth, j.wallTruth);
+    append(objects, j.objectLookup);
+    append(objectTruth, j.objectTruth);
+  }
+  return {light.name,
+          "exact moments",
+          "CAP",
+          cells,
+          {},
+          reference::errors(walls, wallTruth),
+          reference::errors(objects, objectTruth)};
+}
 
 std::vector<Row> measure(Engine& engine, const Named& light, const Way& way, int cells,
                          const std::vector<Judged>& poses, int repeats) {
@@ -261,12 +308,14 @@ int main(int argc, char** argv) {
     if (light.name.rfind(only, 0) != 0) continue;
     for (const int cells : grids) {
       const std::vector<Judged> judged = judge(light, cells, poses);
+      const auto show = [&](const Row& row) {
+        print(std::cout, row);
+        if (file.is_open()) print(file, row);
+      };
+      if (onlyWay.empty()) show(lookupRow(light, cells, judged));
       for (const Way& way : ways()) {
         if (way.name.rfind(onlyWay, 0) != 0) continue;
-        for (const Row& row : measure(**engine, light, way, cells, judged, repeats)) {
-          print(std::cout, row);
-          if (file.is_open()) print(file, row);
-        }
+        for (const Row& row : measure(**engine, light, way, cells, judged, repeats)) show(row);
       }
     }
   }
