@@ -79,7 +79,7 @@ template class Feed<pb::VolumeEvent>;
 template class Feed<pb::FrameEvent>;
 
 void VolumeFeed::offer(const Result& result) {
-  const auto parts = std::make_shared<VolumeParts>(result, stage_, element_);
+  const auto parts = std::make_shared<VolumeParts>(result, stage_, format_);
   push(
       result.meta.resultId,
       [parts](pb::VolumeEvent* event) {
@@ -118,8 +118,8 @@ Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::Volum
   if (Status s = (*session)->verify(client); !s.ok()) return s;
   const Expected<VolumeStage> stage = stageOf(in.stage());
   if (!stage) return stage.status();
-  const Expected<wire::Element> element = elementOf(in.format());
-  if (!element) return element.status();
+  const Expected<wire::Format> format = volumeFormatOf(in.format());
+  if (!format) return format.status();
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
   if (in.has_region()) {
     return unimplemented("region", "region is not built in this version; leave it unset for the whole volume");
@@ -132,7 +132,7 @@ Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::Volum
   wish.clientId = client.id;
   wish.maxRate = in.max_rate();
   wish.twoCredits = in.two_credits();
-  auto feed = std::make_shared<VolumeFeed>(context, *session, *stage, *element);
+  auto feed = std::make_shared<VolumeFeed>(context, *session, *stage, *format);
   if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
   return feed;
 }

@@ -51,13 +51,13 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
 
 class VolumeFeed final : public Feed<pb::VolumeEvent> {
  public:
-  VolumeFeed(Context& context, SessionPtr session, VolumeStage stage, wire::Element element)
-      : Feed(context, std::move(session)), stage_(stage), element_(element) {}
+  VolumeFeed(Context& context, SessionPtr session, VolumeStage stage, wire::Format format)
+      : Feed(context, std::move(session)), stage_(stage), format_(format) {}
   void offer(const Result& result) override;
 
  private:
   VolumeStage stage_;
-  wire::Element element_;
+  wire::Format format_;
 };
 
 class FrameFeed final : public Feed<pb::FrameEvent> {

@@ -2,6 +2,7 @@
 
 #include "api/convert_geometry.h"
 #include "session/limits.h"
+#include "wire/publish.h"
 
 namespace lpv::api {
 namespace {
@@ -16,14 +17,15 @@ std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
 
 }  // namespace
 
-EncodedVolumePtr VolumeEncodings::get(const VolumePtr& volume, wire::Element element) {
+EncodedVolumePtr VolumeEncodings::get(const VolumePtr& volume, wire::Format format) {
   const std::lock_guard lock(mutex_);  // held while encoding: a second reader waits instead of encoding again
   for (const Entry& entry : entries_) {
-    if (entry.element == element && entry.volume.lock() == volume) return entry.encoded;
+    if (entry.format == format && entry.volume.lock() == volume) return entry.encoded;
   }
-  auto encoded = std::make_shared<const wire::EncodedVolume>(wire::encodeVolume(*volume, element, kMaxPartBytes));
+  auto encoded = std::make_shared<const wire::EncodedVolume>(wire::encodeVolume(
+      *wire::publish(*volume, format, 0, nullptr), nullptr, wire::Compression::kNone, kMaxPartBytes));
   std::erase_if(entries_, [](const Entry& entry) { return entry.volume.expired(); });
-  entries_.push_front({volume, element, encoded});
+  entries_.push_front({volume, format, encoded});
   if (entries_.size() > kCachedEncodings) entries_.pop_back();
   return encoded;
 }
@@ -33,11 +35,11 @@ VolumeEncodings& volumeEncodings() {
   return encodings;
 }
 
-VolumeParts::VolumeParts(const Result& result, VolumeStage stage, wire::Element element)
+VolumeParts::VolumeParts(const Result& result, VolumeStage stage, wire::Format format)
     : result_(result),
       stage_(stage),
-      element_(element),
-      encoded_(volumeEncodings().get(result.volume, element)),
+      format_(format),
+      encoded_(volumeEncodings().get(result.volume, format)),
       bytes_(payloadBytes(*encoded_)) {}
 
 bool VolumeParts::next(pb::VolumePart* out) {
@@ -49,7 +51,7 @@ bool VolumeParts::next(pb::VolumePart* out) {
     toProto(result_.volume->grid, header->mutable_grid());
     header->set_stage(stage_ == VolumeStage::kInjected ? pb::VOLUME_STAGE_INJECTED : pb::VOLUME_STAGE_TRANSPORTED);
     header->set_sh_bands(2);
-    header->set_format(element_ == wire::Element::kHalf ? pb::VOLUME_FORMAT_HALF_FLOAT : pb::VOLUME_FORMAT_FLOAT);
+    header->set_format(toProto(format_));
     header->set_compression(pb::PAYLOAD_COMPRESSION_NONE);
     for (std::size_t i = 0; i < encoded_->scales.size(); ++i) {
       pb::VolumeLayer* layer = header->add_layers();
@@ -116,18 +118,30 @@ void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
   out->set_clamped_cells(report.clampedCells);
 }
 
-Expected<wire::Element> elementOf(pb::VolumeFormat format) {
+Expected<wire::Format> volumeFormatOf(pb::VolumeFormat format) {
   switch (format) {
     case pb::VOLUME_FORMAT_UNSPECIFIED:
     case pb::VOLUME_FORMAT_HALF_FLOAT:
-      return wire::Element::kHalf;
+      return wire::Format::kHalf;
     case pb::VOLUME_FORMAT_FLOAT:
-      return wire::Element::kFloat;
+      return wire::Format::kFloat;
     case pb::VOLUME_FORMAT_COMPACT:
       return unimplemented("format", "format COMPACT is not built in this version; use HALF_FLOAT or FLOAT");
     default:
       return invalid("format", "format has the unknown value " + std::to_string(int(format)));
   }
+}
+
+pb::VolumeFormat toProto(wire::Format format) {
+  switch (format) {
+    case wire::Format::kHalf:
+      return pb::VOLUME_FORMAT_HALF_FLOAT;
+    case wire::Format::kFloat:
+      return pb::VOLUME_FORMAT_FLOAT;
+    case wire::Format::kCompact:
+      return pb::VOLUME_FORMAT_COMPACT;
+  }
+  return pb::VOLUME_FORMAT_UNSPECIFIED;
 }
 
 Expected<VolumeStage> stageOf(pb::VolumeStage stage) {

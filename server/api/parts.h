@@ -20,12 +20,12 @@ using EncodedVolumePtr = std::shared_ptr<const wire::EncodedVolume>;
 /// The last few encodings, so that every reader of one volume in one format shares one.
 class VolumeEncodings {
  public:
-  EncodedVolumePtr get(const VolumePtr& volume, wire::Element element);
+  EncodedVolumePtr get(const VolumePtr& volume, wire::Format format);
 
  private:
   struct Entry {
     std::weak_ptr<const Volume> volume;
-    wire::Element element;
+    wire::Format format;
     EncodedVolumePtr encoded;
   };
   std::mutex mutex_;
@@ -38,7 +38,7 @@ VolumeEncodings& volumeEncodings();
 /// A finished result, ready to be pulled part by part.
 class VolumeParts {
  public:
-  VolumeParts(const Result& result, VolumeStage stage, wire::Element element);
+  VolumeParts(const Result& result, VolumeStage stage, wire::Format format);
   /// False after the last part.
   bool next(pb::VolumePart* part);
   std::int64_t bytes() const { return bytes_; }
@@ -46,7 +46,7 @@ class VolumeParts {
  private:
   Result result_;
   VolumeStage stage_;
-  wire::Element element_;
+  wire::Format format_;
   EncodedVolumePtr encoded_;
   std::size_t index_ = 0;
   std::int64_t bytes_ = 0;
@@ -70,8 +70,8 @@ class FrameParts {
 
 void toProto(const ResultMeta& meta, pb::ResultInfo* out);
 
-/// Half or float; UNIMPLEMENTED for formats of later versions.
-Expected<wire::Element> elementOf(pb::VolumeFormat format);
+Expected<wire::Format> volumeFormatOf(pb::VolumeFormat format);
+pb::VolumeFormat toProto(wire::Format format);
 Expected<VolumeStage> stageOf(pb::VolumeStage stage);
 
 }  // namespace lpv::api

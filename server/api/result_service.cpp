@@ -90,23 +90,23 @@ class VolumeAnswer final : public Answer<pb::GetVolumeRequest, pb::GetVolumeResp
   Expected<WaitingCall> prepare(pb::GetVolumeRequest& request) override {
     const Expected<VolumeStage> stage = stageOf(request.stage());
     if (!stage) return stage.status();
-    const Expected<wire::Element> element = elementOf(request.format());
-    if (!element) return element.status();
+    const Expected<wire::Format> format = volumeFormatOf(request.format());
+    if (!format) return format.status();
     stage_ = *stage;
-    element_ = *element;
+    format_ = *format;
     WaitingCall call;
     call.volume = stage_;
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
-    const auto parts = std::make_shared<VolumeParts>(result, stage_, element_);
+    const auto parts = std::make_shared<VolumeParts>(result, stage_, format_);
     context_.counters->resultBytesSent += parts->bytes();
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }
 
  private:
   VolumeStage stage_ = VolumeStage::kTransported;
-  wire::Element element_ = wire::Element::kHalf;
+  wire::Format format_ = wire::Format::kHalf;
 };
 
 class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameResponse> {
