@@ -10,11 +10,13 @@ namespace {
 /// No picture of 4096 x 4096 float pixels, however encoded, is larger.
 constexpr std::int64_t kMaxFrameBytes = std::int64_t(512) << 20;
 
+/// The base of two results in flight, and those two.
+constexpr std::size_t kMostHeld = 3;
+
 Status broken(const std::string& what) { return Status(Code::kInternal, "the server sent " + what); }
 
 Expected<wire::Format> formatOf(const v1::VolumeHeader& header) {
   if (header.sh_bands() != 2) return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands, not 2");
-  if (header.base_result_id() != 0) return broken("a volume relative to another, which this client did not ask for");
   if (header.brick_edge() != wire::kBrickEdge) return broken("bricks of another size than 8");
   switch (header.format()) {
     case v1::VOLUME_FORMAT_UNSPECIFIED:
@@ -69,7 +71,13 @@ Status VolumeAssembler::begin(const v1::VolumePart& part) {
   if (!format) return format.status();
   const Expected<wire::Compression> compression = compressionOf(header);
   if (!compression) return compression.status();
-  decoder_ = std::make_unique<wire::VolumeDecoder>(shapeOf(header, *format), *compression);
+  const std::uint64_t baseId = header.base_result_id();
+  const auto base = held_.find(baseId);
+  if (baseId != 0 && base == held_.end()) {
+    return broken("a volume relative to result " + std::to_string(baseId) + ", which this client does not hold");
+  }
+  decoder_ = std::make_unique<wire::VolumeDecoder>(shapeOf(header, *format), *compression,
+                                                   baseId == 0 ? nullptr : base->second);
   result_ = {};
   result_.header = header;
   next_ = 0;
@@ -96,12 +104,26 @@ Expected<std::optional<VolumeResult>> VolumeAssembler::add(const v1::VolumePart&
   }
   result_.bytes += part.payload().size();
   if (++next_ < result_.header.part_count()) return std::optional<VolumeResult>();
-  const Expected<wire::VolumeStatePtr> state = decoder_->finish(result_.header.result().checksum());
+  Expected<VolumeResult> result = finish();
+  if (!result) return result.status();
+  return std::optional<VolumeResult>(std::move(*result));
+}
+
+Expected<VolumeResult> VolumeAssembler::finish() {
+  Expected<wire::VolumeStatePtr> state = decoder_->finish(result_.header.result().checksum());
   decoder_.reset();
   if (!state) return state.status();
   result_.volume = wire::volumeFrom(**state);
+  hold(std::move(*state));
   result_.decodeSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
-  return std::optional<VolumeResult>(std::move(result_));
+  return std::move(result_);
+}
+
+/// Bases only move forward, and are at most as far behind as results may be in flight.
+void VolumeAssembler::hold(wire::VolumeStatePtr state) {
+  held_.erase(held_.begin(), held_.lower_bound(result_.header.base_result_id()));
+  held_[result_.header.result().result_id()] = std::move(state);
+  while (held_.size() > kMostHeld) held_.erase(held_.begin());
 }
 
 Status FrameAssembler::begin(const v1::FramePart& part) {
