@@ -20,6 +20,7 @@ Status showStats(Context& context) {
               {"subscribers", std::to_string(stats->subscribers())},
               {"ticks", std::to_string(stats->ticks())},
               {"results sent", std::to_string(stats->results_sent())},
+              {"volumes encoded", std::to_string(stats->volumes_encoded())},
               {"result bytes", std::to_string(stats->result_bytes_sent())},
               {"edits accepted", std::to_string(stats->edits_accepted())},
               {"edits rejected", std::to_string(stats->edits_rejected())},

@@ -8,6 +8,8 @@
 #include <iostream>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <vector>
 
 #include "command.h"
 #include "interrupt.h"
@@ -27,6 +29,9 @@ struct Options {
   bool volume = false;
   double seconds = 0.0;
   double rate = 0.0;
+  std::optional<v1::VolumeFormat> format;
+  std::optional<std::vector<double>> region;
+  int tolerance = 0;
   FrameFlags frame;
 };
 
@@ -160,17 +165,33 @@ client::WatchHooks hooksFor(Report& report) {
   return hooks;
 }
 
+v1::VolumeSubscription volumeWish(const Options& options) {
+  v1::VolumeSubscription wanted;
+  wanted.set_session(options.id);
+  wanted.set_max_rate(options.rate);
+  wanted.set_format(options.format.value_or(v1::VOLUME_FORMAT_HALF_FLOAT));
+  wanted.set_tolerance_class(options.tolerance);
+  if (!options.region) return wanted;
+  const std::vector<double>& box = *options.region;
+  v1::Vec3* min = wanted.mutable_region()->mutable_min();
+  v1::Vec3* max = wanted.mutable_region()->mutable_max();
+  min->set_x(box[0]);
+  min->set_y(box[1]);
+  min->set_z(box[2]);
+  max->set_x(box[3]);
+  max->set_y(box[4]);
+  max->set_z(box[5]);
+  return wanted;
+}
+
 Status watch(Context& context, const Options& options) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
   if (const auto session = client->session(options.id); !session) return session.status();
   Report report(context.json());
   if (options.volume) {
-    v1::VolumeSubscription wanted;
-    wanted.set_session(options.id);
-    wanted.set_max_rate(options.rate);
     client::VolumeWatcher watcher(
-        *client, wanted, [&](const client::VolumeResult& r) { report.add(r.header.result(), r.bytes); },
+        *client, volumeWish(options), [&](const client::VolumeResult& r) { report.add(r.header.result(), r.bytes); },
         hooksFor(report));
     return follow(options, report, watcher);
   }
@@ -188,6 +209,26 @@ Status watch(Context& context, const Options& options) {
   return follow(options, report, watcher);
 }
 
+void addVolumeFlags(CLI::App& command, Options& options, CLI::Option* volume) {
+  addChoice<v1::VolumeFormat>(command, "--format", options.format,
+                              {{"half", v1::VOLUME_FORMAT_HALF_FLOAT},
+                               {"float", v1::VOLUME_FORMAT_FLOAT},
+                               {"compact", v1::VOLUME_FORMAT_COMPACT}},
+                              "Of the volume (half); compact takes a twentieth of its bytes")
+      ->needs(volume);
+  addParsed<std::vector<double>>(
+      command, "--region", options.region, "x0,y0,z0,x1,y1,z1",
+      [](const std::string& text) { return parseNumbers(text, {6}); }, "Only that box of the world, metres")
+      ->needs(volume);
+  command
+      .add_option("--tolerance", options.tolerance,
+                  "How far bricks may be off before they are sent again: 0 exact .. 3 coarsest")
+      ->needs(volume)
+      ->check(CLI::Range(0, 3))
+      ->type_name("K")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void addWatchCommand(CLI::App& app, Commands& commands) {
@@ -196,7 +237,8 @@ void addWatchCommand(CLI::App& app, Commands& commands) {
                                    [given](Context& context) { return watch(context, *given); });
   addSession(command, given->id);
   auto* frames = command.add_flag("--frames", given->frames, "Pictures (what is watched without a flag)");
-  command.add_flag("--volume", given->volume, "The volume")->excludes(frames);
+  auto* volume = command.add_flag("--volume", given->volume, "The volume")->excludes(frames);
+  addVolumeFlags(command, *given, volume);
   command.add_option("--seconds", given->seconds, "Ends after as long (never)")->type_name("S");
   command.add_option("--rate", given->rate, "Results per second at most (the server's)")->type_name("HZ");
   given->frame.addTo(command);

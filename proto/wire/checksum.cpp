@@ -1,7 +1,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "wire/volume_codec.h"
+#include "wire/volume_state.h"
 
 namespace lpv::wire {
 

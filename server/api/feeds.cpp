@@ -79,7 +79,7 @@ template class Feed<pb::VolumeEvent>;
 template class Feed<pb::FrameEvent>;
 
 void VolumeFeed::offer(const Result& result) {
-  const auto parts = std::make_shared<VolumeParts>(result, stage_, element_);
+  const auto parts = std::make_shared<VolumeParts>(result, order_, chain_->encode(result, order_));
   push(
       result.meta.resultId,
       [parts](pb::VolumeEvent* event) {
@@ -116,23 +116,14 @@ Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::Volum
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
-  const Expected<VolumeStage> stage = stageOf(in.stage());
-  if (!stage) return stage.status();
-  const Expected<wire::Element> element = elementOf(in.format());
-  if (!element) return element.status();
-  if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
-  if (in.has_region()) {
-    return unimplemented("region", "region is not built in this version; leave it unset for the whole volume");
-  }
-  if (in.tolerance_class() != 0) {
-    return unimplemented("tolerance_class", "tolerance_class is not built in this version; use 0");
-  }
+  const Expected<VolumeOrder> order = orderFrom(in);
+  if (!order) return order.status();
   Wish wish;
-  wish.volume = *stage;
+  wish.volume = order->stage;
   wish.clientId = client.id;
   wish.maxRate = in.max_rate();
   wish.twoCredits = in.two_credits();
-  auto feed = std::make_shared<VolumeFeed>(context, *session, *stage, *element);
+  auto feed = std::make_shared<VolumeFeed>(context, *session, *order);
   if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
   return feed;
 }

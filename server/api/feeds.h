@@ -51,13 +51,15 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
 
 class VolumeFeed final : public Feed<pb::VolumeEvent> {
  public:
-  VolumeFeed(Context& context, SessionPtr session, VolumeStage stage, wire::Element element)
-      : Feed(context, std::move(session)), stage_(stage), element_(element) {}
+  VolumeFeed(Context& context, SessionPtr session, const VolumeOrder& order)
+      : Feed(context, std::move(session)),
+        order_(order),
+        chain_(volumeChains().get(this->session(), order, *context.counters)) {}
   void offer(const Result& result) override;
 
  private:
-  VolumeStage stage_;
-  wire::Element element_;
+  VolumeOrder order_;
+  std::shared_ptr<VolumeChain> chain_;
 };
 
 class FrameFeed final : public Feed<pb::FrameEvent> {

@@ -2,6 +2,7 @@
 
 #include "api/convert_geometry.h"
 #include "session/limits.h"
+#include "wire/publish.h"
 
 namespace lpv::api {
 namespace {
@@ -16,16 +17,20 @@ std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
 
 }  // namespace
 
-EncodedVolumePtr VolumeEncodings::get(const VolumePtr& volume, wire::Element element) {
-  const std::lock_guard lock(mutex_);  // held while encoding: a second reader waits instead of encoding again
+EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeOrder& order, Counters& counters) {
+  const std::lock_guard lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
   for (const Entry& entry : entries_) {
-    if (entry.element == element && entry.volume.lock() == volume) return entry.encoded;
+    const bool coding = entry.format == order.format && entry.compression == order.compression;
+    if (coding && entry.volume.lock() == volume) return entry.encoding;
   }
-  auto encoded = std::make_shared<const wire::EncodedVolume>(wire::encodeVolume(*volume, element, kMaxPartBytes));
+  ++counters.volumesEncoded;
+  auto encoding = std::make_shared<Encoding>();
+  encoding->volume =
+      wire::encodeVolume(*wire::publish(*volume, order.format, 0, nullptr), nullptr, order.compression, kMaxPartBytes);
   std::erase_if(entries_, [](const Entry& entry) { return entry.volume.expired(); });
-  entries_.push_front({volume, element, encoded});
+  entries_.push_front({volume, order.format, order.compression, encoding});
   if (entries_.size() > kCachedEncodings) entries_.pop_back();
-  return encoded;
+  return encoding;
 }
 
 VolumeEncodings& volumeEncodings() {
@@ -33,33 +38,32 @@ VolumeEncodings& volumeEncodings() {
   return encodings;
 }
 
-VolumeParts::VolumeParts(const Result& result, VolumeStage stage, wire::Element element)
-    : result_(result),
-      stage_(stage),
-      element_(element),
-      encoded_(volumeEncodings().get(result.volume, element)),
-      bytes_(payloadBytes(*encoded_)) {}
+VolumeParts::VolumeParts(const Result& result, const VolumeOrder& order, EncodingPtr encoding)
+    : result_(result), order_(order), encoding_(std::move(encoding)), bytes_(payloadBytes(encoding_->volume)) {}
+
+void VolumeParts::fill(pb::VolumeHeader* header) const {
+  const wire::EncodedVolume& volume = encoding_->volume;
+  toProto(result_.meta, header->mutable_result());
+  header->mutable_result()->set_checksum(volume.checksum);
+  toProto(result_.volume->grid, header->mutable_grid());
+  header->set_stage(order_.stage == VolumeStage::kInjected ? pb::VOLUME_STAGE_INJECTED : pb::VOLUME_STAGE_TRANSPORTED);
+  header->set_sh_bands(2);
+  header->set_format(toProto(order_.format));
+  header->set_compression(toProto(order_.compression));
+  for (std::size_t i = 0; i < volume.scales.size(); ++i) {
+    pb::VolumeLayer* layer = header->add_layers();
+    layer->set_group(result_.volume->layers[i].group);
+    layer->set_scale(volume.scales[i]);
+  }
+  header->set_base_result_id(encoding_->baseId);
+  header->set_brick_edge(wire::kBrickEdge);
+  header->set_part_count(int(volume.parts.size()));
+}
 
 bool VolumeParts::next(pb::VolumePart* out) {
-  if (index_ == encoded_->parts.size()) return false;
-  if (index_ == 0) {
-    pb::VolumeHeader* header = out->mutable_header();
-    toProto(result_.meta, header->mutable_result());
-    header->mutable_result()->set_checksum(encoded_->checksum);
-    toProto(result_.volume->grid, header->mutable_grid());
-    header->set_stage(stage_ == VolumeStage::kInjected ? pb::VOLUME_STAGE_INJECTED : pb::VOLUME_STAGE_TRANSPORTED);
-    header->set_sh_bands(2);
-    header->set_format(element_ == wire::Element::kHalf ? pb::VOLUME_FORMAT_HALF_FLOAT : pb::VOLUME_FORMAT_FLOAT);
-    header->set_compression(pb::PAYLOAD_COMPRESSION_NONE);
-    for (std::size_t i = 0; i < encoded_->scales.size(); ++i) {
-      pb::VolumeLayer* layer = header->add_layers();
-      layer->set_group(result_.volume->layers[i].group);
-      layer->set_scale(encoded_->scales[i]);
-    }
-    header->set_brick_edge(8);
-    header->set_part_count(int(encoded_->parts.size()));
-  }
-  const wire::Part& part = encoded_->parts[index_];
+  if (index_ == encoding_->volume.parts.size()) return false;
+  if (index_ == 0) fill(out->mutable_header());
+  const wire::Part& part = encoding_->volume.parts[index_];
   out->set_result_id(result_.meta.resultId);
   out->set_index(int(index_));
   for (const wire::BrickRun& run : part.bricks) {
@@ -116,30 +120,20 @@ void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
   out->set_clamped_cells(report.clampedCells);
 }
 
-Expected<wire::Element> elementOf(pb::VolumeFormat format) {
+pb::VolumeFormat toProto(wire::Format format) {
   switch (format) {
-    case pb::VOLUME_FORMAT_UNSPECIFIED:
-    case pb::VOLUME_FORMAT_HALF_FLOAT:
-      return wire::Element::kHalf;
-    case pb::VOLUME_FORMAT_FLOAT:
-      return wire::Element::kFloat;
-    case pb::VOLUME_FORMAT_COMPACT:
-      return unimplemented("format", "format COMPACT is not built in this version; use HALF_FLOAT or FLOAT");
-    default:
-      return invalid("format", "format has the unknown value " + std::to_string(int(format)));
+    case wire::Format::kHalf:
+      return pb::VOLUME_FORMAT_HALF_FLOAT;
+    case wire::Format::kFloat:
+      return pb::VOLUME_FORMAT_FLOAT;
+    case wire::Format::kCompact:
+      return pb::VOLUME_FORMAT_COMPACT;
   }
+  return pb::VOLUME_FORMAT_UNSPECIFIED;
 }
 
-Expected<VolumeStage> stageOf(pb::VolumeStage stage) {
-  switch (stage) {
-    case pb::VOLUME_STAGE_UNSPECIFIED:
-    case pb::VOLUME_STAGE_TRANSPORTED:
-      return VolumeStage::kTransported;
-    case pb::VOLUME_STAGE_INJECTED:
-      return VolumeStage::kInjected;
-    default:
-      return invalid("stage", "stage has the unknown value " + std::to_string(int(stage)));
-  }
+pb::PayloadCompression toProto(wire::Compression compression) {
+  return compression == wire::Compression::kZstd ? pb::PAYLOAD_COMPRESSION_ZSTD : pb::PAYLOAD_COMPRESSION_NONE;
 }
 
 }  // namespace lpv::api

@@ -6,27 +6,26 @@
 #include <mutex>
 #include <vector>
 
+#include "api/volume_chain.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
 #include "session/results.h"
-#include "wire/volume_codec.h"
 
 namespace lpv::api {
 
 namespace pb = lpv::v1;
 
-using EncodedVolumePtr = std::shared_ptr<const wire::EncodedVolume>;
-
-/// The last few encodings, so that every reader of one volume in one format shares one.
+/// The last few whole volumes, so that calls for one volume in one coding share one.
 class VolumeEncodings {
  public:
-  EncodedVolumePtr get(const VolumePtr& volume, wire::Element element);
+  EncodingPtr get(const VolumePtr& volume, const VolumeOrder& order, Counters& counters);
 
  private:
   struct Entry {
     std::weak_ptr<const Volume> volume;
-    wire::Element element;
-    EncodedVolumePtr encoded;
+    wire::Format format;
+    wire::Compression compression;
+    EncodingPtr encoding;
   };
   std::mutex mutex_;
   std::list<Entry> entries_;  // newest first
@@ -38,16 +37,17 @@ VolumeEncodings& volumeEncodings();
 /// A finished result, ready to be pulled part by part.
 class VolumeParts {
  public:
-  VolumeParts(const Result& result, VolumeStage stage, wire::Element element);
+  VolumeParts(const Result& result, const VolumeOrder& order, EncodingPtr encoding);
   /// False after the last part.
   bool next(pb::VolumePart* part);
   std::int64_t bytes() const { return bytes_; }
 
  private:
+  void fill(pb::VolumeHeader* header) const;
+
   Result result_;
-  VolumeStage stage_;
-  wire::Element element_;
-  EncodedVolumePtr encoded_;
+  VolumeOrder order_;
+  EncodingPtr encoding_;
   std::size_t index_ = 0;
   std::int64_t bytes_ = 0;
 };
@@ -70,8 +70,7 @@ class FrameParts {
 
 void toProto(const ResultMeta& meta, pb::ResultInfo* out);
 
-/// Half or float; UNIMPLEMENTED for formats of later versions.
-Expected<wire::Element> elementOf(pb::VolumeFormat format);
-Expected<VolumeStage> stageOf(pb::VolumeStage stage);
+pb::VolumeFormat toProto(wire::Format format);
+pb::PayloadCompression toProto(wire::Compression compression);
 
 }  // namespace lpv::api

@@ -88,25 +88,22 @@ class VolumeAnswer final : public Answer<pb::GetVolumeRequest, pb::GetVolumeResp
 
  protected:
   Expected<WaitingCall> prepare(pb::GetVolumeRequest& request) override {
-    const Expected<VolumeStage> stage = stageOf(request.stage());
-    if (!stage) return stage.status();
-    const Expected<wire::Element> element = elementOf(request.format());
-    if (!element) return element.status();
-    stage_ = *stage;
-    element_ = *element;
+    const Expected<VolumeOrder> order = orderFrom(request);
+    if (!order) return order.status();
+    order_ = *order;
     WaitingCall call;
-    call.volume = stage_;
+    call.volume = order_.stage;
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
-    const auto parts = std::make_shared<VolumeParts>(result, stage_, element_);
+    const auto parts =
+        std::make_shared<VolumeParts>(result, order_, volumeEncodings().get(result.volume, order_, *context_.counters));
     context_.counters->resultBytesSent += parts->bytes();
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }
 
  private:
-  VolumeStage stage_ = VolumeStage::kTransported;
-  wire::Element element_ = wire::Element::kHalf;
+  VolumeOrder order_;
 };
 
 class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameResponse> {

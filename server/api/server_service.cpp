@@ -79,6 +79,7 @@ Status getStats(Context& context, const pb::GetStatsRequest&, pb::GetStatsRespon
   response->set_ticks(context.counters->ticks);
   response->set_results_sent(context.counters->resultsSent);
   response->set_result_bytes_sent(context.counters->resultBytesSent);
+  response->set_volumes_encoded(context.counters->volumesEncoded);
   response->set_edits_accepted(context.counters->editsAccepted);
   response->set_edits_rejected(context.counters->editsRejected);
   response->set_blobs(blobs);

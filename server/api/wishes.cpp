@@ -62,6 +62,74 @@ Expected<FrameOrder> common(const Message& in, const pb::Camera* camera, pb::Fra
   return order;
 }
 
+Expected<wire::Format> volumeFormatOf(pb::VolumeFormat format) {
+  switch (format) {
+    case pb::VOLUME_FORMAT_UNSPECIFIED:
+    case pb::VOLUME_FORMAT_HALF_FLOAT:
+      return wire::Format::kHalf;
+    case pb::VOLUME_FORMAT_FLOAT:
+      return wire::Format::kFloat;
+    case pb::VOLUME_FORMAT_COMPACT:
+      return wire::Format::kCompact;
+    default:
+      return invalid("format", "format has the unknown value " + std::to_string(int(format)));
+  }
+}
+
+Expected<VolumeStage> stageOf(pb::VolumeStage stage) {
+  switch (stage) {
+    case pb::VOLUME_STAGE_UNSPECIFIED:
+    case pb::VOLUME_STAGE_TRANSPORTED:
+      return VolumeStage::kTransported;
+    case pb::VOLUME_STAGE_INJECTED:
+      return VolumeStage::kInjected;
+    default:
+      return invalid("stage", "stage has the unknown value " + std::to_string(int(stage)));
+  }
+}
+
+Expected<wire::Compression> compressionOf(pb::PayloadCompression compression, wire::Compression otherwise) {
+  switch (compression) {
+    case pb::PAYLOAD_COMPRESSION_UNSPECIFIED:
+      return otherwise;
+    case pb::PAYLOAD_COMPRESSION_NONE:
+      return wire::Compression::kNone;
+    case pb::PAYLOAD_COMPRESSION_ZSTD:
+      return wire::Compression::kZstd;
+    default:
+      return invalid("compression", "compression has the unknown value " + std::to_string(int(compression)));
+  }
+}
+
+Expected<Bounds> regionFrom(const pb::Box& in) {
+  const Bounds region = fromProto(in);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = region.min[axis];
+    const double high = region.max[axis];
+    if (std::isfinite(low) && std::isfinite(high) && low <= high) continue;
+    return invalid("region", "region goes from " + std::to_string(low) + " to " + std::to_string(high) +
+                                 " along axis " + std::to_string(axis) + "; both have to be finite, min below max");
+  }
+  return region;
+}
+
+/// What subscriptions and calls have in common.
+template <typename Message>
+Expected<VolumeOrder> commonVolume(const Message& in, bool stream) {
+  VolumeOrder order;
+  const Expected<VolumeStage> stage = stageOf(in.stage());
+  if (!stage) return stage.status();
+  const Expected<wire::Format> format = volumeFormatOf(in.format());
+  if (!format) return format.status();
+  const bool zstd = stream || *format == wire::Format::kCompact;
+  const auto compression = compressionOf(in.compression(), zstd ? wire::Compression::kZstd : wire::Compression::kNone);
+  if (!compression) return compression.status();
+  order.stage = *stage;
+  order.format = *format;
+  order.compression = *compression;
+  return order;
+}
+
 }  // namespace
 
 Expected<lpv::Exposure> exposureFrom(const pb::Exposure& in) {
@@ -87,6 +155,25 @@ Status checkRate(double rate) {
   return invalid("max_rate",
                  "max_rate is " + std::to_string(rate) + " a second, allowed are 0 (the server's) and 0.1 to 240");
 }
+
+Expected<VolumeOrder> orderFrom(const pb::VolumeSubscription& in) {
+  if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
+  Expected<VolumeOrder> order = commonVolume(in, true);
+  if (!order) return order;
+  if (in.tolerance_class() < 0 || in.tolerance_class() >= wire::kToleranceClasses) {
+    return invalid("tolerance_class", "tolerance_class is " + std::to_string(in.tolerance_class()) +
+                                          ", allowed are 0 to " + std::to_string(wire::kToleranceClasses - 1));
+  }
+  order->toleranceClass = in.tolerance_class();
+  if (in.has_region()) {
+    const Expected<Bounds> region = regionFrom(in.region());
+    if (!region) return region.status();
+    order->region = *region;
+  }
+  return order;
+}
+
+Expected<VolumeOrder> orderFrom(const pb::GetVolumeRequest& in) { return commonVolume(in, false); }
 
 Expected<FrameOrder> orderFrom(const pb::FrameSubscription& in, const Limits& limits) {
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;

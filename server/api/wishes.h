@@ -1,6 +1,7 @@
 #pragma once
 // What result messages ask for, checked, as the session understands it.
 
+#include "api/volume_chain.h"
 #include "lpv/v1/result.pb.h"
 #include "session/results.h"
 #include "session/session.h"
@@ -19,6 +20,9 @@ struct FrameOrder {
 /// Defaults filled in; INVALID_ARGUMENT by field.
 Expected<FrameOrder> orderFrom(const pb::FrameSubscription& subscription, const Limits& limits);
 Expected<FrameOrder> orderFrom(const pb::GetFrameRequest& request, const Limits& limits);
+
+Expected<VolumeOrder> orderFrom(const pb::VolumeSubscription& subscription);
+Expected<VolumeOrder> orderFrom(const pb::GetVolumeRequest& request);
 
 Expected<lpv::Exposure> exposureFrom(const pb::Exposure& exposure);
 /// Both 0: 640 x 360.

@@ -32,6 +32,7 @@ struct Result {
   VolumePtr volume;
   FramePtr frame;
   std::uint64_t cameraSequence = 0;
+  std::uint64_t baseId = 0;  ///< volumes: newest result that the receiver has acknowledged; 0: none that it still holds
 };
 
 /// Why a session's streams end.
@@ -55,9 +56,9 @@ struct FrameWish {
 /// What a subscriber wants.
 struct Wish {
   std::optional<VolumeStage> volume;  ///< a volume of this stage ...
-  std::optional<FrameWish> frame;     ///< ... or frames
-  std::string clientId;               ///< whose edit sequences to echo; may be empty
-  double maxRate = 0.0;               ///< results per second; 0 = the session's tick rate
+  std::optional<FrameWish> frame;  ///< ... or frames
+  std::string clientId;  ///< whose edit sequences to echo; may be empty
+  double maxRate = 0.0;  ///< results per second; 0 = the session's tick rate
   bool twoCredits = false;
 };
 
@@ -82,13 +83,16 @@ struct Subscriber {
   Wish wish;
   std::weak_ptr<ResultSink> sink;
 
-  std::deque<Sent> inFlight;           ///< sent and not acknowledged, oldest first
-  std::uint64_t shownRevision = 0;     ///< of the last result sent
+  std::deque<Sent> inFlight;  ///< sent and not acknowledged, oldest first
+  std::uint64_t lastSent = 0;  ///< result id
+  std::uint64_t baseId = 0;  ///< newest result acknowledged ...
+  std::uint64_t basesAfter = 0;  ///< ... among those after this one; what came before is lost
+  std::uint64_t shownRevision = 0;  ///< of the last result sent
   bool shownAny = false;
-  bool wishChanged = false;            ///< camera, size or exposure since the last frame asked for
-  bool inTick = false;                 ///< the tick under way makes its frame
-  Clock::time_point notBefore{};       ///< rate limit
-  double roundTrip = 0.0;              ///< seconds, smoothed
+  bool wishChanged = false;  ///< camera, size or exposure since the last frame asked for
+  bool inTick = false;  ///< the tick under way makes its frame
+  Clock::time_point notBefore{};  ///< rate limit
+  double roundTrip = 0.0;  ///< seconds, smoothed
 };
 
 /// A call that waits for one result.

@@ -30,6 +30,7 @@ struct Counters {
   std::atomic<std::int64_t> ticks{0};
   std::atomic<std::int64_t> resultsSent{0};
   std::atomic<std::int64_t> resultBytesSent{0};
+  std::atomic<std::int64_t> volumesEncoded{0};
   std::atomic<std::int64_t> editsAccepted{0};
   std::atomic<std::int64_t> editsRejected{0};
 };

@@ -65,6 +65,7 @@ void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::ui
     sentAt = inFlight.front().at;
     inFlight.pop_front();
   }
+  if (resultId > subscriber->basesAfter) subscriber->baseId = resultId;
   const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
   subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
   kick();
@@ -73,6 +74,8 @@ void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::ui
 void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
   const std::lock_guard lock(mutex_);
   subscriber->shownAny = false;
+  subscriber->baseId = 0;
+  subscriber->basesAfter = subscriber->lastSent;
   kick();
 }
 
@@ -286,12 +289,13 @@ void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage sta
                            std::vector<Delivery>* out) {
   const Clock::time_point now = Clock::now();
   meta.resultId = nextResult_++;
-  const Result& latest = latest_[stage] = {meta, volume, nullptr, 0};
+  const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0};
   for (const auto& [id, subscriber] : subscribers_) {
     const bool lacks = !subscriber->shownAny || subscriber->shownRevision < meta.revision;
     if (subscriber->wish.volume != stage || !hasCredit(*subscriber) || !lacks || now < subscriber->notBefore) continue;
     Result result = latest;
     result.meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
+    result.baseId = subscriber->baseId;
     markSent(*subscriber, result, now);
     out->push_back({subscriber, std::move(result)});
   }
@@ -308,7 +312,7 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   for (const auto& [subscriber, cameraSequence] : plan.frameReaders) {
     meta.resultId = nextResult_++;
     meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
-    Result result{meta, nullptr, *frame++, cameraSequence};
+    Result result{meta, nullptr, *frame++, cameraSequence, 0};
     if (!subscribers_.contains(subscriber->id)) continue;
     markSent(*subscriber, result, now);
     out->push_back({subscriber, std::move(result)});
@@ -316,12 +320,13 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   for (const auto& call : plan.frameCalls) {
     meta.resultId = nextResult_++;
     meta.clientSequence = 0;
-    workshop_.pool->post([call, result = Result{meta, nullptr, *frame++, 0}] { call->done(result); });
+    workshop_.pool->post([call, result = Result{meta, nullptr, *frame++, 0, 0}] { call->done(result); });
   }
 }
 
 void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
   subscriber.inFlight.push_back({result.meta.resultId, now});
+  subscriber.lastSent = result.meta.resultId;
   subscriber.shownRevision = result.meta.revision;
   subscriber.shownAny = true;
   if (subscriber.wish.maxRate > 0.0) subscriber.notBefore = now + interval(subscriber.wish.maxRate);

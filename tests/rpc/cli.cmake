@@ -1,6 +1,5 @@
 # Tests of lpvctl and of what it is made of. Included by tests/rpc/CMakeLists.txt.
 
-lpv_test(cli_wire_test unit SOURCES cli_wire_test.cpp LIBRARIES lpv_wire)
 lpv_test(cli_import_test unit SOURCES cli_import_test.cpp LIBRARIES lpv_cli)
 
 lpv_test(cli_test rpc SOURCES cli_test.cpp LIBRARIES lpv_rpc_testing)

@@ -258,6 +258,25 @@ TEST_F(Cli, WatchTellsRevisionsAsTheyCome) {
   EXPECT_EQ(lpvctl({"watch", "nosuch", "--seconds", "5"}).exit, 1);
 }
 
+TEST_F(Cli, WatchTakesAFormatARegionAndATolerance) {
+  (void)lpvctlOut({"scene", "load", id_, room_});
+  const auto bytes = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments{"watch", id_, "--volume", "--json", "--seconds", "1"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const auto lines = linesOf(lpvctlOut(arguments));
+    return lines.empty() ? -1.0 : json(lines[0]).fields().at("bytes").number_value();
+  };
+  const double half = bytes({});
+  EXPECT_GT(bytes({"--format", "float"}), half);
+  const double compact = bytes({"--format", "compact"});
+  EXPECT_LT(compact, half / 2);
+  EXPECT_LT(bytes({"--format", "compact", "--tolerance", "3"}), compact);
+  EXPECT_EQ(bytes({"--region", "0,1,0,1,2,1"}), half);  // the room is a single brick
+  EXPECT_EQ(bytes({"--region", "900,900,900,901,901,901"}), 0.0);  // and is not there
+  EXPECT_EQ(lpvctl({"watch", id_, "--volume", "--tolerance", "4"}).exit, 2);
+  EXPECT_EQ(lpvctl({"watch", id_, "--volume", "--region", "1,2,3"}).exit, 2);
+}
+
 TEST_F(Cli, RenderLeavesNothingBehind) {
   const auto sessions = [] { return linesOf(lpvctlOut({"session", "list"})).size(); };
   const std::size_t before = sessions();

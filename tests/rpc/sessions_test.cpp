@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <functional>
 #include <set>
 
@@ -287,7 +289,7 @@ TEST_F(Sessions, CallsOfLaterVersionsAreRefusedByName) {
   EXPECT_THAT(reader->Finish(), HasCode(StatusCode::UNIMPLEMENTED));
 }
 
-TEST_F(Sessions, SubscriptionsOfLaterVersionsAreRefusedByName) {
+TEST_F(Sessions, SubscriptionsOutOfRangeAreRefusedByName) {
   const std::string name = makeLitSession(stubs_);
   const auto refusal = [&](const std::function<void(pb::VolumeSubscription*)>& set) {
     pb::WatchVolumeRequest request;
@@ -299,12 +301,14 @@ TEST_F(Sessions, SubscriptionsOfLaterVersionsAreRefusedByName) {
     EXPECT_FALSE(reader->Read(&event));
     return reader->Finish();
   };
-  EXPECT_THAT(refusal([](auto* s) { *s->mutable_region()->mutable_max() = vec3(1, 1, 1); }),
-              Refused(StatusCode::UNIMPLEMENTED, "subscription.region", "region"));
-  EXPECT_THAT(refusal([](auto* s) { s->set_tolerance_class(2); }),
-              Refused(StatusCode::UNIMPLEMENTED, "subscription.tolerance_class", "tolerance_class"));
-  EXPECT_THAT(refusal([](auto* s) { s->set_format(pb::VOLUME_FORMAT_COMPACT); }),
-              Refused(StatusCode::UNIMPLEMENTED, "subscription.format", "COMPACT"));
+  EXPECT_THAT(refusal([](auto* s) { *s->mutable_region()->mutable_min() = vec3(1, 1, 1); }),
+              Refused(StatusCode::INVALID_ARGUMENT, "subscription.region", "axis 0"));
+  EXPECT_THAT(refusal([](auto* s) { *s->mutable_region()->mutable_max() = vec3(1, std::nan(""), 1); }),
+              Refused(StatusCode::INVALID_ARGUMENT, "subscription.region", "axis 1"));
+  EXPECT_THAT(refusal([](auto* s) { s->set_tolerance_class(4); }),
+              Refused(StatusCode::INVALID_ARGUMENT, "subscription.tolerance_class", "0 to 3"));
+  EXPECT_THAT(refusal([](auto* s) { s->set_compression(pb::PayloadCompression(9)); }),
+              Refused(StatusCode::INVALID_ARGUMENT, "subscription.compression", "9"));
   EXPECT_THAT(refusal([](auto* s) { s->set_max_rate(1000.0); }),
               Refused(StatusCode::INVALID_ARGUMENT, "subscription.max_rate", "240"));
 }

@@ -67,6 +67,40 @@ TEST_F(SessionTest, MakesNothingThatNobodyWaitsFor) {
   EXPECT_EQ(rig_.engine.ticks(), 1);
 }
 
+// Seen to fail with the last result sent as base: of two in flight it may not have arrived.
+TEST_F(SessionTest, TheBaseIsTheNewestResultAcknowledged) {
+  const auto subscriber = subscribed(inbox_, twoCredits());
+  EXPECT_EQ(inbox_->last().baseId, 0U);
+  const std::uint64_t first = inbox_->last().meta.resultId;
+  subscriber->roundTrip = 10.0;  // longer than the interval: two may be in flight
+  edited();
+  ASSERT_EQ(inbox_->count(), 2U);
+  const std::uint64_t second = inbox_->last().meta.resultId;
+  EXPECT_EQ(inbox_->last().baseId, 0U) << "nothing is acknowledged yet";
+  acknowledge(subscriber, first);
+  edited();
+  EXPECT_EQ(inbox_->last().baseId, first);
+  acknowledge(subscriber, second);
+  edited();
+  EXPECT_EQ(inbox_->last().baseId, second);
+}
+
+// Seen to fail when what was in flight before the resend counts as a base.
+TEST_F(SessionTest, WhatWasSentBeforeAResendIsNoBase) {
+  const auto subscriber = subscribed(inbox_);
+  acknowledge(subscriber, inbox_->last().meta.resultId);
+  edited();
+  EXPECT_NE(inbox_->last().baseId, 0U);
+  session_->resend(subscriber);
+  acknowledge(subscriber, inbox_->last().meta.resultId);
+  EXPECT_EQ(inbox_->count(), 3U);
+  EXPECT_EQ(inbox_->last().baseId, 0U);
+  const std::uint64_t whole = inbox_->last().meta.resultId;
+  acknowledge(subscriber, whole);
+  edited();
+  EXPECT_EQ(inbox_->last().baseId, whole);
+}
+
 // Seen to fail when the credit is not asked for.
 TEST_F(SessionTest, SendsOneResultPerAcknowledgement) {
   const auto subscriber = subscribed(inbox_);

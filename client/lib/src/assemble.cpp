@@ -10,25 +10,49 @@ namespace {
 /// No picture of 4096 x 4096 float pixels, however encoded, is larger.
 constexpr std::int64_t kMaxFrameBytes = std::int64_t(512) << 20;
 
+/// The base of two results in flight, and those two.
+constexpr std::size_t kMostHeld = 3;
+
 Status broken(const std::string& what) { return Status(Code::kInternal, "the server sent " + what); }
 
-Expected<wire::Element> elementOf(const v1::VolumeHeader& header) {
+Expected<wire::Format> formatOf(const v1::VolumeHeader& header) {
   if (header.sh_bands() != 2) return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands, not 2");
-  if (header.base_result_id() != 0) return broken("a volume relative to another, which this client did not ask for");
   if (header.brick_edge() != wire::kBrickEdge) return broken("bricks of another size than 8");
-  const v1::PayloadCompression compression = header.compression();
-  if (compression != v1::PAYLOAD_COMPRESSION_NONE && compression != v1::PAYLOAD_COMPRESSION_UNSPECIFIED) {
-    return broken("a compression this client does not know");
-  }
   switch (header.format()) {
     case v1::VOLUME_FORMAT_UNSPECIFIED:
     case v1::VOLUME_FORMAT_HALF_FLOAT:
-      return wire::Element::kHalf;
+      return wire::Format::kHalf;
     case v1::VOLUME_FORMAT_FLOAT:
-      return wire::Element::kFloat;
+      return wire::Format::kFloat;
+    case v1::VOLUME_FORMAT_COMPACT:
+      return wire::Format::kCompact;
     default:
       return broken("a volume format this client does not know");
   }
+}
+
+Expected<wire::Compression> compressionOf(const v1::VolumeHeader& header) {
+  switch (header.compression()) {
+    case v1::PAYLOAD_COMPRESSION_UNSPECIFIED:
+    case v1::PAYLOAD_COMPRESSION_NONE:
+      return wire::Compression::kNone;
+    case v1::PAYLOAD_COMPRESSION_ZSTD:
+      return wire::Compression::kZstd;
+    default:
+      return broken("a compression this client does not know");
+  }
+}
+
+wire::VolumeShape shapeOf(const v1::VolumeHeader& header, wire::Format format) {
+  wire::VolumeShape shape;
+  shape.format = format;
+  shape.grid = fromProto(header.grid());
+  shape.stage = header.stage() == v1::VOLUME_STAGE_INJECTED ? VolumeStage::kInjected : VolumeStage::kTransported;
+  for (const v1::VolumeLayer& layer : header.layers()) {
+    shape.groups.push_back(layer.group());
+    shape.scales.push_back(format == wire::Format::kFloat ? 1.0 : layer.scale());
+  }
+  return shape;
 }
 
 /// The rule of parts: 0, 1, 2 ... of one result.
@@ -43,17 +67,17 @@ Status checkPart(int index, int next, std::uint64_t id, std::uint64_t wanted, in
 
 Status VolumeAssembler::begin(const v1::VolumePart& part) {
   const v1::VolumeHeader& header = part.header();
-  const Expected<wire::Element> element = elementOf(header);
-  if (!element) return element.status();
-  std::vector<std::string> groups;
-  std::vector<double> scales;
-  for (const v1::VolumeLayer& layer : header.layers()) {
-    groups.push_back(layer.group());
-    scales.push_back(*element == wire::Element::kFloat ? 1.0 : layer.scale());
+  const Expected<wire::Format> format = formatOf(header);
+  if (!format) return format.status();
+  const Expected<wire::Compression> compression = compressionOf(header);
+  if (!compression) return compression.status();
+  const std::uint64_t baseId = header.base_result_id();
+  const auto base = held_.find(baseId);
+  if (baseId != 0 && base == held_.end()) {
+    return broken("a volume relative to result " + std::to_string(baseId) + ", which this client does not hold");
   }
-  const VolumeStage stage =
-      header.stage() == v1::VOLUME_STAGE_INJECTED ? VolumeStage::kInjected : VolumeStage::kTransported;
-  decoder_ = std::make_unique<wire::VolumeDecoder>(fromProto(header.grid()), stage, *element, groups, scales);
+  decoder_ = std::make_unique<wire::VolumeDecoder>(shapeOf(header, *format), *compression,
+                                                   baseId == 0 ? nullptr : base->second);
   result_ = {};
   result_.header = header;
   next_ = 0;
@@ -80,12 +104,26 @@ Expected<std::optional<VolumeResult>> VolumeAssembler::add(const v1::VolumePart&
   }
   result_.bytes += part.payload().size();
   if (++next_ < result_.header.part_count()) return std::optional<VolumeResult>();
-  Expected<Volume> volume = decoder_->finish(result_.header.result().checksum());
+  Expected<VolumeResult> result = finish();
+  if (!result) return result.status();
+  return std::optional<VolumeResult>(std::move(*result));
+}
+
+Expected<VolumeResult> VolumeAssembler::finish() {
+  Expected<wire::VolumeStatePtr> state = decoder_->finish(result_.header.result().checksum());
   decoder_.reset();
-  if (!volume) return volume.status();
-  result_.volume = std::move(*volume);
+  if (!state) return state.status();
+  result_.volume = wire::volumeFrom(**state);
+  hold(std::move(*state));
   result_.decodeSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
-  return std::optional<VolumeResult>(std::move(result_));
+  return std::move(result_);
+}
+
+/// Bases only move forward, and are at most as far behind as results may be in flight.
+void VolumeAssembler::hold(wire::VolumeStatePtr state) {
+  held_.erase(held_.begin(), held_.lower_bound(result_.header.base_result_id()));
+  held_[result_.header.result().result_id()] = std::move(state);
+  while (held_.size() > kMostHeld) held_.erase(held_.begin());
 }
 
 Status FrameAssembler::begin(const v1::FramePart& part) {

@@ -2,6 +2,7 @@
 // Results put together from their parts, with everything a server sends checked.
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -20,6 +21,11 @@ class VolumeAssembler {
 
  private:
   Status begin(const v1::VolumePart& part);
+  Expected<VolumeResult> finish();
+  void hold(wire::VolumeStatePtr state);
+
+  /// What deltas may be relative to: the base of the newest result and all after it, by result id.
+  std::map<std::uint64_t, wire::VolumeStatePtr> held_;
   std::unique_ptr<wire::VolumeDecoder> decoder_;
   VolumeResult result_;
   int next_ = 0;

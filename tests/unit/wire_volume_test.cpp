@@ -6,40 +6,22 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <random>
 
+#include "unit/wire_rig.h"
 #include "wire/half.h"
-#include "wire/volume_codec.h"
 
 namespace lpv::wire {
 namespace {
 
-Volume randomVolume(const glm::ivec3& dims, std::size_t layers, float magnitude) {
-  Volume volume;
-  volume.grid = Grid{{-1.0, 0.5, 2.0}, 0.25, dims};
-  std::mt19937 generator(7);
-  std::uniform_real_distribution<float> value(-magnitude, magnitude);
-  for (std::size_t layer = 0; layer < layers; ++layer) {
-    VolumeLayer& out = volume.layers.emplace_back(VolumeLayer{"group" + std::to_string(layer), {}});
-    out.coefficients.resize(volume.grid.cells() * 12);
-    for (float& c : out.coefficients) c = value(generator);
-  }
-  return volume;
+EncodedVolume encode(const Volume& volume, Format format, std::size_t maxPayload) {
+  return encodeVolume(*publish(volume, format, 0, nullptr), nullptr, Compression::kNone, maxPayload);
 }
 
-VolumeDecoder decoderFor(const Volume& volume, Element element, const EncodedVolume& encoded) {
-  std::vector<std::string> groups;
-  for (const VolumeLayer& layer : volume.layers) groups.push_back(layer.group);
-  return VolumeDecoder(volume.grid, volume.stage, element, groups, encoded.scales);
-}
-
-Expected<Volume> roundTrip(const Volume& volume, Element element, std::size_t maxPayload) {
-  const EncodedVolume encoded = encodeVolume(volume, element, maxPayload);
-  VolumeDecoder decoder = decoderFor(volume, element, encoded);
-  for (auto part = encoded.parts.rbegin(); part != encoded.parts.rend(); ++part) {  // any order will do
-    if (Status status = decoder.add(part->bricks, part->payload); !status.ok()) return status;
-  }
-  return decoder.finish(encoded.checksum);
+Expected<Volume> roundTrip(const Volume& volume, Format format, Compression compression, std::size_t maxPayload) {
+  const VolumeStatePtr state = publish(volume, format, 0, nullptr);
+  const Expected<VolumeStatePtr> back = decode(*state, encodeVolume(*state, nullptr, compression, maxPayload), nullptr);
+  if (!back) return back.status();
+  return volumeFrom(**back);
 }
 
 TEST(Half, EveryHalfSurvives) {
@@ -80,7 +62,7 @@ TEST(Half, RoundsToNearestTiesToEven) {
 
 TEST(VolumeCodec, FloatIsExact) {
   const Volume volume = randomVolume({19, 8, 5}, 3, 1e6F);
-  const Expected<Volume> back = roundTrip(volume, Element::kFloat, 4096);
+  const Expected<Volume> back = roundTrip(volume, Format::kFloat, Compression::kNone, 4096);
   ASSERT_TRUE(back.ok()) << back.status().message();
   EXPECT_EQ(back->grid, volume.grid);
   ASSERT_EQ(back->layers.size(), 3U);
@@ -93,7 +75,7 @@ TEST(VolumeCodec, FloatIsExact) {
 TEST(VolumeCodec, HalfIsWithinHalfAUnitAtAnyMagnitude) {
   for (const float magnitude : {1e-20F, 1e-3F, 1.0F, 1e9F, 1e35F}) {
     const Volume volume = randomVolume({9, 9, 9}, 1, magnitude);
-    const Expected<Volume> back = roundTrip(volume, Element::kHalf, 1U << 20U);
+    const Expected<Volume> back = roundTrip(volume, Format::kHalf, Compression::kZstd, 1U << 20U);
     ASSERT_TRUE(back.ok()) << back.status().message();
     for (std::size_t i = 0; i < volume.layers[0].coefficients.size(); ++i) {
       const float value = volume.layers[0].coefficients[i];
@@ -106,14 +88,14 @@ TEST(VolumeCodec, ScalesArePowersOfTwoAndKeepMagnitudesBelow1024) {
   Volume volume = randomVolume({2, 1, 1}, 2, 1.0F);
   volume.layers[0].coefficients.assign(24, 0.0F);
   volume.layers[1].coefficients[5] = -4096.0F;
-  const EncodedVolume encoded = encodeVolume(volume, Element::kHalf, 1U << 20U);
+  const EncodedVolume encoded = encode(volume, Format::kHalf, 1U << 20U);
   EXPECT_THAT(encoded.scales, testing::ElementsAre(1.0, 4.0));
 }
 
 TEST(VolumeCodec, PartsStayBelowTheLimitAndCoverEveryBrickOnce) {
   const Volume volume = randomVolume({33, 17, 20}, 2, 1.0F);
   const std::size_t limit = 200000;
-  const EncodedVolume encoded = encodeVolume(volume, Element::kHalf, limit);
+  const EncodedVolume encoded = encode(volume, Format::kHalf, limit);
   int next = 0;
   std::size_t bytes = 0;
   for (const Part& part : encoded.parts) {
@@ -130,7 +112,7 @@ TEST(VolumeCodec, PartsStayBelowTheLimitAndCoverEveryBrickOnce) {
 
 TEST(VolumeCodec, PayloadAndChecksumFollowTheDocumentedOrder) {
   const Volume volume = randomVolume({9, 2, 1}, 2, 1.0F);
-  const EncodedVolume encoded = encodeVolume(volume, Element::kFloat, 1U << 20U);
+  const EncodedVolume encoded = encode(volume, Format::kFloat, 1U << 20U);
   std::vector<float> payload(encoded.parts.at(0).payload.size() / 4);
   std::memcpy(payload.data(), encoded.parts[0].payload.data(), payload.size() * 4);
   std::size_t at = 0;
@@ -153,44 +135,52 @@ TEST(VolumeCodec, PayloadAndChecksumFollowTheDocumentedOrder) {
 
 class VolumeDecoderRefuses : public testing::Test {
  protected:
-  Volume volume_ = randomVolume({16, 8, 8}, 1, 1.0F);
-  EncodedVolume encoded_ = encodeVolume(volume_, Element::kHalf, 1U << 20U);
-  VolumeDecoder decoder_ = decoderFor(volume_, Element::kHalf, encoded_);
+  VolumeStatePtr state_ = publish(randomVolume({16, 8, 8}, 1, 1.0F), Format::kHalf, 0, nullptr);
+  EncodedVolume encoded_ = encodeVolume(*state_, nullptr, Compression::kNone, 1U << 20U);
   const std::string& payload() const { return encoded_.parts[0].payload; }
+  Code codeOf(const std::vector<BrickRun>& runs, const std::string& bytes) const {
+    return VolumeDecoder(state_->shape, Compression::kNone).add(runs, bytes).code();
+  }
 };
 
 TEST_F(VolumeDecoderRefuses, BricksOutOfRangeOrTwice) {
   for (const BrickRun run : {BrickRun{-1, 1}, BrickRun{0, 3}, BrickRun{2, 1}, BrickRun{0, 0}, BrickRun{1, -1},
                              BrickRun{1, std::numeric_limits<int>::max()}}) {
-    EXPECT_EQ(decoder_.add({run}, payload()).code(), Code::kInvalidArgument) << run.first << " " << run.count;
+    EXPECT_EQ(codeOf({run}, payload()), Code::kInvalidArgument) << run.first << " " << run.count;
   }
-  EXPECT_EQ(decoder_.add({{0, 1}, {0, 1}}, payload()).code(), Code::kInvalidArgument);
-  EXPECT_TRUE(decoder_.add({{0, 2}}, payload()).ok());
-  EXPECT_EQ(decoder_.add({{0, 2}}, payload()).code(), Code::kInvalidArgument);
+  EXPECT_EQ(codeOf({{0, 1}, {0, 1}}, payload()), Code::kInvalidArgument);
+  EXPECT_EQ(codeOf({{0, 2}}, payload()), Code::kOk);
+  VolumeDecoder decoder(state_->shape, Compression::kNone);
+  EXPECT_TRUE(decoder.add({{0, 2}}, payload()).ok());
+  EXPECT_EQ(decoder.add({{0, 2}}, payload()).code(), Code::kInvalidArgument);
+  EXPECT_FALSE(decoder.finish(encoded_.checksum).ok());
 }
 
 TEST_F(VolumeDecoderRefuses, PayloadsOfAnotherSize) {
-  EXPECT_EQ(decoder_.add({{0, 2}}, payload().substr(1)).code(), Code::kInvalidArgument);
-  EXPECT_EQ(decoder_.add({{0, 2}}, payload() + "x").code(), Code::kInvalidArgument);
-  EXPECT_EQ(decoder_.add({{0, 2}}, "").code(), Code::kInvalidArgument);
-  EXPECT_TRUE(decoder_.add({{0, 2}}, payload()).ok());
+  EXPECT_EQ(codeOf({{0, 2}}, payload().substr(1)), Code::kInvalidArgument);
+  EXPECT_EQ(codeOf({{0, 2}}, payload() + "x"), Code::kInvalidArgument);
+  EXPECT_EQ(codeOf({{0, 2}}, ""), Code::kInvalidArgument);
+  EXPECT_EQ(codeOf({}, "x"), Code::kInvalidArgument);
 }
 
 TEST_F(VolumeDecoderRefuses, IncompleteAndDamagedVolumes) {
-  ASSERT_TRUE(decoder_.add({{1, 1}}, payload().substr(payload().size() / 2)).ok());
-  EXPECT_EQ(decoder_.finish(encoded_.checksum).status().code(), Code::kInvalidArgument);
-  std::string damaged = payload().substr(0, payload().size() / 2);
+  VolumeDecoder incomplete(state_->shape, Compression::kNone);
+  ASSERT_TRUE(incomplete.add({{1, 1}}, payload().substr(payload().size() / 2)).ok());
+  EXPECT_EQ(incomplete.finish(encoded_.checksum).status().field(), "result.checksum");
+  std::string damaged = payload();
   damaged[100] = char(damaged[100] ^ 1);
-  ASSERT_TRUE(decoder_.add({{0, 1}}, damaged).ok());
-  EXPECT_EQ(decoder_.finish(encoded_.checksum).status().field(), "result.checksum");
+  VolumeDecoder decoder(state_->shape, Compression::kNone);
+  ASSERT_TRUE(decoder.add({{0, 2}}, damaged).ok());
+  EXPECT_EQ(decoder.finish(encoded_.checksum).status().field(), "result.checksum");
 }
 
 TEST_F(VolumeDecoderRefuses, ImpossibleHeaders) {
   const auto refused = [&](const Grid& grid, std::vector<std::string> groups, std::vector<double> scales) {
-    VolumeDecoder decoder(grid, VolumeStage::kTransported, Element::kHalf, std::move(groups), std::move(scales));
+    const VolumeShape shape{Format::kHalf, grid, VolumeStage::kTransported, std::move(groups), std::move(scales)};
+    VolumeDecoder decoder(shape, Compression::kNone);
     return !decoder.add({{0, 1}}, payload()).ok() && !decoder.finish(0).ok();
   };
-  Grid grid = volume_.grid;
+  Grid grid = state_->shape.grid;
   EXPECT_TRUE(refused(grid, {}, {}));
   EXPECT_TRUE(refused(grid, {"a"}, {1.0, 1.0}));
   EXPECT_TRUE(refused(grid, std::vector<std::string>(9), std::vector<double>(9, 1.0)));
@@ -200,15 +190,16 @@ TEST_F(VolumeDecoderRefuses, ImpossibleHeaders) {
   EXPECT_TRUE(refused(grid, {"a"}, {1.0}));
   grid.dims.y = 0;
   EXPECT_TRUE(refused(grid, {"a"}, {1.0}));
-  grid = volume_.grid;
+  grid = state_->shape.grid;
   grid.cell = std::nan("");
   EXPECT_TRUE(refused(grid, {"a"}, {1.0}));
 }
 
 TEST_F(VolumeDecoderRefuses, ASecondTake) {
-  ASSERT_TRUE(decoder_.add(encoded_.parts[0].bricks, payload()).ok());
-  EXPECT_TRUE(decoder_.finish(encoded_.checksum).ok());
-  EXPECT_EQ(decoder_.finish(encoded_.checksum).status().code(), Code::kFailedPrecondition);
+  VolumeDecoder decoder(state_->shape, Compression::kNone);
+  ASSERT_TRUE(decoder.add(encoded_.parts[0].bricks, payload()).ok());
+  EXPECT_TRUE(decoder.finish(encoded_.checksum).ok());
+  EXPECT_EQ(decoder.finish(encoded_.checksum).status().code(), Code::kFailedPrecondition);
 }
 
 }  // namespace

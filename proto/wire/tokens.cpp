@@ -1,0 +1,115 @@
+#include "wire/tokens.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+
+#include "wire/brick_transform.h"
+
+namespace lpv::wire {
+namespace {
+
+constexpr int kMaxShift = 22;
+constexpr int kSkip = 254;      // that many zeros and no value
+constexpr int kEndPlane = 255;  // zeros to the end of the plane
+
+/// Positions of a plane in the order coded: low frequencies first, as they are the ones that are not zero.
+const std::array<std::uint16_t, kBrickCells>& scanOrder() {
+  static const auto kOrder = [] {
+    std::array<std::uint16_t, kBrickCells> order;
+    std::iota(order.begin(), order.end(), std::uint16_t(0));
+    const auto frequency = [](int i) { return i % 8 + i / 8 % 8 + i / 64; };
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return frequency(a) < frequency(b); });
+    return order;
+  }();
+  return kOrder;
+}
+
+void appendLevel(std::int32_t level, std::string* out) {
+  auto zigzag = (std::uint32_t(level) << 1U) ^ std::uint32_t(level >> 31);
+  for (; zigzag >= 0x80U; zigzag >>= 7U) out->push_back(char(zigzag | 0x80U));
+  out->push_back(char(zigzag));
+}
+
+void appendPlane(const std::int32_t* plane, int shift, Tokens* out) {
+  int zeros = 0;
+  for (const std::uint16_t at : scanOrder()) {
+    if (plane[at] == 0) {
+      ++zeros;
+      continue;
+    }
+    for (; zeros >= kSkip; zeros -= kSkip) out->runs.push_back(char(kSkip));
+    out->runs.push_back(char(zeros));
+    appendLevel(plane[at] / (1 << shift), &out->levels);
+    zeros = 0;
+  }
+  if (zeros > 0) out->runs.push_back(char(kEndPlane));
+}
+
+Status torn() { return invalid("part.payload", "the payload ends within a brick"); }
+
+}  // namespace
+
+bool appendBlock(const std::int32_t* coefficients, Tokens* out) {
+  std::uint32_t all = 0;
+  for (std::size_t i = 0; i < kPlanes * kBrickCells; ++i) all |= std::uint32_t(coefficients[i]);
+  const int shift = all == 0 ? 0 : std::min(std::countr_zero(all), kMaxShift);
+  out->runs.push_back(char(shift));
+  for (std::size_t plane = 0; plane < kPlanes; ++plane) appendPlane(coefficients + plane * kBrickCells, shift, out);
+  return all != 0;
+}
+
+bool TokenReader::takeRun(int* run) {
+  if (runs_.empty()) return false;
+  *run = std::uint8_t(runs_.front());
+  runs_.remove_prefix(1);
+  return true;
+}
+
+bool TokenReader::takeLevel(std::int32_t* level) {
+  std::uint32_t zigzag = 0;
+  for (std::uint32_t at = 0; at < 28 && !levels_.empty(); at += 7) {
+    const auto byte = std::uint8_t(levels_.front());
+    levels_.remove_prefix(1);
+    zigzag |= std::uint32_t(byte & 0x7fU) << at;
+    if (byte >= 0x80U) continue;
+    *level = std::int32_t(zigzag >> 1U) ^ -std::int32_t(zigzag & 1U);
+    return true;
+  }
+  return false;
+}
+
+Status TokenReader::addPlane(int shift, std::int32_t* plane) {
+  std::size_t at = 0;
+  while (at < kBrickCells) {
+    int run = 0;
+    if (!takeRun(&run)) return torn();
+    if (run == kEndPlane) return {};
+    at += std::size_t(run);
+    if (run == kSkip) continue;
+    if (at >= kBrickCells) return invalid("part.payload", "a coefficient of a brick lies outside it");
+    std::int32_t level = 0;
+    if (!takeLevel(&level)) return torn();
+    std::int32_t& value = plane[scanOrder()[at++]];
+    const std::int64_t sum = value + (std::int64_t(level) << shift);
+    if (sum > kMaxCoefficient || sum < -kMaxCoefficient) {
+      return invalid("part.payload", "a coefficient of a brick is " + std::to_string(sum) + ", allowed are +-" +
+                                         std::to_string(kMaxCoefficient));
+    }
+    value = std::int32_t(sum);
+  }
+  return {};
+}
+
+Status TokenReader::addBlock(std::int32_t* coefficients) {
+  int shift = 0;
+  if (!takeRun(&shift)) return torn();
+  if (shift > kMaxShift) return invalid("part.payload", "a brick's shift is " + std::to_string(shift));
+  for (std::size_t plane = 0; plane < kPlanes; ++plane) {
+    if (Status s = addPlane(shift, coefficients + plane * kBrickCells); !s.ok()) return s;
+  }
+  return {};
+}
+
+}  // namespace lpv::wire
