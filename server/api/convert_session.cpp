@@ -215,7 +215,11 @@ void toProto(const SessionSummary& in, pb::Session* out) {
   out->set_triangle_count(in.triangles);
   out->set_client_count(int(in.clients));
   out->set_subscriber_count(int(in.subscribers));
-  out->set_durability(pb::DURABILITY_MEMORY);
+  out->set_durability(toProto(in.durability));
+}
+
+pb::Durability toProto(Durability durability) {
+  return durability == Durability::kDisk ? pb::DURABILITY_DISK : pb::DURABILITY_MEMORY;
 }
 
 ClientIdentity fromProto(const pb::ClientIdentity& identity) { return {identity.client_id(), identity.secret()}; }

@@ -57,9 +57,10 @@ Position SqliteStore::push(const std::string& session, std::function<Status(Tabl
   return position;
 }
 
-Position SqliteStore::create(const Head& head, const pb::Snapshot& snapshot, std::vector<Content> contents) {
-  return push(head.id, [head, snapshot, contents = std::move(contents)](Tables& tables, LogSize*) {
-    return tables.create(head, snapshot, contents);
+Position SqliteStore::create(const Head& head, MakeWhole make) {
+  return push(head.id, [head, make = std::move(make)](Tables& tables, LogSize*) {
+    const Whole whole = make();
+    return tables.create(head, whole.snapshot, whole.contents);
   });
 }
 

@@ -40,12 +40,13 @@ class SqliteStore final : public Store {
 
   lpv::v1::Durability durability() const override { return lpv::v1::DURABILITY_DISK; }
   Status writable() const override;
-  Position create(const Head& head, const pb::Snapshot& snapshot, std::vector<Content> contents) override;
+  Position create(const Head& head, MakeWhole whole) override;
   Position append(const std::string& session, MakeStep step) override;
   Position setEpoch(const std::string& session, std::uint64_t epoch) override;
   Position touch(const std::string& session, std::chrono::system_clock::time_point used) override;
   Position remove(const std::string& session) override;
   void whenKept(Position position, Kept kept) override;
+  Status flush() override;
   Expected<std::vector<Head>> heads() override;
   Expected<Loaded> load(const std::string& session, bool withContents) override;
   std::uint64_t highestEpoch() override { return highestEpoch_; }
@@ -68,8 +69,6 @@ class SqliteStore final : public Store {
   void settle(const Status& status);
   void tell(std::vector<Kept> waiting, const Status& status);
   void compactDue();
-  /// Waits until everything given so far is kept; not for the executor, whose callbacks it does not need.
-  Status flush();
 
   const SqliteOptions options_;
   std::unique_ptr<DirectoryLock> lock_;

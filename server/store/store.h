@@ -51,6 +51,14 @@ struct Loaded {
   std::vector<Content> contents;  ///< what objects refer to and what was uploaded, each once; empty where not asked for
 };
 
+/// All of a session with the bytes that it needs.
+struct Whole {
+  pb::Snapshot snapshot;
+  std::vector<Content> contents;
+};
+/// As MakeStep.
+using MakeWhole = std::function<Whole()>;
+
 /// A step of a session's log with the bytes it brings.
 struct Step {
   pb::Record record;
@@ -76,7 +84,7 @@ class Store {
   virtual Status writable() const = 0;
 
   // Changes: they return at once.
-  virtual Position create(const Head& head, const pb::Snapshot& snapshot, std::vector<Content> contents) = 0;
+  virtual Position create(const Head& head, MakeWhole whole) = 0;
   virtual Position append(const std::string& session, MakeStep step) = 0;
   virtual Position setEpoch(const std::string& session, std::uint64_t epoch) = 0;
   virtual Position touch(const std::string& session, std::chrono::system_clock::time_point used) = 0;
@@ -84,6 +92,9 @@ class Store {
 
   /// Calls `kept` once: at once where `position` is kept or the store is failing, else on the store's executor.
   virtual void whenKept(Position position, Kept kept) = 0;
+
+  /// Waits until everything given so far is kept, or fails to be; needs no executor.
+  virtual Status flush() = 0;
 
   // Reading: waits for the changes given so far.
   virtual Expected<std::vector<Head>> heads() = 0;
@@ -98,12 +109,13 @@ class MemoryStore final : public Store {
  public:
   lpv::v1::Durability durability() const override { return lpv::v1::DURABILITY_MEMORY; }
   Status writable() const override { return {}; }
-  Position create(const Head&, const pb::Snapshot&, std::vector<Content>) override { return 0; }
+  Position create(const Head&, MakeWhole) override { return 0; }
   Position append(const std::string&, MakeStep) override { return 0; }
   Position setEpoch(const std::string&, std::uint64_t) override { return 0; }
   Position touch(const std::string&, std::chrono::system_clock::time_point) override { return 0; }
   Position remove(const std::string&) override { return 0; }
   void whenKept(Position, Kept kept) override { kept({}); }
+  Status flush() override { return {}; }
   Expected<std::vector<Head>> heads() override { return std::vector<Head>(); }
   Expected<Loaded> load(const std::string& session, bool) override {
     return Status(Code::kNotFound, "there is no session \"" + session + "\"; this server keeps none on disk",

@@ -1,8 +1,6 @@
 // A disk that takes no more, and one that does again.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/resource.h>
 
 #include <atomic>
 
@@ -14,22 +12,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// While it lives no file of this process grows beyond `bytes`: writes fail as on a disk with an error.
-class FileLimit {
- public:
-  explicit FileLimit(std::uintmax_t bytes) {
-    signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit limit = before_;
-    limit.rlim_cur = rlim_t(bytes);
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-
- private:
-  rlimit before_{};
-};
-
 class FailureTest : public testing::Test {
  protected:
   FailureTest() {
@@ -40,7 +22,6 @@ class FailureTest : public testing::Test {
     EXPECT_TRUE(keptAt(*store_, createSession(*store_, "hall")).ok());
     EXPECT_TRUE(keptAt(*store_, store_->append("hall", lampStep(1))).ok());
   }
-  std::uintmax_t walBytes() { return std::filesystem::file_size(folder_.database() + "-wal"); }
 
   Folder folder_;
   std::atomic<int> failed_{0};
@@ -48,13 +29,13 @@ class FailureTest : public testing::Test {
   std::unique_ptr<SqliteStore> store_;
 };
 
-// Seen to fail when settle() clears the group of a failed transaction (the sessions's log then has a gap), and when it
+// Seen to fail when settle() clears the group of a failed transaction (the session's log then has a gap), and when it
 // tells nobody.
 TEST_F(FailureTest, IsToldAsUnknownAndCaughtUpWithLater) {
   Position second = 0;
   Position third = 0;
   {
-    const FileLimit full(walBytes());
+    const FileLimit full(folder_.logBytes());
     second = store_->append("hall", lampStep(2));
     const Status status = keptAt(*store_, second);
     EXPECT_EQ(status.code(), Code::kUnavailable);
@@ -79,7 +60,7 @@ TEST_F(FailureTest, IsToldAsUnknownAndCaughtUpWithLater) {
 
 TEST_F(FailureTest, WhatWasKeptBeforeIsThereWhenTheProcessEndsWithoutCatchingUp) {
   {
-    const FileLimit full(walBytes());
+    const FileLimit full(folder_.logBytes());
     EXPECT_FALSE(keptAt(*store_, store_->append("hall", lampStep(2))).ok());
     store_.reset();
   }

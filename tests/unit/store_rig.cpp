@@ -1,6 +1,7 @@
 #include "unit/store_rig.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <stdlib.h>
 
 namespace lpv::store {
@@ -14,6 +15,16 @@ Folder::~Folder() {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
 }
+
+FileLimit::FileLimit(std::uintmax_t bytes) {
+  signal(SIGXFSZ, SIG_IGN);
+  getrlimit(RLIMIT_FSIZE, &before_);
+  rlimit limit = before_;
+  limit.rlim_cur = rlim_t(bytes);
+  setrlimit(RLIMIT_FSIZE, &limit);
+}
+
+FileLimit::~FileLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
 
 std::unique_ptr<SqliteStore> openStore(const Folder& folder, SqliteOptions options) {
   options.directory = folder.path();
@@ -31,7 +42,7 @@ Position createSession(Store& store, const std::string& id, std::uint64_t epoch)
   head.ttl = std::chrono::seconds(3600);
   pb::Snapshot snapshot;
   (*snapshot.mutable_clients())["me"].set_secret_hash("hash of my secret");
-  return store.create(head, snapshot, {});
+  return store.create(head, [snapshot] { return Whole{snapshot, {}}; });
 }
 
 pb::Record lampRecord(std::uint64_t revision, const std::string& mesh) {

@@ -1,6 +1,8 @@
 #pragma once
 // A store in a folder of its own, and small sessions to keep in it.
 
+#include <sys/resource.h>
+
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -18,9 +20,20 @@ class Folder {
   ~Folder();
   const std::string& path() const { return path_; }
   std::string database() const { return path_ + "/sessions.db"; }
+  std::uintmax_t logBytes() const { return std::filesystem::file_size(database() + "-wal"); }
 
  private:
   std::string path_;
+};
+
+/// While it lives no file of this process grows beyond `bytes`: writes fail as on a disk with an error.
+class FileLimit {
+ public:
+  explicit FileLimit(std::uintmax_t bytes);
+  ~FileLimit();
+
+ private:
+  rlimit before_{};
 };
 
 /// Opens, or fails the test.

@@ -114,7 +114,13 @@ TEST_F(SqliteStoreTest, NobodyIsToldOfALaterTransaction) {
     return made(holds);
   });
   reached.get_future().wait();
-  const Position third = store_->append("hall", lampStep(3));
+  std::promise<void> reachedThird;
+  std::promise<void> releaseThird;
+  const Position third = store_->append("hall", [&, made = lampStep(3)](const Holds& holds) {
+    reachedThird.set_value();
+    releaseThird.get_future().wait();
+    return made(holds);
+  });
   store_->whenKept(third, note(3));
   store_->whenKept(second, note(2));
   store_->whenKept(first, note(1));
@@ -123,6 +129,12 @@ TEST_F(SqliteStoreTest, NobodyIsToldOfALaterTransaction) {
     EXPECT_THAT(order, ElementsAre(1)) << "the only one that is kept";
   }
   release.set_value();
+  reachedThird.get_future().wait();  // the second is kept, the third is in the making
+  {
+    const std::lock_guard lock(mutex);
+    EXPECT_THAT(order, ElementsAre(1, 2));
+  }
+  releaseThird.set_value();
   keep(third);
   EXPECT_THAT(order, ElementsAre(1, 2, 3));
 }
