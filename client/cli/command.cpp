@@ -38,6 +38,8 @@ const char* codeName(Code code) {
       return "INTERNAL";
     case Code::kUnavailable:
       return "UNAVAILABLE";
+    case Code::kDataLoss:
+      return "DATA_LOSS";
     case Code::kUnauthenticated:
       return "UNAUTHENTICATED";
   }

@@ -2,7 +2,6 @@
 
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-#include <openssl/evp.h>
 
 #include <bit>
 #include <cstring>
@@ -61,19 +60,6 @@ Status unreadable(const char* what) {
 }
 
 }  // namespace
-
-BlobHash sha256(const std::string& bytes) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned size = 0;
-  EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr);
-  BlobHash out;
-  for (unsigned i = 0; i < size; ++i) {
-    out += kDigits[digest[i] >> 4];
-    out += kDigits[digest[i] & 0xF];
-  }
-  return out;
-}
 
 Expected<std::vector<glm::vec3>> vec3sFromBytes(const char* field, const std::string& bytes) {
   return arrayFromBytes<glm::vec3>(field, bytes);

@@ -6,13 +6,11 @@
 
 #include "lpv/v1/blob.pb.h"
 #include "session/blobs.h"
+#include "session/digest.h"
 
 namespace lpv::api {
 
 namespace pb = lpv::v1;
-
-/// SHA-256 in lower-case hexadecimal.
-BlobHash sha256(const std::string& bytes);
 
 /// A finished mesh (without hash) from its message; INVALID_ARGUMENT names the field.
 Expected<Mesh> meshFromProto(const pb::Mesh& message);

@@ -94,13 +94,17 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (!blob) return end(blob.status());
     const Expected<bool> existed = session_->addBlob(*blob);
     if (!existed) return end(existed.status());
-    {
-      const std::lock_guard lock(mutex_);
-      answer_.emplace();
-      answer_->set_hash((*blob)->hash);
-      answer_->set_existed(*existed);
-    }
-    end(Status());
+    session_->whenKept([self = std::static_pointer_cast<Upload>(shared_from_this()), hash = (*blob)->hash,
+                        existed = *existed](const Status& kept) {
+      if (!kept.ok()) return self->end(kept);
+      {
+        const std::lock_guard lock(self->mutex_);
+        self->answer_.emplace();
+        self->answer_->set_hash(hash);
+        self->answer_->set_existed(existed);
+      }
+      self->end(Status());
+    });
   }
 
   Context& context_;

@@ -247,12 +247,18 @@ void toProto(const Status& status, pb::Status* out) {
   out->add_details()->PackFrom(violation);
 }
 
-void toProto(const EditOutcome& outcome, std::uint64_t epoch, pb::EditAck* out) {
+Status fromProto(const pb::Status& status) {
+  pb::FieldViolation violation;
+  if (status.details_size() != 0) (void)status.details(0).UnpackTo(&violation);
+  return Status(static_cast<Code>(status.code()), status.message(), violation.field());
+}
+
+void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* out) {
   out->set_sequence(outcome.sequence);
   toProto(outcome.status, out->mutable_status());
   out->set_revision(outcome.revision);
-  out->set_epoch(epoch);
-  out->set_durability(pb::DURABILITY_MEMORY);
+  out->set_epoch(session.epoch());
+  out->set_durability(toProto(session.durability()));
   for (const std::string& name : outcome.names) out->add_names(name);
 }
 

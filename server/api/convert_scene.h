@@ -19,7 +19,9 @@ Expected<Edit> fromProto(const pb::Edit& edit, const Limits& limits);
 void toProto(const Versioned<Light>& light, pb::Light* out);
 void toProto(const Versioned<Surface>& surface, pb::Surface* out);
 void toProto(const Status& status, pb::Status* out);
-void toProto(const EditOutcome& outcome, std::uint64_t epoch, pb::EditAck* out);
+Status fromProto(const pb::Status& status);
+/// An outcome as `session` tells it.
+void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* out);
 
 /// Changes as messages below the size limit: a snapshot or a change in one or more parts.
 std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_t epoch, std::uint64_t since,

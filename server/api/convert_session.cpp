@@ -225,7 +225,11 @@ void toProto(const SessionSummary& in, pb::Session* out) {
     out->set_measured_error(in.measured->error);
     out->set_measured_revision(in.measured->revision);
   }
-  out->set_durability(pb::DURABILITY_MEMORY);
+  out->set_durability(toProto(in.durability));
+}
+
+pb::Durability toProto(Durability durability) {
+  return durability == Durability::kDisk ? pb::DURABILITY_DISK : pb::DURABILITY_MEMORY;
 }
 
 ClientIdentity fromProto(const pb::ClientIdentity& identity) { return {identity.client_id(), identity.secret()}; }

@@ -33,6 +33,7 @@ Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& 
 
 void toProto(const SessionOptions& options, pb::SessionSettings* out);
 void toProto(const SessionSummary& summary, pb::Session* out);
+pb::Durability toProto(Durability durability);
 
 ClientIdentity fromProto(const pb::ClientIdentity& identity);
 

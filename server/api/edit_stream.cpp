@@ -48,8 +48,8 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
 
   bool next(pb::StreamEditsResponse* response) override {
     const std::lock_guard lock(mutex_);
-    if (!acks_.empty()) {
-      response->mutable_ack()->Swap(&acks_.front());
+    if (!acks_.empty() && acks_.front()->told) {
+      response->mutable_ack()->Swap(&acks_.front()->ack);
       acks_.pop_front();
       pulse_.quiet();
       return true;
@@ -57,7 +57,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     if (session_ && pulse_.next(*session_, response)) return true;
     if (pulse_.over()) {
       endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
-    } else if (inputEnded_ && waiting_.empty() && !working_) {
+    } else if (inputEnded_ && waiting_.empty() && !working_ && acks_.empty()) {
       endInNext(Status());
     }
     return false;
@@ -71,6 +71,12 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   }
 
  private:
+  /// An edit's acknowledgement, once it is kept.
+  struct Place {
+    pb::EditAck ack;
+    bool told = false;
+  };
+
   std::shared_ptr<EditStream> me() { return std::static_pointer_cast<EditStream>(shared_from_this()); }
 
   Status open(const pb::StreamEditsRequest& request) {
@@ -105,14 +111,21 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     Expected<Edit> parsed = fromProto(edit, context_.limits);
     const EditOutcome outcome = parsed ? session_->apply(client_, std::move(*parsed))
                                        : session_->refuse(client_, edit.sequence(), parsed.status());
+    const auto place = std::make_shared<Place>();
     {
       const std::lock_guard lock(mutex_);
-      acks_.emplace_back();
-      toProto(outcome, session_->epoch(), &acks_.back());
+      acks_.push_back(place);
       working_ = false;
-      workLocked();
+      workLocked();  // the next one need not wait for the disk: many are kept at once
     }
-    wake();
+    session_->confirm(outcome, [self = me(), place](const EditOutcome& confirmed) {
+      {
+        const std::lock_guard lock(self->mutex_);
+        toProto(confirmed, *self->session_, &place->ack);
+        place->told = true;
+      }
+      self->wake();
+    });
   }
 
   Context& context_;
@@ -123,7 +136,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   std::uint64_t watcher_ = 0;
   std::mutex mutex_;
   std::deque<pb::Edit> waiting_;
-  std::deque<pb::EditAck> acks_;
+  std::deque<std::shared_ptr<Place>> acks_;  ///< in the order of edits
   bool working_ = false;
   bool inputEnded_ = false;
 };

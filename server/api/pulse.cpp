@@ -69,10 +69,23 @@ bool Pulse::takeBeat() {
   return std::exchange(state_->beatDue, false) && !state_->over;
 }
 
+bool Pulse::takeReadOnly(bool readOnly) {
+  const std::lock_guard lock(state_->mutex);
+  return std::exchange(state_->readOnly, readOnly) != readOnly;
+}
+
+void Pulse::fillNotice(bool readOnly, pb::Notice* out) {
+  out->set_kind(readOnly ? pb::Notice::KIND_READ_ONLY : pb::Notice::KIND_READ_WRITE);
+  out->set_message(readOnly ? "the state directory cannot be written: edits are refused for now"
+                            : "the state directory can be written again");
+}
+
 void Pulse::fillNotice(Closing why, pb::Notice* out) {
   const bool deleted = why == Closing::kDeleted;
   out->set_kind(deleted ? pb::Notice::KIND_DELETED : pb::Notice::KIND_DRAINING);
-  out->set_message(deleted ? "the session was deleted" : "the server is draining");
+  out->set_message(deleted                    ? "the session was deleted"
+                   : why == Closing::kRetired ? "the session was idle and is being put away; open it again"
+                                              : "the server is draining");
 }
 
 void Pulse::fillHeartbeat(const Session& session, pb::Heartbeat* out) {

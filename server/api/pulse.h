@@ -1,5 +1,6 @@
 #pragma once
-// What a stream says when it has nothing else to say: a heartbeat every second, and a notice at its end.
+// What a stream says when it has nothing else to say: a heartbeat every second, instead of it a notice where the
+// session has become read-only or is no more, and a notice at its end.
 
 #include <chrono>
 #include <functional>
@@ -40,7 +41,11 @@ class Pulse {
       return true;
     }
     if (!takeBeat()) return false;
-    fillHeartbeat(session, event->mutable_heartbeat());
+    if (const bool readOnly = session.readOnly(); takeReadOnly(readOnly)) {
+      fillNotice(readOnly, event->mutable_notice());
+    } else {
+      fillHeartbeat(session, event->mutable_heartbeat());
+    }
     return true;
   }
   /// The closing notice has been taken: the stream is over.
@@ -53,6 +58,7 @@ class Pulse {
     std::mutex mutex;
     std::function<void()> wake;
     bool beatDue = false;
+    bool readOnly = false;  ///< as it was told
     std::optional<Closing> closing;
     bool over = false;
   };
@@ -60,7 +66,10 @@ class Pulse {
   static void wake(State& state);
   std::optional<Closing> takeClosing();
   bool takeBeat();
+  /// True where that is news.
+  bool takeReadOnly(bool readOnly);
   static void fillNotice(Closing why, pb::Notice* out);
+  static void fillNotice(bool readOnly, pb::Notice* out);
   static void fillHeartbeat(const Session& session, pb::Heartbeat* out);
 
   std::shared_ptr<State> state_;

@@ -6,16 +6,17 @@
 
 namespace lpv::api {
 
-Status applyEdit(Context& context, const pb::ApplyEditRequest& request, pb::ApplyEditResponse* response) {
+void applyEdit(Context& context, const pb::ApplyEditRequest& request, pb::ApplyEditResponse* response, Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
-  if (!session) return session.status();
+  if (!session) return done(session.status());
   const ClientIdentity client = fromProto(request.client());
   Expected<Edit> edit = fromProto(request.edit(), context.limits);
   const EditOutcome outcome = edit ? (*session)->apply(client, std::move(*edit))
                                    : (*session)->refuse(client, request.edit().sequence(), edit.status());
-  if (!outcome.status.ok()) return outcome.status;
-  toProto(outcome, (*session)->epoch(), response->mutable_ack());
-  return {};
+  (*session)->confirm(outcome, [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
+    if (confirmed.status.ok()) toProto(confirmed, *session, response->mutable_ack());
+    done(confirmed.status);
+  });
 }
 
 Status listLights(Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {

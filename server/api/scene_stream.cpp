@@ -53,8 +53,8 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return s;
     const std::lock_guard lock(mutex_);
     sent_ = request.since_revision();
-    snapshotDue_ = sent_ == 0;
     session_ = *session;
+    snapshotDue_ = sent_ == 0 || (request.since_epoch() != 0 && request.since_epoch() != session_->epoch());
     const auto weak = std::weak_ptr<SceneStream>(std::static_pointer_cast<SceneStream>(shared_from_this()));
     const auto wakeUp = [weak] {
       if (const auto self = weak.lock()) self->wake();

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <optional>
 
+#include "api/convert_session.h"
 #include "api/services.h"
 
 namespace lpv::api {
@@ -57,6 +58,7 @@ Status getServerInfo(Context& context, const pb::GetServerInfoRequest&, pb::GetS
   toProto(context.limits, response->mutable_limits());
   response->mutable_start_time()->set_seconds(
       std::chrono::duration_cast<std::chrono::seconds>(context.started.time_since_epoch()).count());
+  response->set_durability(toProto(context.registry->durability()));
   for (const char* feature : kFeatures) response->add_features(feature);
   return {};
 }

@@ -1,7 +1,8 @@
 #pragma once
-// Everything a door offers, by service. Plain functions answer at once and run on a worker thread; the others are
-// streams. Every function reports errors by field.
+// Everything a door offers, by service. Plain functions run on a worker thread; those that change something answer when
+// it is kept, through Done. The others are streams. Every function reports errors by field.
 
+#include <functional>
 #include <memory>
 
 #include "api/context.h"
@@ -16,6 +17,9 @@ namespace lpv::api {
 
 namespace pb = lpv::v1;
 
+/// Takes how a call ended, once, on any thread; the response is filled by then.
+using Done = std::function<void(const Status&)>;
+
 template <typename Request, typename Response>
 using StreamPtr = std::shared_ptr<Stream<Request, Response>>;
 
@@ -24,14 +28,17 @@ Status getServerInfo(Context&, const pb::GetServerInfoRequest&, pb::GetServerInf
 Status getStats(Context&, const pb::GetStatsRequest&, pb::GetStatsResponse*);
 
 // SessionService. What is not here answers UNIMPLEMENTED.
-Status createSession(Context&, const pb::CreateSessionRequest&, pb::CreateSessionResponse*);
+void createSession(Context&, const pb::CreateSessionRequest&, pb::CreateSessionResponse*, Done);
 Status getSession(Context&, const pb::GetSessionRequest&, pb::GetSessionResponse*);
 Status listSessions(Context&, const pb::ListSessionsRequest&, pb::ListSessionsResponse*);
-Status updateSession(Context&, const pb::UpdateSessionRequest&, pb::UpdateSessionResponse*);
-Status deleteSession(Context&, const pb::DeleteSessionRequest&, pb::DeleteSessionResponse*);
-Status fitSession(Context&, const pb::FitSessionRequest&, pb::FitSessionResponse*);
-Status joinSession(Context&, const pb::JoinSessionRequest&, pb::JoinSessionResponse*);
-Status leaveSession(Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*);
+void updateSession(Context&, const pb::UpdateSessionRequest&, pb::UpdateSessionResponse*, Done);
+void deleteSession(Context&, const pb::DeleteSessionRequest&, pb::DeleteSessionResponse*, Done);
+void fitSession(Context&, const pb::FitSessionRequest&, pb::FitSessionResponse*, Done);
+void joinSession(Context&, const pb::JoinSessionRequest&, pb::JoinSessionResponse*, Done);
+void leaveSession(Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*, Done);
+
+StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(Context&);
+StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(Context&);
 
 // BlobService.
 Status findBlobs(Context&, const pb::FindBlobsRequest&, pb::FindBlobsResponse*);
@@ -39,7 +46,7 @@ StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(Context&);
 StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context&);
 
 // SceneService.
-Status applyEdit(Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*);
+void applyEdit(Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
 Status listLights(Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
 Status listSurfaces(Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
 Status listCameras(Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);

@@ -10,14 +10,27 @@ Expected<SessionPtr> findSession(Context& context, const std::string& field, con
   return context.registry->find(*id);
 }
 
-Status createSession(Context& context, const pb::CreateSessionRequest& request, pb::CreateSessionResponse* response) {
+namespace {
+
+/// Answers with the session once what was done to it is kept.
+template <typename Response>
+void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
+  session->whenKept([session, response, done = std::move(done)](const Status& kept) {
+    if (kept.ok()) toProto(session->summary(), response->mutable_session());
+    done(kept);
+  });
+}
+
+}  // namespace
+
+void createSession(Context& context, const pb::CreateSessionRequest& request, pb::CreateSessionResponse* response,
+                   Done done) {
   const Expected<Settings> settings = fromProto(request.settings());
-  if (!settings) return settings.status();
+  if (!settings) return done(settings.status());
   const Expected<SessionPtr> session =
       context.registry->create(request.session_id(), settings->options, settings->manners, request.request_id());
-  if (!session) return session.status();
-  toProto((*session)->summary(), response->mutable_session());
-  return {};
+  if (!session) return done(session.status());
+  answerWhenKept(*session, response, std::move(done));
 }
 
 Status getSession(Context& context, const pb::GetSessionRequest& request, pb::GetSessionResponse* response) {
@@ -28,58 +41,58 @@ Status getSession(Context& context, const pb::GetSessionRequest& request, pb::Ge
 }
 
 Status listSessions(Context& context, const pb::ListSessionsRequest& request, pb::ListSessionsResponse* response) {
-  const std::vector<SessionPtr> sessions = context.registry->all();
+  const std::vector<SessionSummary> sessions = context.registry->summaries();
   return page(
-      request, sessions, [](const SessionPtr& session) { return session->id(); },
-      [&](const SessionPtr& session) { toProto(session->summary(), response->add_sessions()); },
+      request, sessions, [](const SessionSummary& session) { return session.id; },
+      [&](const SessionSummary& session) { toProto(session, response->add_sessions()); },
       response->mutable_next_page_token());
 }
 
-Status updateSession(Context& context, const pb::UpdateSessionRequest& request, pb::UpdateSessionResponse* response) {
+void updateSession(Context& context, const pb::UpdateSessionRequest& request, pb::UpdateSessionResponse* response,
+                   Done done) {
   const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name());
-  if (!session) return session.status();
+  if (!session) return done(session.status());
   const SessionSummary now = (*session)->summary();
   const Expected<Settings> settings =
       withMask({now.options, {now.ttl, now.displayName}}, request.session().settings(), request.update_mask());
-  if (!settings) return settings.status();
-  if (Status s = (*session)->setOptions(settings->options, settings->manners); !s.ok()) return s;
-  toProto((*session)->summary(), response->mutable_session());
-  return {};
+  if (!settings) return done(settings.status());
+  if (Status s = (*session)->setOptions(settings->options, settings->manners); !s.ok()) return done(s);
+  answerWhenKept(*session, response, std::move(done));
 }
 
-Status deleteSession(Context& context, const pb::DeleteSessionRequest& request, pb::DeleteSessionResponse*) {
+void deleteSession(Context& context, const pb::DeleteSessionRequest& request, pb::DeleteSessionResponse*, Done done) {
   const Expected<std::string> id = sessionId("name", request.name());
-  return id ? context.registry->remove(*id) : id.status();
+  if (!id) return done(id.status());
+  context.registry->remove(*id, std::move(done));
 }
 
-Status fitSession(Context& context, const pb::FitSessionRequest& request, pb::FitSessionResponse* response) {
+void fitSession(Context& context, const pb::FitSessionRequest& request, pb::FitSessionResponse* response, Done done) {
   const Expected<SessionPtr> session = findSession(context, "name", request.name());
-  if (!session) return session.status();
+  if (!session) return done(session.status());
   Edit edit;
   edit.operations.emplace_back(FitGrid{});
   const EditOutcome outcome = (*session)->apply({}, std::move(edit));
-  if (!outcome.status.ok()) return outcome.status;
-  toProto((*session)->summary(), response->mutable_session());
-  return {};
+  if (!outcome.status.ok()) return done(outcome.status);
+  answerWhenKept(*session, response, std::move(done));
 }
 
-Status joinSession(Context& context, const pb::JoinSessionRequest& request, pb::JoinSessionResponse* response) {
+void joinSession(Context& context, const pb::JoinSessionRequest& request, pb::JoinSessionResponse* response,
+                 Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
-  if (!session) return session.status();
+  if (!session) return done(session.status());
   const Expected<ClientIdentity> client = (*session)->join();
-  if (!client) return client.status();
+  if (!client) return done(client.status());
   response->mutable_client()->set_client_id(client->id);
   response->mutable_client()->set_secret(client->secret);
-  toProto((*session)->summary(), response->mutable_session());
-  return {};
+  answerWhenKept(*session, response, std::move(done));
 }
 
-Status leaveSession(Context& context, const pb::LeaveSessionRequest& request, pb::LeaveSessionResponse*) {
+void leaveSession(Context& context, const pb::LeaveSessionRequest& request, pb::LeaveSessionResponse*, Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
-  if (!session) return session.status();
-  if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return s;
+  if (!session) return done(session.status());
+  if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return done(s);
   (*session)->leave(fromProto(request.client()));
-  return {};
+  (*session)->whenKept(std::move(done));
 }
 
 }  // namespace lpv::api

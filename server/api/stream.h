@@ -73,16 +73,4 @@ class Stream : public std::enable_shared_from_this<Stream<Request, Response>> {
   std::function<void()> wake_;
 };
 
-/// A call of a later version: ends at once, by name.
-template <typename Request, typename Response>
-class RefusedStream final : public Stream<Request, Response> {
- public:
-  explicit RefusedStream(const char* what) {
-    this->endInNext(Status(Code::kUnimplemented, std::string(what) + " is not built in this version"));
-  }
-  void receive(Request) override {}
-  bool next(Response*) override { return false; }
-  void cancelled() override {}
-};
-
 }  // namespace lpv::api

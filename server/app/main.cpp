@@ -12,12 +12,14 @@
 
 #include "api/blob_content.h"
 #include "api/context.h"
+#include "api/store_journal.h"
 #include "app/options.h"
 #include "app/version.h"
 #include "grpc/door.h"
 #include "lpv/engine.h"
 #include "ops/log.h"
 #include "session/registry.h"
+#include "store/sqlite_store.h"
 
 namespace lpv::app {
 namespace {
@@ -35,6 +37,7 @@ sigset_t blockSignals() {
   sigaddset(&set, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is an error of that write
   return set;
 }
 
@@ -56,6 +59,24 @@ int fail(const Status& status) {
   return 1;
 }
 
+/// Where sessions are kept.
+Expected<std::unique_ptr<store::Store>> openStore(const Options& options, WorkerPool& pool) {
+  if (options.stateDir.empty()) return std::unique_ptr<store::Store>(std::make_unique<store::MemoryStore>());
+  store::SqliteOptions sqlite;
+  sqlite.directory = options.stateDir;
+  sqlite.executor = [&pool](std::function<void()> call) { pool.post(std::move(call)); };
+  sqlite.onChange = [](const Status& status) {
+    if (status.ok()) {
+      spdlog::info("the state directory can be written again; nothing was lost");
+    } else {
+      spdlog::error("{}; edits are refused until then", status.message());
+    }
+  };
+  Expected<std::unique_ptr<store::SqliteStore>> opened = store::SqliteStore::open(std::move(sqlite));
+  if (!opened) return opened.status();
+  return std::unique_ptr<store::Store>(std::move(*opened));
+}
+
 int serve(const Options& options, const sigset_t& signals) {
   // Whoever waits for the file must not find the port of an earlier run.
   if (!options.portFile.empty()) std::remove(options.portFile.c_str());
@@ -64,15 +85,19 @@ int serve(const Options& options, const sigset_t& signals) {
   WorkerPool pool(std::max(2U, std::thread::hardware_concurrency()));
   Expected<std::unique_ptr<Engine>> engine = startEngine(options.choice);
   if (!engine) return fail(engine.status());
-  const Workshop workshop{options.limits, engine->get(), &pool, &timers, &counters, api::meshHash};
-  Registry registry(workshop);
+  Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool);
+  if (!opened) return fail(opened.status());
+  api::StoreJournal journal(**opened);
+  const Workshop workshop{options.limits, engine->get(), &pool, &timers, &counters, api::meshHash, &journal};
+  Registry registry(workshop, options.retain);
+  if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context{&registry,      &pool,
                        &timers,        &counters,
                        options.limits, (*engine)->device(),
                        kVersion,       std::chrono::system_clock::now()};
-  Expected<std::unique_ptr<door::Door>> opened = door::Door::open(context, options.listen);
-  if (!opened) return fail(opened.status());
-  door::Door& door = **opened;
+  Expected<std::unique_ptr<door::Door>> entrance = door::Door::open(context, options.listen);
+  if (!entrance) return fail(entrance.status());
+  door::Door& door = **entrance;
   if (const Status status = writePortFile(options.portFile, door.port()); !status.ok()) return fail(status);
   if (options.insecure) spdlog::warn("--insecure: anybody who reaches {} can use this server", options.listen);
   spdlog::info("lpvd {} on {} (port {}), {} [{}{}]", kVersion, options.listen, door.port(), context.device.name,

@@ -1,7 +1,9 @@
 #include "app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <iostream>
+#include <optional>
 
 #include "app/version.h"
 
@@ -9,7 +11,7 @@ namespace lpv::app {
 namespace {
 
 /// Options of the contract whose feature is not in this version: named, so that a refusal can say so.
-constexpr const char* kLater[] = {"--web", "--ops-listen", "--state-dir"};
+constexpr const char* kLater[] = {"--web", "--ops-listen"};
 
 void addLimits(CLI::App& app, Limits& limits) {
   const auto limit = [&app](const char* flag, auto& value, const char* what, double low, double high) {
@@ -36,6 +38,21 @@ void addLimits(CLI::App& app, Limits& limits) {
   seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take", 1);
   seconds("--self-check", limits.selfCheck, "seconds between comparisons of a session's light with the truth; 0 = none",
           0);
+}
+
+/// "90s", "10m", "1h", "30d", or a number of seconds.
+std::optional<std::chrono::seconds> parseRetain(const std::string& text) {
+  std::int64_t count = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || count < 1 || count > 3650LL * 86400) return std::nullopt;
+  const std::string unit(rest, text.data() + text.size());
+  const std::int64_t seconds = unit.empty() || unit == "s" ? 1
+                               : unit == "m"               ? 60
+                               : unit == "h"               ? 3600
+                               : unit == "d"               ? 86400
+                                                           : 0;
+  if (seconds == 0 || count * seconds > 3650LL * 86400) return std::nullopt;
+  return std::chrono::seconds(count * seconds);
 }
 
 /// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
@@ -71,6 +88,16 @@ Parsed parse(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--port-file", o.portFile, "write the gRPC port here once listening");
   app.add_option("--device", o.device, "auto, software, or a number from --list-devices")->capture_default_str();
+  app.add_option(
+         "--state-dir", o.stateDir,
+         "keep sessions in this directory, made where it is missing: edits are acknowledged when they are on disk")
+      ->type_name("DIR");
+  app.add_option_function<std::string>(
+         "--retain", [&o](const std::string& given) { o.retain = *parseRetain(given); },
+         "how long an expired session is kept in --state-dir: 90s, 10m, 1h, 30d")
+      ->check([](const std::string& given) { return parseRetain(given) ? std::string() : "allowed are 1s to 3650d"; })
+      ->default_str("30d")
+      ->type_name("T");
   app.add_option("--log-level", o.logLevel, "trace, debug, info, warn, error, off")->capture_default_str();
   app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens");
   app.add_flag("--list-devices", o.listDevices, "print what --device would use and why, then exit")

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include "lpv/engine.h"
@@ -11,6 +12,8 @@ namespace lpv::app {
 struct Options {
   std::string listen = "127.0.0.1:50051";
   std::string portFile;
+  std::string stateDir;                    ///< empty: sessions live in memory
+  std::chrono::seconds retain{30 * 86400};  ///< of expired sessions in stateDir
   std::string device = "auto";
   std::string logLevel = "info";
   bool listDevices = false;

@@ -3,6 +3,9 @@
 // reference. Rules kept here and nowhere else: one write in flight, Finish exactly once and only when nothing is being
 // written, no Start* after Finish. Start* and Finish are called under the reactor's lock: reactions never run inside
 // them, gRPC hands them to its own threads.
+//
+// A stream's first message goes to a worker: the session that it names may have to come back from disk. Nothing else
+// happens to the stream meanwhile.
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/server_callback.h>
@@ -26,13 +29,14 @@ using api::StreamPtr;
 template <typename Base, typename Request, typename Response>
 class StreamReactor final : public Base {
  public:
-  static Base* start(StreamPtr<Request, Response> stream, const Request* request, Response* response) {
-    auto* reactor = new StreamReactor(std::move(stream), response);
+  static Base* start(api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
+                     Response* response) {
+    auto* reactor = new StreamReactor(*context.pool, std::move(stream), response);
     reactor->self_.reset(reactor);
     reactor->stream_->onWake([weak = std::weak_ptr<StreamReactor>(reactor->self_)] {
       if (const auto self = weak.lock()) self->pump();
     });
-    if (request) reactor->stream_->receive(*request);
+    if (request) reactor->open(*request);
     reactor->pump();
     return reactor;
   }
@@ -40,6 +44,7 @@ class StreamReactor final : public Base {
   // gRPC's reactions. They override those that `Base` has, which "override" could not say.
   // NOLINTBEGIN(modernize-use-override)
   void OnReadDone(bool ok) {
+    if (ok && !opened_) return open(std::move(request_));
     if (ok) {
       stream_->receive(std::move(request_));
       request_.Clear();
@@ -64,11 +69,12 @@ class StreamReactor final : public Base {
   }
 
   void OnCancel() {
-    stream_->cancelled();
     {
       const std::lock_guard lock(mutex_);
       broken_ = true;
+      if (opening_) return;
     }
+    stream_->cancelled();
     pump();
   }
 
@@ -82,13 +88,34 @@ class StreamReactor final : public Base {
   static constexpr bool kReads = requires(Base& base, Request* request) { base.StartRead(request); };
   static constexpr bool kWrites = requires(Base& base, const Response* response) { base.StartWrite(response); };
 
-  StreamReactor(StreamPtr<Request, Response> stream, Response* response)
-      : stream_(std::move(stream)), response_(response ? response : &ownResponse_) {}
+  StreamReactor(WorkerPool& pool, StreamPtr<Request, Response> stream, Response* response)
+      : pool_(pool), stream_(std::move(stream)), response_(response ? response : &ownResponse_) {}
+
+  /// Hands the first message to a worker.
+  void open(Request request) {
+    opened_ = true;
+    {
+      const std::lock_guard lock(mutex_);
+      opening_ = true;
+    }
+    pool_.post([self = self_, request = std::move(request)]() mutable {
+      self->stream_->receive(std::move(request));
+      bool cancelled = false;
+      {
+        const std::lock_guard lock(self->mutex_);
+        self->opening_ = false;
+        self->reading_ = false;
+        cancelled = self->broken_;
+      }
+      if (cancelled) self->stream_->cancelled();
+      self->pump();
+    });
+  }
 
   /// Starts whatever can be started now.
   void pump() {
     const std::lock_guard lock(mutex_);
-    if (finished_) return;
+    if (finished_ || opening_) return;
     if (!writing_ && !broken_) respond();
     if (!writing_) {
       if (const std::optional<Status> end = ending()) {
@@ -121,12 +148,15 @@ class StreamReactor final : public Base {
     return stream_->ended();
   }
 
+  WorkerPool& pool_;
   StreamPtr<Request, Response> stream_;
   std::shared_ptr<StreamReactor> self_;
   std::mutex mutex_;
   Request request_;
   Response ownResponse_;
   Response* response_;
+  bool opened_ = false;  ///< the first message has come
+  bool opening_ = false;  ///< a worker has it
   bool reading_ = false;
   bool writing_ = false;
   bool inputEnded_ = false;
@@ -137,29 +167,33 @@ class StreamReactor final : public Base {
 
 /// Both sides stream.
 template <typename Request, typename Response>
-grpc::ServerBidiReactor<Request, Response>* serve(StreamPtr<Request, Response> stream) {
+grpc::ServerBidiReactor<Request, Response>* serve(api::Context& context, StreamPtr<Request, Response> stream) {
   using Base = grpc::ServerBidiReactor<Request, Response>;
-  return StreamReactor<Base, Request, Response>::start(std::move(stream), nullptr, nullptr);
+  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), nullptr, nullptr);
 }
 
 /// One question, many answers.
 template <typename Request, typename Response>
-grpc::ServerWriteReactor<Response>* serve(StreamPtr<Request, Response> stream, const Request* request) {
+grpc::ServerWriteReactor<Response>* serve(api::Context& context, StreamPtr<Request, Response> stream,
+                                          const Request* request) {
   using Base = grpc::ServerWriteReactor<Response>;
-  return StreamReactor<Base, Request, Response>::start(std::move(stream), request, nullptr);
+  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), request, nullptr);
 }
 
 /// Many messages, one answer.
 template <typename Request, typename Response>
-grpc::ServerReadReactor<Request>* serve(StreamPtr<Request, Response> stream, Response* response) {
+grpc::ServerReadReactor<Request>* serve(api::Context& context, StreamPtr<Request, Response> stream,
+                                        Response* response) {
   using Base = grpc::ServerReadReactor<Request>;
-  return StreamReactor<Base, Request, Response>::start(std::move(stream), nullptr, response);
+  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), nullptr, response);
 }
 
 /// One question, one answer that has to be waited for.
 template <typename Request, typename Response>
-grpc::ServerUnaryReactor* serve(StreamPtr<Request, Response> stream, const Request* request, Response* response) {
-  return StreamReactor<grpc::ServerUnaryReactor, Request, Response>::start(std::move(stream), request, response);
+grpc::ServerUnaryReactor* serve(api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
+                                Response* response) {
+  return StreamReactor<grpc::ServerUnaryReactor, Request, Response>::start(context, std::move(stream), request,
+                                                                           response);
 }
 
 /// One question, one answer, computed by `call` on a worker thread: no reaction blocks.
@@ -169,6 +203,18 @@ grpc::ServerUnaryReactor* answer(api::Context& context, grpc::CallbackServerCont
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   context.pool->post([&context, request, response, reactor, function] {
     reactor->Finish(toGrpc(function(context, *request, response)));
+  });
+  return reactor;
+}
+
+/// The same, answered when `call` says so.
+template <typename Request, typename Response>
+grpc::ServerUnaryReactor* answer(api::Context& context, grpc::CallbackServerContext* call, const Request* request,
+                                 Response* response,
+                                 void (*function)(api::Context&, const Request&, Response*, api::Done)) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  context.pool->post([&context, request, response, reactor, function] {
+    function(context, *request, response, [reactor](const Status& status) { reactor->Finish(toGrpc(status)); });
   });
   return reactor;
 }

@@ -22,11 +22,6 @@ grpc::ServerUnaryReactor* later(Call* call, const char* what) {
   return reactor;
 }
 
-template <typename Request, typename Response>
-api::StreamPtr<Request, Response> refused(const char* what) {
-  return std::make_shared<api::RefusedStream<Request, Response>>(what);
-}
-
 class ServerDoor final : public pb::ServerService::CallbackService {
  public:
   explicit ServerDoor(api::Context& context) : context_(context) {}
@@ -92,11 +87,11 @@ class SessionDoor final : public pb::SessionService::CallbackService {
   }
   grpc::ServerWriteReactor<pb::ExportSessionResponse>* ExportSession(Call*,
                                                                      const pb::ExportSessionRequest* request) override {
-    return serve(refused<pb::ExportSessionRequest, pb::ExportSessionResponse>("saving a session"), request);
+    return serve(context_, api::exportSession(context_), request);
   }
   grpc::ServerReadReactor<pb::ImportSessionRequest>* ImportSession(Call*,
                                                                    pb::ImportSessionResponse* response) override {
-    return serve(refused<pb::ImportSessionRequest, pb::ImportSessionResponse>("loading a session"), response);
+    return serve(context_, api::importSession(context_), response);
   }
 
  private:
@@ -112,10 +107,10 @@ class BlobDoor final : public pb::BlobService::CallbackService {
     return answer(context_, call, request, response, api::findBlobs);
   }
   grpc::ServerReadReactor<pb::UploadBlobRequest>* UploadBlob(Call*, pb::UploadBlobResponse* response) override {
-    return serve(api::uploadBlob(context_), response);
+    return serve(context_, api::uploadBlob(context_), response);
   }
   grpc::ServerWriteReactor<pb::ReadBlobResponse>* ReadBlob(Call*, const pb::ReadBlobRequest* request) override {
-    return serve(api::readBlob(context_), request);
+    return serve(context_, api::readBlob(context_), request);
   }
 
  private:
@@ -143,10 +138,10 @@ class SceneDoor final : public pb::SceneService::CallbackService {
     return answer(context_, call, request, response, api::listCameras);
   }
   grpc::ServerBidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>* StreamEdits(Call*) override {
-    return serve(api::streamEdits(context_));
+    return serve(context_, api::streamEdits(context_));
   }
   grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Call*, const pb::WatchSceneRequest* request) override {
-    return serve(api::watchScene(context_), request);
+    return serve(context_, api::watchScene(context_), request);
   }
   grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest*, pb::UndoResponse*) override {
     return later(call, "undo");
@@ -165,33 +160,33 @@ class ResultDoor final : public pb::ResultService::CallbackService {
 
   grpc::ServerWriteReactor<pb::WatchVolumeResponse>* WatchVolume(Call*,
                                                                  const pb::WatchVolumeRequest* request) override {
-    return serve(api::watchVolume(context_), request);
+    return serve(context_, api::watchVolume(context_), request);
   }
   grpc::ServerBidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>* StreamVolume(Call*) override {
-    return serve(api::streamVolume(context_));
+    return serve(context_, api::streamVolume(context_));
   }
   grpc::ServerWriteReactor<pb::WatchFramesResponse>* WatchFrames(Call*,
                                                                  const pb::WatchFramesRequest* request) override {
-    return serve(api::watchFrames(context_), request);
+    return serve(context_, api::watchFrames(context_), request);
   }
   grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* StreamFrames(Call*) override {
-    return serve(api::streamFrames(context_));
+    return serve(context_, api::streamFrames(context_));
   }
   grpc::ServerUnaryReactor* UpdateSubscription(Call* call, const pb::UpdateSubscriptionRequest* request,
                                                pb::UpdateSubscriptionResponse* response) override {
     return answer(context_, call, request, response, api::updateSubscription);
   }
   grpc::ServerWriteReactor<pb::GetVolumeResponse>* GetVolume(Call*, const pb::GetVolumeRequest* request) override {
-    return serve(api::getVolume(context_), request);
+    return serve(context_, api::getVolume(context_), request);
   }
   grpc::ServerWriteReactor<pb::GetFrameResponse>* GetFrame(Call*, const pb::GetFrameRequest* request) override {
-    return serve(api::getFrame(context_), request);
+    return serve(context_, api::getFrame(context_), request);
   }
   grpc::ServerUnaryReactor* Probe(Call*, const pb::ProbeRequest* request, pb::ProbeResponse* response) override {
-    return serve(api::probe(context_), request, response);
+    return serve(context_, api::probe(context_), request, response);
   }
   grpc::ServerBidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>* StreamProbe(Call*) override {
-    return serve(api::streamProbe(context_));
+    return serve(context_, api::streamProbe(context_));
   }
   grpc::ServerUnaryReactor* Pick(Call* call, const pb::PickRequest* request, pb::PickResponse* response) override {
     return answer(context_, call, request, response, api::pick);

@@ -25,11 +25,15 @@ Expected<bool> Blobs::add(const BlobPtr& blob, Clock::time_point now) {
                                        " texels, this texture has " + std::to_string(texelsOf(*blob)) +
                                        ", allowed are " + std::to_string(limits_.maxTexels));
   }
+  restore(blob, now);
+  return false;
+}
+
+void Blobs::restore(const BlobPtr& blob, Clock::time_point now) {
   entries_[blob->hash] = {blob, now};
   bytes_ += std::int64_t(blob->bytes->size());
   triangles_ += trianglesOf(*blob);
   texels_ += texelsOf(*blob);
-  return false;
 }
 
 BlobPtr Blobs::find(const BlobHash& hash) const {
@@ -41,7 +45,8 @@ void Blobs::touch(const BlobHash& hash, Clock::time_point now) {
   if (const auto found = entries_.find(hash); found != entries_.end()) found->second.touched = now;
 }
 
-void Blobs::dropUnused(const std::set<BlobHash>& used, Clock::time_point now) {
+std::vector<BlobHash> Blobs::dropUnused(const std::set<BlobHash>& used, Clock::time_point now) {
+  std::vector<BlobHash> dropped;
   for (auto it = entries_.begin(); it != entries_.end();) {
     if (used.contains(it->first)) {
       it->second.touched = now;
@@ -50,9 +55,17 @@ void Blobs::dropUnused(const std::set<BlobHash>& used, Clock::time_point now) {
       ++it;
     } else {
       subtract(*it->second.blob);
+      dropped.push_back(it->first);
       it = entries_.erase(it);
     }
   }
+  return dropped;
+}
+
+std::vector<BlobPtr> Blobs::all() const {
+  std::vector<BlobPtr> out;
+  for (const auto& [hash, entry] : entries_) out.push_back(entry.blob);
+  return out;
 }
 
 void Blobs::subtract(const Blob& blob) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "scene/mesh.h"
 #include "scene/texture.h"
@@ -33,12 +34,15 @@ class Blobs {
 
   /// True where it was there already. RESOURCE_EXHAUSTED by name where the session is full.
   Expected<bool> add(const BlobPtr& blob, Clock::time_point now);
+  /// Takes a blob back whatever the limits.
+  void restore(const BlobPtr& blob, Clock::time_point now);
   BlobPtr find(const BlobHash& hash) const;
   /// Somebody asked for it.
   void touch(const BlobHash& hash, Clock::time_point now);
-  /// Blobs that `used` does not hold and that nobody added or asked for since `keepUnusedBlobs` go.
-  void dropUnused(const std::set<BlobHash>& used, Clock::time_point now);
+  /// Blobs that `used` does not hold and that nobody added or asked for since `keepUnusedBlobs` go; says which.
+  std::vector<BlobHash> dropUnused(const std::set<BlobHash>& used, Clock::time_point now);
 
+  std::vector<BlobPtr> all() const;
   std::size_t count() const { return entries_.size(); }
   std::int64_t bytes() const { return bytes_; }
 

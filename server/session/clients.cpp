@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <random>
 
+#include "session/digest.h"
+
 namespace lpv {
 
 std::string randomHex(std::size_t bytes) {
@@ -23,17 +25,21 @@ Expected<ClientIdentity> Clients::join() {
                                                     std::to_string(limits_.maxClientsPerSession));
   }
   const ClientIdentity identity{"c-" + randomHex(8), randomHex(16)};
-  Client& client = clients_[identity.id];
-  client.secret = identity.secret;
-  client.tokens = limits_.maxEditsPerSecond;
-  client.refilled = Clock::now();
+  ClientState state;
+  state.id = identity.id;
+  state.secretHash = sha256(identity.secret);
+  restore(state);
   return identity;
+}
+
+void Clients::restore(const ClientState& state) {
+  clients_[state.id] = {state, limits_.maxEditsPerSecond, Clock::now()};
 }
 
 Status Clients::verify(const ClientIdentity& identity) const {
   if (identity.id.empty()) return {};
   const auto found = clients_.find(identity.id);
-  if (found != clients_.end() && found->second.secret == identity.secret) return {};
+  if (found != clients_.end() && found->second.secretHash == sha256(identity.secret)) return {};
   return Status(
       Code::kPermissionDenied,
       "client \"" + identity.id + "\" was not issued by this session, or its secret is another; call JoinSession",

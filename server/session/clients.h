@@ -27,6 +27,16 @@ struct ClientIdentity {
   std::string secret;
 };
 
+/// A member as it is kept.
+struct ClientState {
+  std::string id;
+  std::string secretHash;            ///< SHA-256 of the secret
+  std::deque<EditOutcome> outcomes;  ///< oldest first, at most kRememberedOutcomes
+  std::uint64_t forgottenUpTo = 0;   ///< sequences up to this may be missing from outcomes
+  std::uint64_t acceptedSequence = 0;
+  std::uint64_t acceptedRevision = 0;
+};
+
 /// The members of one session. Not thread-safe: the session's lock guards it.
 class Clients {
  public:
@@ -34,7 +44,11 @@ class Clients {
 
   /// A new identity: id and 128-bit secret. RESOURCE_EXHAUSTED when the session is full.
   Expected<ClientIdentity> join();
+  /// Takes back a member that was.
+  void restore(const ClientState& state);
   void leave(const std::string& id) { clients_.erase(id); }
+  /// A member as it is now.
+  ClientState state(const std::string& id) const { return clients_.at(id); }
   /// PERMISSION_DENIED unless the identity was issued here. An empty identity is nobody: ok.
   Status verify(const ClientIdentity& identity) const;
 
@@ -51,12 +65,7 @@ class Clients {
   std::size_t count() const { return clients_.size(); }
 
  private:
-  struct Client {
-    std::string secret;
-    std::deque<EditOutcome> outcomes;   // oldest first, at most kRememberedOutcomes
-    std::uint64_t forgottenUpTo = 0;
-    std::uint64_t acceptedSequence = 0;
-    std::uint64_t acceptedRevision = 0;
+  struct Client : ClientState {
     double tokens = 0.0;
     Clock::time_point refilled;
   };

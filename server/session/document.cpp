@@ -58,6 +58,7 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
     takeBack(undo);
     return names;
   }
+  noteChange(undo);
   restage(undo);
   while (tombstones_.size() > kMaxTombstones) {
     forgottenUpTo_ = tombstones_.front().revision;
@@ -161,7 +162,10 @@ Status Document::refit(bool always) {
 }
 
 void Document::restage(const Undo& undo) {
-  if (!undo.contentAdded && !undo.contentRemoved && !undo.fitted && !leftStage(undo)) return;
+  if (undo.contentAdded || undo.contentRemoved || undo.fitted || leftStage(undo)) setStage();
+}
+
+void Document::setStage() {
   staged_ = snapshot();
   stage_ = content();
   if (stage_.empty()) return;
@@ -206,6 +210,10 @@ Status Document::setOptions(const SessionOptions& options) {
   options_ = options;
   optionsRevision_ = ++revision_;
   snapshot_.reset();
+  lastChange_ = Changes();
+  lastChange_.revision = revision_;
+  lastChange_.options = options_;
+  if (gridRevision_ == revision_) lastChange_.grid = grid_;
   return {};
 }
 

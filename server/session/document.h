@@ -47,6 +47,25 @@ struct Changes {
   std::optional<Grid> grid;
 };
 
+/// Everything a document comes back from.
+struct DocumentState {
+  std::uint64_t revision = 0;
+  SessionOptions options;
+  std::uint64_t optionsRevision = 0;
+  Grid grid;
+  std::uint64_t gridRevision = 0;
+  std::vector<Versioned<Light>> lights;
+  std::vector<Versioned<Surface>> surfaces;
+  struct Camera {
+    std::string name;
+    lpv::Camera camera;
+    std::uint64_t revision = 0;
+  };
+  std::vector<Camera> cameras;
+  std::vector<Deleted> tombstones;  ///< oldest first
+  std::uint64_t forgottenUpTo = 0;
+};
+
 /// Names the content of a mesh that no blob carried (SetVertices).
 using MeshHasher = std::function<BlobHash(const Mesh&)>;
 
@@ -57,6 +76,12 @@ class Document {
  public:
   /// `options` have passed checkOptions and their grid can be made.
   Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher);
+
+  /// A document that was: `state` is what state() gave.
+  Document(const DocumentState& state, const Limits& limits, MeshHasher hasher);
+  DocumentState state() const;
+  /// RESOURCE_EXHAUSTED, by name, where there is more in it than the limits allow.
+  Status checkTotals() const;
 
   std::uint64_t revision() const { return revision_; }
   const SessionOptions& options() const { return options_; }
@@ -71,6 +96,9 @@ class Document {
   /// Applies every operation or none. On success the revision has risen by one and the names of the objects concerned
   /// are returned, one per operation. Errors name the operation ("operations[3].create_light.radiance").
   Expected<std::vector<std::string>> apply(const Edit& edit, const Blobs& blobs);
+
+  /// What the last revision changed; every deletion of it, of names given again too.
+  const Changes& lastChange() const { return lastChange_; }
 
   /// New settings: a revision where they differ.
   Status setOptions(const SessionOptions& options);
@@ -160,12 +188,13 @@ class Document {
 
   Expected<std::vector<std::string>> applyAll(const Edit& edit, const Blobs& blobs, Undo& undo);
   void takeBack(Undo& undo);
-  Status checkTotals() const;
   Status checkGroups(const Undo& undo) const;
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always);
+  void noteChange(const Undo& undo);
   void restage(const Undo& undo);
+  void setStage();
   bool leftStage(const Undo& undo) const;
   void recount();
 
@@ -181,6 +210,7 @@ class Document {
   std::map<std::string, CameraEntry> cameras_;
   std::deque<Deleted> tombstones_;
   std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
+  Changes lastChange_;
   std::int64_t triangles_ = 0;
   ScenePtr snapshot_;
   ScenePtr staged_;

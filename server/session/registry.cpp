@@ -18,8 +18,9 @@ Status checkId(const std::string& id) {
 
 }  // namespace
 
-Registry::Registry(const Workshop& workshop)
+Registry::Registry(const Workshop& workshop, std::chrono::seconds retain)
     : workshop_(workshop),
+      retain_(retain),
       // Higher than any epoch of an earlier run on this machine: clients never mistake old results for new ones.
       epoch_(std::uint64_t(
           std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -32,18 +33,35 @@ Registry::~Registry() {
   *alive_ = false;
 }
 
+Status Registry::open() {
+  const Expected<std::vector<KeptSession>> kept = workshop_.journal->kept();
+  if (!kept) return kept.status();
+  const std::lock_guard lock(mutex_);
+  epoch_ = std::max(epoch_, workshop_.journal->highestEpoch() + 1);
+  for (const KeptSession& session : *kept) {
+    kept_[session.id] = session;
+    if (!session.requestId.empty()) requests_[session.requestId] = {session.id, session.created};
+  }
+  return {};
+}
+
+Status Registry::checkRoom() const {
+  if (std::ssize(sessions_) + std::ssize(moving_) < workshop_.limits.maxSessions) return {};
+  return exhausted("max_sessions", "max_sessions: this server has " + std::to_string(sessions_.size()) +
+                                       " sessions, allowed are " + std::to_string(workshop_.limits.maxSessions));
+}
+
 Status Registry::checkNew(const std::string& wantedId) const {
   if (draining_) return Status(Code::kUnavailable, "draining: this server takes no new sessions; ask another");
   if (!wantedId.empty()) {
     if (Status s = checkId(wantedId); !s.ok()) return s;
-    if (sessions_.contains(wantedId)) {
+    if (sessions_.contains(wantedId) || kept_.contains(wantedId)) {
       return Status(Code::kAlreadyExists, "session \"" + wantedId + "\" exists; choose another id or leave it empty",
                     "session_id");
     }
   }
-  if (std::ssize(sessions_) < workshop_.limits.maxSessions) return {};
-  return exhausted("max_sessions", "max_sessions: this server has " + std::to_string(sessions_.size()) +
-                                       " sessions, allowed are " + std::to_string(workshop_.limits.maxSessions));
+  if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+  return checkRoom();
 }
 
 Expected<SessionPtr> Registry::create(const std::string& wantedId, const SessionOptions& options,
@@ -53,41 +71,115 @@ Expected<SessionPtr> Registry::create(const std::string& wantedId, const Session
   if (requestId.size() > kMaxRequestIdBytes) {
     return invalid("request_id", "request_id has " + std::to_string(requestId.size()) + " bytes, allowed are 128");
   }
-  const std::lock_guard lock(mutex_);
-  if (const auto repeated = requests_.find(requestId); !requestId.empty() && repeated != requests_.end()) {
-    if (const auto found = sessions_.find(repeated->second.session); found != sessions_.end()) return found->second;
+  std::string first;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto repeated = requests_.find(requestId);
+    const auto now = std::chrono::system_clock::now();
+    if (!requestId.empty() && repeated != requests_.end() && now - repeated->second.when <= kRequestMemory) {
+      const std::string& id = repeated->second.session;
+      if (sessions_.contains(id) || kept_.contains(id)) first = id;
+    }
+    if (first.empty()) {
+      if (Status s = checkNew(wantedId); !s.ok()) return s;
+      const std::string id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
+      return adopt(std::make_shared<Session>(id, nextKey_++, epoch_, options, manners, workshop_), requestId);
+    }
   }
+  return find(first);
+}
+
+Expected<SessionPtr> Registry::create(const std::string& wantedId, SessionState state) {
+  const std::lock_guard lock(mutex_);
   if (Status s = checkNew(wantedId); !s.ok()) return s;
-  const std::string id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
-  auto session = std::make_shared<Session>(id, nextKey_++, epoch_, options, manners, workshop_);
-  sessions_[id] = session;
-  if (!requestId.empty()) requests_[requestId] = {id, Clock::now()};
+  state.id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
+  state.created = std::chrono::system_clock::now();
+  state.clients.clear();
+  return adopt(std::make_shared<Session>(nextKey_++, epoch_, state, workshop_), {});
+}
+
+/// Takes a new session in and gives it to the journal. With the lock held.
+SessionPtr Registry::adopt(const SessionPtr& session, const std::string& requestId) {
+  const auto now = std::chrono::system_clock::now();
+  sessions_[session->id()] = session;
+  if (!requestId.empty()) requests_[requestId] = {session->id(), now};
+  const std::chrono::seconds ttl = session->begin(requestId);
+  if (session->durability() != Durability::kMemory) kept_[session->id()] = {session->id(), requestId, now, now, ttl};
   return session;
 }
 
 Expected<SessionPtr> Registry::find(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  const auto found = sessions_.find(id);
-  if (found != sessions_.end()) {
-    found->second->touch();
-    return found->second;
+  {
+    std::unique_lock lock(mutex_);
+    moved_.wait(lock, [&] { return !moving_.contains(id); });
+    if (const auto found = sessions_.find(id); found != sessions_.end()) {
+      found->second->touch();
+      return found->second;
+    }
+    if (!kept_.contains(id)) {
+      return Status(Code::kNotFound,
+                    "there is no session \"" + id.substr(0, 80) + "\" on this server; it may have expired", "session");
+    }
+    if (draining_) return Status(Code::kUnavailable, "the server is draining");
+    if (Status s = checkRoom(); !s.ok()) return s;
+    moving_.insert(id);
   }
-  return Status(Code::kNotFound, "there is no session \"" + id.substr(0, 80) + "\" on this server; it may have expired",
-                "session");
-}
-
-Status Registry::remove(const std::string& id) {
-  SessionPtr session;
+  const Expected<SessionPtr> session = restore(id);
   {
     const std::lock_guard lock(mutex_);
+    moving_.erase(id);
+    if (session) sessions_[id] = *session;
+  }
+  moved_.notify_all();
+  return session;
+}
+
+/// The epoch rises, and is kept before anybody sees it: result ids start again, and readers may have seen revisions
+/// that were lost with the last process.
+Expected<SessionPtr> Registry::restore(const std::string& id) {
+  const Expected<SessionState> state = workshop_.journal->load(id);
+  if (!state) return state.status();
+  SessionKey key = 0;
+  std::uint64_t epoch = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    key = nextKey_++;
+    epoch = epoch_ = std::max(epoch_, state->epoch + 1);
+  }
+  (void)workshop_.journal->setEpoch(id, epoch);
+  if (Status s = workshop_.journal->flush(); !s.ok()) return s;
+  return std::make_shared<Session>(key, epoch, *state, workshop_);
+}
+
+void Registry::remove(const std::string& id, std::function<void(const Status&)> done) {
+  if (Status s = workshop_.journal->writable(); !s.ok()) return done(s);
+  SessionPtr session;
+  Position gone = 0;
+  {
+    std::unique_lock lock(mutex_);
+    moved_.wait(lock, [&] { return !moving_.contains(id); });
     const auto found = sessions_.find(id);
-    if (found == sessions_.end()) return Status(Code::kNotFound, "there is no session \"" + id + "\"", "name");
-    session = found->second;
-    sessions_.erase(found);
+    if (found == sessions_.end() && !kept_.contains(id)) {
+      lock.unlock();
+      return done(Status(Code::kNotFound, "there is no session \"" + id + "\"", "name"));
+    }
+    if (found != sessions_.end()) {
+      session = found->second;
+      sessions_.erase(found);
+    }
+    moving_.insert(id);
     ++epoch_;  // a later session of the same id is another one for clients that still hold results
   }
-  session->close(Closing::kDeleted);
-  return {};
+  if (session) session->close(Closing::kDeleted);
+  {
+    // Behind everything that the session gave the journal, and before the id is free again.
+    const std::lock_guard lock(mutex_);
+    gone = workshop_.journal->remove(id);
+    kept_.erase(id);
+    moving_.erase(id);
+  }
+  moved_.notify_all();
+  workshop_.journal->whenKept(gone, std::move(done));
 }
 
 std::vector<SessionPtr> Registry::all() const {
@@ -95,6 +187,24 @@ std::vector<SessionPtr> Registry::all() const {
   std::vector<SessionPtr> out;
   for (const auto& [id, session] : sessions_) out.push_back(session);
   return out;
+}
+
+std::vector<SessionSummary> Registry::summaries() {
+  std::map<std::string, SessionSummary> out;
+  std::vector<std::string> kept;
+  for (const SessionPtr& session : all()) out[session->id()] = session->summary();
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, session] : kept_) {
+      if (!out.contains(id)) kept.push_back(id);
+    }
+  }
+  for (const std::string& id : kept) {
+    if (const Expected<SessionSummary> summary = workshop_.journal->summary(id)) out[id] = *summary;
+  }
+  std::vector<SessionSummary> list;
+  for (auto& [id, summary] : out) list.push_back(std::move(summary));
+  return list;
 }
 
 void Registry::drain() {
@@ -107,22 +217,52 @@ void Registry::drain() {
 
 void Registry::sweepLater() {
   workshop_.timers->at(Clock::now() + kSweepInterval, [this, alive = std::weak_ptr<bool>(alive_)] {
-    if (!alive.expired()) sweep();
+    if (alive.expired()) return;
+    sweep();
+    sweepLater();
   });
 }
 
-/// Once a second: expired sessions go, unused blobs go, old request ids are forgotten.
 void Registry::sweep() {
   const auto now = std::chrono::system_clock::now();
+  for (const SessionPtr& session : all()) session->dropUnusedBlobs();
+  retire(now);
+  forgetKept(now);
+  const std::lock_guard lock(mutex_);
+  std::erase_if(requests_, [now](const auto& entry) { return now - entry.second.when > kRequestMemory; });
+}
+
+void Registry::retire(std::chrono::system_clock::time_point now) {
   for (const SessionPtr& session : all()) {
-    session->dropUnusedBlobs();
-    if (session->expired(now)) (void)remove(session->id()).ok();
+    const std::string& id = session->id();
+    if (session->durability() == Durability::kMemory) {
+      if (session->expired(now)) remove(id, [](const Status&) {});
+      continue;
+    }
+    const std::lock_guard lock(mutex_);  // nobody finds the session while it is decided whether it goes
+    auto used = session->useToKeep(now);
+    if (const auto last = session->retire(now)) {
+      used = last;
+      sessions_.erase(id);
+    }
+    const auto kept = kept_.find(id);
+    if (!used || kept == kept_.end()) continue;
+    kept->second.lastUsed = *used;
+    kept->second.ttl = session->summary().ttl;
+    (void)workshop_.journal->touch(id, *used);
   }
+}
+
+void Registry::forgetKept(std::chrono::system_clock::time_point now) {
+  std::vector<std::string> over;
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(requests_, [](const auto& entry) { return Clock::now() - entry.second.when > kRequestMemory; });
+    for (const auto& [id, kept] : kept_) {
+      const bool idle = !sessions_.contains(id) && !moving_.contains(id);
+      if (idle && kept.ttl.count() > 0 && now - kept.lastUsed > kept.ttl + retain_) over.push_back(id);
+    }
   }
-  sweepLater();
+  for (const std::string& id : over) remove(id, [](const Status&) {});
 }
 
 }  // namespace lpv

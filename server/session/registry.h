@@ -1,9 +1,12 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,36 +14,60 @@
 
 namespace lpv {
 
-/// All sessions of this server. Thread-safe.
+/// All sessions of this server: those in memory, and those that are kept by the journal alone until somebody asks for
+/// them. Thread-safe.
 class Registry {
  public:
-  explicit Registry(const Workshop& workshop);
+  /// Kept sessions go `retain` after they have expired.
+  explicit Registry(const Workshop& workshop, std::chrono::seconds retain = std::chrono::hours(24 * 30));
   ~Registry();
+
+  /// Learns which sessions are kept. Once, before the first call; or why they cannot be read.
+  Status open();
 
   /// A new session. `wantedId` may be empty. Repeating `requestId` within an hour returns the first session.
   /// ALREADY_EXISTS, RESOURCE_EXHAUSTED (max_sessions), UNAVAILABLE while draining, or what is wrong with the options.
   Expected<SessionPtr> create(const std::string& wantedId, const SessionOptions& options, const SessionManners& manners,
                               const std::string& requestId);
-  /// NOT_FOUND where there is none. Counts as use.
+  /// A new session with the content of another; its id, epoch and members are its own.
+  Expected<SessionPtr> create(const std::string& wantedId, SessionState state);
+  /// NOT_FOUND where there is none. Counts as use. Brings a kept session back, which takes as long as reading and
+  /// parsing its geometry: for worker threads.
   Expected<SessionPtr> find(const std::string& id);
-  Status remove(const std::string& id);
-  /// In order of id.
+  /// Ends a session. `done` is called once (any thread, no locks): ok when it is gone for good.
+  void remove(const std::string& id, std::function<void(const Status&)> done);
+  /// Those in memory, in order of id.
   std::vector<SessionPtr> all() const;
+  /// All of them, in order of id. What cannot be read now is left out.
+  std::vector<SessionSummary> summaries();
+
+  Durability durability() const { return workshop_.journal->durability(); }
 
   /// Refuses new sessions and ends every stream with a notice.
   void drain();
+  /// Expired sessions go, or go to where they are kept; unused blobs go; old request ids are forgotten. Runs by itself
+  /// once a second.
+  void sweep();
 
  private:
   Status checkNew(const std::string& wantedId) const;
-  void sweep();
+  Status checkRoom() const;
+  SessionPtr adopt(const SessionPtr& session, const std::string& requestId);
+  Expected<SessionPtr> restore(const std::string& id);
+  void retire(std::chrono::system_clock::time_point now);
+  void forgetKept(std::chrono::system_clock::time_point now);
   void sweepLater();
 
   const Workshop workshop_;
+  const std::chrono::seconds retain_;
   mutable std::mutex mutex_;
+  std::condition_variable moved_;
   std::map<std::string, SessionPtr> sessions_;
+  std::map<std::string, KeptSession> kept_;  ///< with those in memory; empty where nothing is kept
+  std::set<std::string> moving_;  ///< being brought back, or removed: wait for moved_
   struct Requested {
     std::string session;
-    std::chrono::steady_clock::time_point when;
+    std::chrono::system_clock::time_point when;
   };
   std::map<std::string, Requested> requests_;
   SessionKey nextKey_ = 1;

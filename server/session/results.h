@@ -36,7 +36,11 @@ struct Result {
 };
 
 /// Why a session's streams end.
-enum class Closing { kDeleted, kDraining };
+enum class Closing {
+  kDeleted,
+  kDraining,
+  kRetired,  ///< idle: it is kept on disk, and comes back with the next call
+};
 
 /// The camera of a frame subscriber or call: given, or a camera of the session by name, or the default view.
 struct CameraChoice {

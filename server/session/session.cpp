@@ -15,7 +15,32 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Sess
       document_(options, workshop.limits, workshop.hasher),
       blobs_(workshop.limits),
       clients_(workshop.limits),
-      lastUsed_(created_) {}
+      lastUsed_(created_),
+      keptUse_(created_) {}
+
+Session::Session(SessionKey key, std::uint64_t epoch, const SessionState& state, const Workshop& workshop)
+    : id_(state.id),
+      key_(key),
+      epoch_(epoch),
+      workshop_(workshop),
+      created_(state.created),
+      manners_(state.manners),
+      document_(state.document, workshop.limits, workshop.hasher),
+      blobs_(workshop.limits),
+      clients_(workshop.limits),
+      lastUsed_(std::chrono::system_clock::now()) {
+  for (const ClientState& client : state.clients) clients_.restore(client);
+  // What was accepted once stays, where limits have become lower since too; new uploads meet them.
+  for (const BlobPtr& blob : state.uploads) blobs_.restore(blob, Clock::now());
+}
+
+std::chrono::seconds Session::begin(const std::string& requestId) {
+  SessionState now = state();
+  now.requestId = requestId;
+  const std::lock_guard lock(mutex_);
+  kept_ = workshop_.journal->create(now);
+  return manners_.ttl;
+}
 
 Session::~Session() { workshop_.engine->forget(key_); }
 
@@ -39,6 +64,7 @@ SessionSummary Session::summary() const {
   out.blobBytes = blobs_.bytes();
   out.lastUsed = lastUsed_;
   out.measured = measured_;
+  out.durability = durability();
   return out;
 }
 
@@ -49,12 +75,23 @@ std::uint64_t Session::revision() const {
 
 Expected<ClientIdentity> Session::join() {
   const std::lock_guard lock(mutex_);
-  return clients_.join();
+  if (closed_) return closedStatus("session");
+  if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+  Expected<ClientIdentity> client = clients_.join();
+  if (!client) return client;
+  JournalStep step = nextStep();
+  step.joined = clients_.state(client->id);
+  keep(std::move(step));
+  return client;
 }
 
 void Session::leave(const ClientIdentity& client) {
   const std::lock_guard lock(mutex_);
-  if (clients_.verify(client).ok()) clients_.leave(client.id);
+  if (client.id.empty() || !clients_.verify(client).ok()) return;
+  clients_.leave(client.id);
+  JournalStep step = nextStep();
+  step.left = client.id;
+  keep(std::move(step));
 }
 
 Status Session::verify(const ClientIdentity& client) const {
@@ -94,13 +131,17 @@ EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
   if (before && *before) return **before;
-  outcome.status = before ? why : before.status().within("edit");
-  if (before) clients_.record(client.id, outcome);
+  const Status writable = workshop_.journal->writable();
+  outcome.status = !before ? before.status().within("edit") : !writable.ok() ? writable : why;
+  if (before && writable.ok()) record(client, outcome);
   return outcome;
 }
 
 Status Session::closedStatus(const char* field) const {
   if (closed_ == Closing::kDraining) return {Code::kUnavailable, "the server is draining"};
+  if (closed_ == Closing::kRetired) {
+    return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
+  }
   return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
 }
 
@@ -121,23 +162,72 @@ EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit)
     return outcome;
   }
   if (*before) return **before;
+  outcome.status = workshop_.journal->writable();
+  if (!outcome.status.ok()) return outcome;
   outcome.status = clients_.admit(client.id, Clock::now());
   if (!outcome.status.ok()) return outcome;
   const Expected<std::vector<std::string>> names = document_.apply(edit, blobs_);
   outcome.status = names.status().within("edit");
   outcome.revision = document_.revision();
   if (names) outcome.names = *names;
-  clients_.record(client.id, outcome);
+  record(client, outcome);
   if (names) kick();
   return outcome;
+}
+
+/// Remembers the outcome, and gives the journal what the edit made of the session.
+void Session::record(const ClientIdentity& client, const EditOutcome& outcome) {
+  clients_.record(client.id, outcome);
+  JournalStep step = nextStep();
+  const bool remembered = !client.id.empty() && (outcome.sequence != 0 || outcome.status.ok());
+  if (outcome.status.ok()) step.changes = document_.lastChange();
+  if (remembered) {
+    step.client = client.id;
+    step.outcome = outcome;
+  }
+  if (remembered || outcome.status.ok()) keep(std::move(step));
+}
+
+JournalStep Session::nextStep() const {
+  JournalStep step;
+  step.changes.revision = document_.revision();
+  return step;
+}
+
+void Session::keep(JournalStep step) { kept_ = workshop_.journal->append(id_, std::move(step)); }
+
+void Session::whenKept(std::function<void(const Status&)> kept) const {
+  Position position = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    position = kept_;
+  }
+  workshop_.journal->whenKept(position, std::move(kept));
+}
+
+void Session::confirm(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
+  whenKept([outcome = std::move(outcome), told = std::move(told)](const Status& kept) {
+    if (kept.ok()) return told(outcome);
+    EditOutcome unknown;
+    unknown.sequence = outcome.sequence;
+    unknown.revision = outcome.revision;
+    unknown.status = kept;
+    told(unknown);
+  });
 }
 
 Status Session::setOptions(const SessionOptions& options, const std::optional<SessionManners>& manners) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return closedStatus("name");
+    if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+    const std::uint64_t before = document_.revision();
     if (Status s = document_.setOptions(options); !s.ok()) return s;
     if (manners) manners_ = *manners;
+    JournalStep step = nextStep();
+    if (document_.revision() != before) step.changes = document_.lastChange();
+    step.settings = {options, manners_};
+    keep(std::move(step));
     lastUsed_ = std::chrono::system_clock::now();
     kick();
   }
@@ -149,7 +239,13 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
   const std::lock_guard lock(mutex_);
   if (closed_) return closedStatus("session");
   lastUsed_ = std::chrono::system_clock::now();
-  return blobs_.add(blob, Clock::now());
+  if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+  const Expected<bool> existed = blobs_.add(blob, Clock::now());
+  if (!existed || *existed) return existed;
+  JournalStep step = nextStep();
+  step.upload = blob;
+  keep(std::move(step));
+  return existed;
 }
 
 BlobPtr Session::findBlob(const BlobHash& hash) {
@@ -223,13 +319,47 @@ void Session::touch() {
 
 bool Session::expired(std::chrono::system_clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  const bool busy = !subscribers_.empty() || !watchers_.empty() || !calls_.empty();
-  return manners_.ttl.count() > 0 && !busy && now - lastUsed_ > manners_.ttl;
+  return manners_.ttl.count() > 0 && !busy() && now - lastUsed_ > manners_.ttl;
+}
+
+bool Session::busy() const { return !subscribers_.empty() || !watchers_.empty() || !calls_.empty(); }
+
+std::optional<std::chrono::system_clock::time_point> Session::retire(std::chrono::system_clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  if (closed_ || manners_.ttl.count() == 0 || busy() || now - lastUsed_ <= manners_.ttl) return std::nullopt;
+  closed_ = Closing::kRetired;  // nobody is there to be told
+  return lastUsed_;
+}
+
+std::optional<std::chrono::system_clock::time_point> Session::useToKeep(std::chrono::system_clock::time_point now) {
+  constexpr std::chrono::minutes kEvery{1};
+  const std::lock_guard lock(mutex_);
+  const std::chrono::system_clock::time_point used = busy() ? now : lastUsed_;
+  if (used - keptUse_ < kEvery) return std::nullopt;
+  keptUse_ = used;
+  return used;
+}
+
+SessionState Session::state() const {
+  const std::lock_guard lock(mutex_);
+  SessionState out;
+  out.id = id_;
+  out.epoch = epoch_;
+  out.created = created_;
+  out.manners = manners_;
+  out.document = document_.state();
+  out.uploads = blobs_.all();
+  return out;
 }
 
 void Session::dropUnusedBlobs() {
   const std::lock_guard lock(mutex_);
-  blobs_.dropUnused(document_.hashesInUse(), Clock::now());
+  if (!workshop_.journal->writable().ok()) return;
+  std::vector<BlobHash> dropped = blobs_.dropUnused(document_.hashesInUse(), Clock::now());
+  if (dropped.empty()) return;
+  JournalStep step = nextStep();
+  step.dropped = std::move(dropped);
+  keep(std::move(step));
 }
 
 void Session::close(Closing why) {

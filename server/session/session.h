@@ -18,8 +18,10 @@
 #include "session/blobs.h"
 #include "session/clients.h"
 #include "session/document.h"
+#include "session/journal.h"
 #include "session/limits.h"
 #include "session/results.h"
+#include "session/state.h"
 #include "session/timers.h"
 #include "session/worker_pool.h"
 
@@ -43,39 +45,7 @@ struct Workshop {
   Timers* timers = nullptr;
   Counters* counters = nullptr;
   MeshHasher hasher;
-};
-
-/// What selfCheck found last.
-struct MeasuredError {
-  double error = 0.0;  ///< raw relative L2 of irradiance
-  std::uint64_t revision = 0;
-};
-
-/// A session in numbers.
-struct SessionSummary {
-  std::string id;
-  std::string displayName;
-  SessionOptions options;
-  Grid grid;
-  std::uint64_t revision = 0;
-  std::uint64_t epoch = 0;
-  std::chrono::system_clock::time_point created;
-  std::chrono::seconds ttl{3600};
-  std::size_t lights = 0;
-  std::size_t surfaces = 0;
-  std::int64_t triangles = 0;
-  std::size_t clients = 0;
-  std::size_t subscribers = 0;
-  std::size_t blobs = 0;
-  std::int64_t blobBytes = 0;
-  std::chrono::system_clock::time_point lastUsed;
-  std::optional<MeasuredError> measured;
-};
-
-/// Settings of a session that are not its light transport's.
-struct SessionManners {
-  std::chrono::seconds ttl{3600};  ///< 0 = never expires
-  std::string displayName;
+  Journal* journal = nullptr;
 };
 
 /// A session that shows frames alone has a volume made for its check this many times less often.
@@ -85,7 +55,12 @@ class Session : public std::enable_shared_from_this<Session> {
  public:
   Session(std::string id, SessionKey key, std::uint64_t epoch, const SessionOptions& options, SessionManners manners,
           const Workshop& workshop);
+  /// A session that was, under a new epoch.
+  Session(SessionKey key, std::uint64_t epoch, const SessionState& state, const Workshop& workshop);
   ~Session();
+
+  /// Gives the journal the session as it is, once, before anything else is done with it. Answers with its time to live.
+  std::chrono::seconds begin(const std::string& requestId);
 
   const std::string& id() const { return id_; }
   std::uint64_t epoch() const { return epoch_; }
@@ -102,6 +77,14 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The outcome of an edit that could not even be read: recorded under its sequence like any other.
   EditOutcome refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
   Status setOptions(const SessionOptions& options, const std::optional<SessionManners>& manners);
+  /// Calls `kept` once, when everything that was done to the session so far is kept (any thread, no locks), or with why
+  /// that is not known. Nobody is told of a change before.
+  void whenKept(std::function<void(const Status&)> kept) const;
+  /// The same for an edit: `told` gets its outcome, or UNAVAILABLE where it may be lost.
+  void confirm(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const;
+  /// Changes are refused for now.
+  bool readOnly() const { return !workshop_.journal->writable().ok(); }
+  Durability durability() const { return workshop_.journal->durability(); }
 
   // Blobs.
   Expected<bool> addBlob(const BlobPtr& blob);
@@ -144,6 +127,13 @@ class Session : public std::enable_shared_from_this<Session> {
   // Life.
   void touch();
   bool expired(std::chrono::system_clock::time_point now) const;
+  /// Closes the session where it is expired, so that it can come back from where it is kept; says when it was last
+  /// used.
+  std::optional<std::chrono::system_clock::time_point> retire(std::chrono::system_clock::time_point now);
+  /// When the session was last used, once in a while, where that is later than it said last.
+  std::optional<std::chrono::system_clock::time_point> useToKeep(std::chrono::system_clock::time_point now);
+  /// Without members: what a copy of the session is made from.
+  SessionState state() const;
   void dropUnusedBlobs();
   /// Ends every stream and call; afterwards nothing is accepted.
   void close(Closing why);
@@ -176,6 +166,10 @@ class Session : public std::enable_shared_from_this<Session> {
   };
 
   EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
+  void record(const ClientIdentity& client, const EditOutcome& outcome);
+  void keep(JournalStep step);
+  JournalStep nextStep() const;
+  bool busy() const;
   Status closedStatus(const char* field) const;
   void tellWatchers();
 
@@ -229,6 +223,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t nextResult_ = 1;
   bool tickUnderWay_ = false;
   std::optional<Closing> closed_;  ///< why, once it is
+  Position kept_ = 0;  ///< of the last step that was given to the journal
   Clock::time_point nextTick_{};
   Clock::time_point nextCheck_{};  ///< of a volume that is there
   Clock::time_point nextUnaskedCheck_ =
@@ -237,6 +232,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<MeasuredError> measured_;
   std::optional<Clock::time_point> kickAt_;
   std::chrono::system_clock::time_point lastUsed_;
+  std::chrono::system_clock::time_point keptUse_;
 };
 using SessionPtr = std::shared_ptr<Session>;
 

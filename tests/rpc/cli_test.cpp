@@ -75,9 +75,12 @@ TEST_F(Cli, SessionCommands) {
   EXPECT_THAT(shown, HasSubstr("\"longest\":8"));  // the grid's size stayed
   EXPECT_EQ(lpvctl({"session", "fit", id_}).exit, 1);  // its bounds are fixed
   EXPECT_EQ(lpvctl({"session", "share", id_, "--role", "viewer"}).exit, 1);
-  EXPECT_EQ(lpvctl({"session", "save", id_, folder_.path("a.lpv")}).exit, 1);
-  EXPECT_FALSE(std::filesystem::exists(folder_.path("a.lpv")));
-  EXPECT_EQ(lpvctl({"session", "load", lamp_}).exit, 1);
+  EXPECT_EQ(lpvctlOut({"session", "save", id_, folder_.path("a.lpv")}), "");
+  EXPECT_EQ(lpvctlOut({"session", "load", folder_.path("a.lpv"), "--id", "cli-loaded"}), "cli-loaded");
+  EXPECT_THAT(lpvctlOut({"session", "show", "cli-loaded", "--json"}), HasSubstr("\"iterations\":12"));
+  EXPECT_EQ(lpvctl({"session", "save", "cli-nobody", folder_.path("b.lpv")}).exit, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("b.lpv")));
+  EXPECT_EQ(lpvctl({"session", "load", lamp_}).exit, 1) << "no such file";
   EXPECT_EQ(lpvctlOut({"session", "create", "--id", "cli-named", "--dims", "4,5,6"}), "cli-named");
   EXPECT_THAT(lpvctlOut({"session", "show", "sessions/cli-named"}), HasSubstr("4x5x6"));
   EXPECT_EQ(lpvctlOut({"session", "delete", "cli-named"}), "");

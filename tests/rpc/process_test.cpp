@@ -30,9 +30,9 @@ TEST(CommandLine, RefusesWhatItCannotDo) {
   EXPECT_THAT(open.errors, HasSubstr("--insecure"));
   EXPECT_EQ(runServer({"--no-such-option"}).status, 2);
   EXPECT_EQ(runServer({"--max-sessions", "0"}).status, 2);
-  const Finished later = runServer({"--state-dir", "/tmp"});
+  const Finished later = runServer({"--web", "127.0.0.1:0"});
   EXPECT_EQ(later.status, 2);
-  EXPECT_THAT(later.errors, HasSubstr("--state-dir"));
+  EXPECT_THAT(later.errors, HasSubstr("--web"));
 }
 
 TEST(CommandLine, RefusesAPortInUse) {

@@ -280,13 +280,6 @@ TEST_F(Sessions, CallsOfLaterVersionsAreRefusedByName) {
   const grpc::Status tokenStatus = stubs_.session->CreateToken(Call(), token, &minted);
   EXPECT_THAT(tokenStatus, HasCode(StatusCode::UNIMPLEMENTED));
   EXPECT_THAT(tokenStatus.error_message(), HasSubstr("token"));
-  pb::ExportSessionRequest request;
-  request.set_name(name);
-  Call call;
-  const auto reader = stubs_.session->ExportSession(call, request);
-  pb::ExportSessionResponse part;
-  EXPECT_FALSE(reader->Read(&part));
-  EXPECT_THAT(reader->Finish(), HasCode(StatusCode::UNIMPLEMENTED));
 }
 
 TEST_F(Sessions, SubscriptionsOutOfRangeAreRefusedByName) {

@@ -108,7 +108,7 @@ Limits Rig::quick() {
   return limits;
 }
 
-Rig::Rig(Limits limits) : workshop{limits, &engine, &pool, &timers, &counters, nameOfContent} {}
+Rig::Rig(Limits limits) : workshop{limits, &engine, &pool, &timers, &counters, nameOfContent, &journal} {}
 
 Rig::~Rig() {
   timers.stop();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "api/store_journal.h"
 #include "session/registry.h"
 
 namespace lpv::test {
@@ -74,6 +75,8 @@ class Rig {
   Counters counters;
   Timers timers;
   WorkerPool pool{1};
+  store::MemoryStore memory;
+  api::StoreJournal journal{memory};
   Workshop workshop;
 };
 

@@ -52,7 +52,6 @@ grpc::ChannelArguments channelArguments() {
 Code codeFrom(grpc::StatusCode code) {
   // lpvd names every refusal; UNKNOWN is what a connection that breaks behind a proxy looks like.
   if (code == grpc::StatusCode::UNKNOWN) return Code::kUnavailable;
-  if (code == grpc::StatusCode::DATA_LOSS) return Code::kInternal;
   return static_cast<Code>(code);
 }
 

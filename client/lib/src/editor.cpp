@@ -80,8 +80,15 @@ struct EditStream::State {
     const std::unique_ptr<Stream> open = connection->scene->StreamEdits(&context);
     sendPending(*open);
     v1::StreamEditsResponse response;
+    bool known = true;
     while (loop.read(*open, response)) {
-      if (response.has_ack()) acknowledge(response.ack());
+      if (!response.has_ack() || !known) continue;
+      known = response.ack().status().code() != int(Code::kUnavailable);
+      if (known) {
+        acknowledge(response.ack());
+      } else {
+        context.TryCancel();  // opens again, and repeats what is unanswered
+      }
     }
     {
       const std::lock_guard lock(writing);

@@ -101,6 +101,7 @@ struct SceneWatcher::State {
     v1::WatchSceneRequest request;
     request.set_session(session);
     request.set_since_revision(revision);
+    request.set_since_epoch(epoch);
     const auto stream = connection->scene->WatchScene(&context, request);
     v1::WatchSceneResponse response;
     while (loop.read(*stream, response)) handle(response);
@@ -109,8 +110,14 @@ struct SceneWatcher::State {
 
   void handle(const v1::WatchSceneResponse& response) {
     // A change counts when its last part is here: a stream that breaks between parts starts again before it.
-    if (response.has_snapshot() && !response.snapshot().more()) revision = response.snapshot().revision();
-    if (response.has_change() && !response.change().more()) revision = response.change().last_revision();
+    if (response.has_snapshot() && !response.snapshot().more()) {
+      revision = response.snapshot().revision();
+      epoch = response.snapshot().epoch();
+    }
+    if (response.has_change() && !response.change().more()) {
+      revision = response.change().last_revision();
+      epoch = response.change().epoch();
+    }
     if (response.has_heartbeat()) {
       if (hooks.heartbeat) hooks.heartbeat(response.heartbeat());
     } else if (response.has_notice()) {
@@ -123,6 +130,7 @@ struct SceneWatcher::State {
   std::shared_ptr<Connection> connection;
   std::string session;
   std::uint64_t revision;
+  std::uint64_t epoch = 0;  ///< of `revision`; 0 while that is the caller's
   OnEvent onEvent;
   WatchHooks hooks;
   Reopening loop;

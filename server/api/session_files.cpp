@@ -1,0 +1,178 @@
+// Sessions as files: what lpv.store.v1 keeps of them, sealed like a snapshot.
+
+#include "api/convert_session.h"
+#include "api/convert_store.h"
+#include "api/deadline.h"
+#include "api/services.h"
+#include "store/envelope.h"
+
+namespace lpv::api {
+namespace {
+
+constexpr std::size_t kMaxFileBytes = std::size_t(1) << 30U;
+
+Status tooLarge(std::size_t bytes) {
+  return exhausted("data", "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
+                               " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
+}
+
+Expected<std::string> fileOf(const SessionState& state) {
+  kept::SessionFile file;
+  *file.mutable_snapshot() = toSnapshot(state);
+  std::size_t bytes = 0;
+  for (const store::Content& content : contentsOf(state)) {
+    bytes += content.bytes->size();
+    if (bytes > kMaxFileBytes) return tooLarge(bytes);
+    kept::Content* out = file.add_contents();
+    out->set_hash(content.hash);
+    out->set_kind(content.kind);
+    out->set_bytes(*content.bytes);
+  }
+  return store::seal(file);
+}
+
+/// What a session of this server may hold.
+Status checkLimits(const SessionState& state, const Limits& limits) {
+  Blobs room(limits);
+  for (const BlobPtr& blob : state.uploads) {
+    const Expected<bool> added = room.add(blob, Clock::now());
+    if (!added) return added.status();
+  }
+  return Document(state.document, limits, {}).checkTotals();
+}
+
+Expected<SessionState> stateOf(const std::string& bytes, const Limits& limits) {
+  kept::SessionFile file;
+  Status status = store::unseal("the file", bytes, &file);
+  store::Loaded loaded;
+  if (status.ok()) {
+    file.mutable_snapshot()->clear_clients();
+    loaded.snapshot.Swap(file.mutable_snapshot());
+    for (kept::Content& content : *file.mutable_contents()) {
+      loaded.contents.push_back(
+          {content.hash(), content.kind(), std::make_shared<const std::string>(std::move(*content.mutable_bytes()))});
+    }
+    const Expected<SessionState> state = fromStore(loaded);
+    status = state ? checkLimits(*state, limits) : state.status();
+    if (status.ok()) return state;
+  }
+  return status.code() == Code::kDataLoss ? invalid("data", status.message()) : status;
+}
+
+/// A session on its way out, part by part as the client takes them.
+class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionResponse> {
+ public:
+  explicit Export(Context& context) : context_(context) {}
+
+  void receive(pb::ExportSessionRequest request) override {
+    const Expected<SessionPtr> session = findSession(context_, "name", request.name());
+    if (!session) return end(session.status());
+    Expected<std::string> file = fileOf((*session)->state());
+    if (!file) return end(file.status());
+    const std::lock_guard lock(mutex_);
+    bytes_ = std::move(*file);
+  }
+
+  bool next(pb::ExportSessionResponse* response) override {
+    const std::lock_guard lock(mutex_);
+    if (offset_ >= bytes_.size()) return false;
+    const std::size_t count = std::min(kMaxPartBytes, bytes_.size() - offset_);
+    response->set_data(bytes_.data() + offset_, count);
+    offset_ += count;
+    if (offset_ == bytes_.size()) endInNext(Status());
+    return true;
+  }
+
+  void cancelled() override { end(Status(Code::kCancelled, "the client went away")); }
+
+ private:
+  Context& context_;
+  std::mutex mutex_;
+  std::string bytes_;
+  std::size_t offset_ = 0;
+};
+
+/// A file on its way in; a worker makes the session at its end.
+class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionResponse> {
+ public:
+  explicit Import(Context& context) : context_(context), idle_(*context.timers) {}
+
+  void expect(std::chrono::seconds patience, const char* limit) {
+    idle_.restart(patience, [weak = weak_from_this(), limit] {
+      const auto self = std::static_pointer_cast<Import>(weak.lock());
+      if (self) self->end(Status(Code::kDeadlineExceeded, std::string(limit) + ": nothing arrived in time", "data"));
+    });
+  }
+
+  void receive(pb::ImportSessionRequest request) override {
+    if (hasEnded()) return;
+    if (!begun_) wantedId_ = request.session_id();
+    begun_ = true;
+    if (bytes_.size() + request.data().size() > kMaxFileBytes) {
+      bytes_ = std::string();
+      return end(tooLarge(kMaxFileBytes + 1));
+    }
+    bytes_ += request.data();
+    expect(context_.limits.uploadIdle, "upload_idle");
+  }
+
+  void halfClosed() override {
+    idle_.stop();
+    if (hasEnded()) return;
+    context_.pool->post([self = std::static_pointer_cast<Import>(shared_from_this())] { self->finish(); });
+  }
+
+  bool next(pb::ImportSessionResponse* response) override {
+    const std::lock_guard lock(mutex_);
+    if (!answer_) return false;
+    *response = *answer_;
+    answer_.reset();
+    return true;
+  }
+
+  void cancelled() override {
+    idle_.stop();
+    end(Status(Code::kCancelled, "the client went away"));
+  }
+
+ private:
+  void finish() {
+    Expected<SessionState> state = stateOf(bytes_, context_.limits);
+    bytes_ = std::string();
+    if (!state) return end(state.status());
+    const Expected<SessionPtr> session = context_.registry->create(wantedId_, std::move(*state));
+    if (!session) return end(session.status());
+    const auto self = std::static_pointer_cast<Import>(shared_from_this());
+    (*session)->whenKept([self, session = *session](const Status& kept) {
+      if (!kept.ok()) return self->end(kept);
+      {
+        const std::lock_guard lock(self->mutex_);
+        self->answer_.emplace();
+        toProto(session->summary(), self->answer_->mutable_session());
+      }
+      self->end(Status());
+    });
+  }
+
+  Context& context_;
+  Deadline idle_;
+  bool begun_ = false;
+  std::string wantedId_;
+  std::string bytes_;
+  std::mutex mutex_;
+  std::optional<pb::ImportSessionResponse> answer_;
+};
+
+}  // namespace
+
+StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(Context& context) {
+  return std::make_shared<Export>(context);
+}
+
+StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(Context& context) {
+  auto stream = std::make_shared<Import>(context);
+  stream->expect(context.limits.firstMessage, "first_message");
+  return stream;
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,40 @@
+#include "api/store_journal.h"
+
+#include "api/convert_store.h"
+
+namespace lpv::api {
+
+Durability StoreJournal::durability() const {
+  return store_.durability() == lpv::v1::DURABILITY_DISK ? Durability::kDisk : Durability::kMemory;
+}
+
+Position StoreJournal::create(const SessionState& state) {
+  const store::Head head{state.id, state.epoch, state.requestId, state.created, state.created, state.manners.ttl};
+  return store_.create(head, [state] { return store::Whole{toSnapshot(state), contentsOf(state)}; });
+}
+
+Position StoreJournal::append(const std::string& session, JournalStep step) {
+  return store_.append(session, [step = std::move(step)](const store::Holds& holds) { return toStep(step, holds); });
+}
+
+Expected<std::vector<KeptSession>> StoreJournal::kept() {
+  const Expected<std::vector<store::Head>> heads = store_.heads();
+  if (!heads) return heads.status();
+  std::vector<KeptSession> out;
+  for (const store::Head& head : *heads) {
+    out.push_back({head.id, head.requestId, head.created, head.lastUsed, head.ttl});
+  }
+  return out;
+}
+
+Expected<SessionState> StoreJournal::load(const std::string& session) {
+  const Expected<store::Loaded> loaded = store_.load(session, true);
+  return loaded ? fromStore(*loaded) : loaded.status();
+}
+
+Expected<SessionSummary> StoreJournal::summary(const std::string& session) {
+  const Expected<store::Loaded> loaded = store_.load(session, false);
+  return loaded ? summaryOf(*loaded) : loaded.status();
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,71 @@
+#pragma once
+// Where sessions are kept, as sessions see it; the rule for acknowledgements is in store/store.h. Calls that change
+// something take pointers and return at once: they are made under a session's lock, so that the order kept is the order
+// of revisions.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/state.h"
+
+namespace lpv {
+
+/// A step of a session.
+struct JournalStep {
+  Changes changes;  ///< Document::lastChange; of an edit that changed nothing, the revision alone
+  struct Settings {
+    SessionOptions options;
+    SessionManners manners;
+  };
+  std::optional<Settings> settings;  ///< both, where one of them changed
+  std::string client;  ///< who got `outcome`
+  std::optional<EditOutcome> outcome;  ///< set where it is remembered
+  std::optional<ClientState> joined;
+  std::string left;
+  BlobPtr upload;
+  std::vector<BlobHash> dropped;  ///< uploads that nothing referred to for long
+};
+
+/// A session that is kept, seen from outside.
+struct KeptSession {
+  std::string id;
+  std::string requestId;
+  std::chrono::system_clock::time_point created;
+  std::chrono::system_clock::time_point lastUsed;
+  std::chrono::seconds ttl{0};
+};
+
+/// How far the journal has taken steps.
+using Position = std::uint64_t;
+
+/// Thread-safe.
+class Journal {
+ public:
+  virtual ~Journal() = default;
+
+  virtual Durability durability() const = 0;
+  /// Ok, or why nothing may be changed now.
+  virtual Status writable() const = 0;
+  virtual Position create(const SessionState& state) = 0;
+  virtual Position append(const std::string& session, JournalStep step) = 0;
+  virtual Position setEpoch(const std::string& session, std::uint64_t epoch) = 0;
+  virtual Position touch(const std::string& session, std::chrono::system_clock::time_point used) = 0;
+  virtual Position remove(const std::string& session) = 0;
+  /// Calls `kept` once, with ok when everything up to there is kept, or with why that is not known.
+  virtual void whenKept(Position position, std::function<void(const Status&)> kept) = 0;
+  /// Waits for what was given so far. Not under a lock.
+  virtual Status flush() = 0;
+
+  // Reading; may take as long as the disk does. A session's geometry is parsed and checked like an upload's.
+  virtual Expected<std::vector<KeptSession>> kept() = 0;
+  virtual Expected<SessionState> load(const std::string& session) = 0;
+  virtual Expected<SessionSummary> summary(const std::string& session) = 0;
+  /// At least the highest epoch of any session that was ever kept here.
+  virtual std::uint64_t highestEpoch() = 0;
+};
+
+}  // namespace lpv

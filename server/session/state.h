@@ -1,0 +1,66 @@
+#pragma once
+// A session as values: what is kept of it, and what is told of it.
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/blobs.h"
+#include "session/clients.h"
+#include "session/document.h"
+
+namespace lpv {
+
+/// Settings of a session that are not its light transport's.
+struct SessionManners {
+  std::chrono::seconds ttl{3600};  ///< 0 = never expires
+  std::string displayName;
+};
+
+/// How long an accepted edit is sure to live.
+enum class Durability { kMemory, kDisk };
+
+/// What selfCheck found last.
+struct MeasuredError {
+  double error = 0.0;  ///< raw relative L2 of irradiance
+  std::uint64_t revision = 0;
+};
+
+/// A session in numbers.
+struct SessionSummary {
+  std::string id;
+  std::string displayName;
+  SessionOptions options;
+  Grid grid;
+  std::uint64_t revision = 0;
+  std::uint64_t epoch = 0;
+  std::chrono::system_clock::time_point created;
+  std::chrono::seconds ttl{3600};
+  std::size_t lights = 0;
+  std::size_t surfaces = 0;
+  std::int64_t triangles = 0;
+  std::size_t clients = 0;
+  std::size_t subscribers = 0;
+  std::size_t blobs = 0;
+  std::int64_t blobBytes = 0;
+  std::chrono::system_clock::time_point lastUsed;
+  std::optional<MeasuredError> measured;
+  Durability durability = Durability::kMemory;
+};
+
+/// Everything that a session comes back from. Not in it: what was computed, subscribers, and the default view, which is
+/// chosen anew from the scene as it comes back.
+struct SessionState {
+  std::string id;
+  std::uint64_t epoch = 0;
+  std::string requestId;  ///< of the call that made it
+  std::chrono::system_clock::time_point created;
+  SessionManners manners;
+  DocumentState document;
+  std::vector<ClientState> clients;
+  std::vector<BlobPtr> uploads;  ///< in use or not
+};
+
+}  // namespace lpv

@@ -1,0 +1,45 @@
+#include "store/envelope.h"
+
+#include "lpv/store/v1/store.pb.h"
+#include "wire/volume_codec.h"
+
+namespace lpv::store {
+namespace {
+
+constexpr std::uint32_t kOldest = kSchemaVersion > 1 ? kSchemaVersion - 1 : 1;
+
+Status lost(const std::string& what, const std::string& why) {
+  return {Code::kDataLoss, what + " is damaged: " + why + "; restore it from a backup"};
+}
+
+}  // namespace
+
+Status checkVersion(const std::string& what, std::uint32_t version) {
+  if (version >= kOldest && version <= kSchemaVersion) return {};
+  return {Code::kFailedPrecondition,
+          what + " has schema version " + std::to_string(version) + ", this lpvd reads " + std::to_string(kOldest) +
+              " to " + std::to_string(kSchemaVersion) +
+              (version > kSchemaVersion ? "; use the newer lpvd that wrote it" : "; go through the versions between")};
+}
+
+std::string seal(const google::protobuf::MessageLite& message) {
+  v1::Envelope envelope;
+  envelope.set_schema_version(kSchemaVersion);
+  message.SerializeToString(envelope.mutable_payload());
+  envelope.set_checksum(wire::checksumBytes(envelope.payload().data(), envelope.payload().size()));
+  return envelope.SerializeAsString();
+}
+
+Status unseal(const std::string& what, const std::string& sealed, google::protobuf::MessageLite* message) {
+  v1::Envelope envelope;
+  if (!envelope.ParseFromString(sealed)) return lost(what, "it is no envelope");
+  if (envelope.schema_version() == 0) return lost(what, "it has no schema version");
+  if (Status s = checkVersion(what, envelope.schema_version()); !s.ok()) return s;
+  if (wire::checksumBytes(envelope.payload().data(), envelope.payload().size()) != envelope.checksum()) {
+    return lost(what, "its checksum is another");
+  }
+  if (!message->ParseFromString(envelope.payload())) return lost(what, "it does not parse");
+  return {};
+}
+
+}  // namespace lpv::store

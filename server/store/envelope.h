@@ -1,0 +1,22 @@
+#pragma once
+// Messages as they lie on disk: with a schema version and a checksum.
+
+#include <google/protobuf/message_lite.h>
+#include <cstdint>
+#include <string>
+
+#include "scene/status.h"
+
+namespace lpv::store {
+
+/// Of what this version writes. It reads this one and the one before (store.proto states the rule).
+inline constexpr std::uint32_t kSchemaVersion = 1;
+
+/// Ok for a version that can be read; FAILED_PRECONDITION, naming `what` and both versions, for another.
+Status checkVersion(const std::string& what, std::uint32_t version);
+
+std::string seal(const google::protobuf::MessageLite& message);
+/// FAILED_PRECONDITION for another schema version, DATA_LOSS for bytes that are not what was sealed; both name `what`.
+Status unseal(const std::string& what, const std::string& sealed, google::protobuf::MessageLite* message);
+
+}  // namespace lpv::store

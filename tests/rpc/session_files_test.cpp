@@ -1,0 +1,93 @@
+// Sessions as files: saved from one server, loaded into another, and what is wrong with a file said by name.
+
+#include <gtest/gtest.h>
+
+#include "rpc/rpc.h"
+#include "rpc/server_process.h"
+
+namespace lpv::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SessionFiles : public ::testing::Test {
+ protected:
+  std::string saved(const std::string& session) {
+    std::string file;
+    const Status status = client_.exportSession(session, [&file](const std::string& part) {
+      file += part;
+      return true;
+    });
+    EXPECT_TRUE(status.ok()) << status.message();
+    return file;
+  }
+  pb::ResultInfo volume(client::Client& client, const std::string& session) {
+    pb::GetVolumeRequest request;
+    request.set_session(session);
+    const auto result = client.volume(request);
+    EXPECT_TRUE(result.ok()) << result.status().message();
+    return result ? result->header.result() : pb::ResultInfo();
+  }
+
+  client::Client client_ = clientOf(server().address());
+  Stubs stubs_{server().address()};
+};
+
+TEST_F(SessionFiles, ASavedSessionIsTheSameElsewhere) {
+  const std::string session = makeLitSession(stubs_);
+  apply(stubs_, session, {moveTo("Lamp", {0.25, 0.125, 0}), client::createSurface(surface("Wall", sheet(200)))});
+  pb::UploadBlobResponse uploaded;
+  ASSERT_THAT(upload(stubs_, session, pb::BLOB_KIND_MESH, sheet(40).SerializeAsString(), &uploaded), IsOk());
+  const std::string file = saved(session);
+  EXPECT_GT(file.size(), kMiB) << "more than one part";
+  ServerProcess other;
+  client::Client there = clientOf(other.address());
+  const auto loaded = there.importSession("copy", file);
+  ASSERT_TRUE(loaded.ok()) << loaded.status().message();
+  EXPECT_EQ(loaded->name(), "sessions/copy");
+  EXPECT_EQ(loaded->revision(), 2U);
+  EXPECT_EQ(loaded->client_count(), 0);
+  EXPECT_EQ(volume(there, "sessions/copy").checksum(), volume(client_, session).checksum());
+  const auto found = there.findBlobs("copy", {uploaded.hash()});
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(found->size(), 1U);
+}
+
+TEST_F(SessionFiles, ADamagedOneIsRefusedAndLeavesNothing) {
+  std::string file = saved(makeLitSession(stubs_));
+  file[file.size() / 2] = char(file[file.size() / 2] ^ 1);
+  const Status flipped = client_.importSession("flipped", file).status();
+  EXPECT_EQ(flipped.code(), Code::kInvalidArgument);
+  EXPECT_THAT(flipped.message(), HasSubstr("checksum"));
+  EXPECT_EQ(client_.importSession("cut", file.substr(0, file.size() / 2)).status().code(), Code::kInvalidArgument);
+  EXPECT_EQ(client_.importSession("none", "").status().code(), Code::kInvalidArgument);
+  EXPECT_EQ(client_.session("flipped").status().code(), Code::kNotFound);
+}
+
+TEST_F(SessionFiles, ANewerVersionIsRefusedByNumber) {
+  std::string file = saved(makeLitSession(stubs_));
+  ASSERT_EQ(file.substr(0, 2), std::string("\x08\x01", 2)) << "Envelope.schema_version = 1";
+  file[1] = 2;
+  const Status newer = client_.importSession("newer", file).status();
+  EXPECT_EQ(newer.code(), Code::kFailedPrecondition);
+  EXPECT_THAT(newer.message(), HasSubstr("schema version 2"));
+}
+
+TEST_F(SessionFiles, OneThatIsTooMuchForTheServerIsRefusedByLimit) {
+  const std::string session = makeLitSession(stubs_);
+  apply(stubs_, session, {client::createSurface(surface("Wall", sheet(40)))});
+  const std::string file = saved(session);
+  ServerProcess small({"--max-triangles", "1000"});
+  client::Client there = clientOf(small.address());
+  const Status refused = there.importSession("", file).status();
+  EXPECT_EQ(refused.code(), Code::kResourceExhausted);
+  EXPECT_THAT(refused.message(), HasSubstr("max_triangles"));
+}
+
+TEST_F(SessionFiles, ATakenNameIsRefused) {
+  const std::string session = makeLitSession(stubs_);
+  EXPECT_EQ(client_.importSession(client::sessionId(session), saved(session)).status().code(), Code::kAlreadyExists);
+}
+
+}  // namespace
+}  // namespace lpv::rpc
