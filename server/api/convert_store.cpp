@@ -92,7 +92,7 @@ store::Step toStep(const JournalStep& step, const store::Holds& holds) {
   return out;
 }
 
-kept::Snapshot toSnapshot(const SessionState& state) {
+kept::Snapshot toSnapshot(const SavedSession& state) {
   const DocumentState& document = state.document;
   kept::Snapshot out;
   out.set_revision(document.revision);
@@ -121,7 +121,7 @@ kept::Snapshot toSnapshot(const SessionState& state) {
   return out;
 }
 
-std::vector<store::Content> contentsOf(const SessionState& state) {
+std::vector<store::Content> contentsOf(const SavedSession& state) {
   store::Step out;
   std::set<BlobHash> added;
   for (const BlobPtr& blob : state.uploads) {
@@ -272,7 +272,7 @@ Expected<Grid> gridFrom(const pb::Grid& in) {
 }
 
 /// Settings, grid and revisions.
-Status frameFrom(const kept::Snapshot& in, SessionState* out) {
+Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
   const Expected<Settings> settings = fromProto(in.settings());
   if (!settings) return Status(Code::kDataLoss, settings.status().message());
   if (Status s = checkOptions(settings->options); !s.ok()) return Status(Code::kDataLoss, s.message());
@@ -290,7 +290,7 @@ Status frameFrom(const kept::Snapshot& in, SessionState* out) {
   return {};
 }
 
-Status fill(const store::Loaded& loaded, SessionState* out) {
+Status fill(const store::Loaded& loaded, SavedSession* out) {
   const kept::Snapshot& snapshot = loaded.snapshot;
   if (Status s = frameFrom(snapshot, out); !s.ok()) return s;
   Contents contents;
@@ -309,8 +309,8 @@ Status fill(const store::Loaded& loaded, SessionState* out) {
 
 }  // namespace
 
-Expected<SessionState> fromStore(const store::Loaded& loaded) {
-  SessionState out;
+Expected<SavedSession> fromStore(const store::Loaded& loaded) {
+  SavedSession out;
   out.id = loaded.head.id;
   out.epoch = loaded.head.epoch;
   out.requestId = loaded.head.requestId;
@@ -321,7 +321,7 @@ Expected<SessionState> fromStore(const store::Loaded& loaded) {
 }
 
 Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
-  SessionState state;
+  SavedSession state;
   if (Status s = frameFrom(loaded.snapshot, &state); !s.ok()) return s;
   SessionSummary out;
   out.id = loaded.head.id;

@@ -16,7 +16,7 @@ Status tooLarge(std::size_t bytes) {
                                " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
 }
 
-Expected<std::string> fileOf(const SessionState& state) {
+Expected<std::string> fileOf(const SavedSession& state) {
   kept::SessionFile file;
   *file.mutable_snapshot() = toSnapshot(state);
   std::size_t bytes = 0;
@@ -32,7 +32,7 @@ Expected<std::string> fileOf(const SessionState& state) {
 }
 
 /// What a session of this server may hold.
-Status checkLimits(const SessionState& state, const Limits& limits) {
+Status checkLimits(const SavedSession& state, const Limits& limits) {
   Blobs room(limits);
   for (const BlobPtr& blob : state.uploads) {
     const Expected<bool> added = room.add(blob, Clock::now());
@@ -41,7 +41,7 @@ Status checkLimits(const SessionState& state, const Limits& limits) {
   return Document(state.document, limits, {}).checkTotals();
 }
 
-Expected<SessionState> stateOf(const std::string& bytes, const Limits& limits) {
+Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
   kept::SessionFile file;
   Status status = store::unseal("the file", bytes, &file);
   store::Loaded loaded;
@@ -52,7 +52,7 @@ Expected<SessionState> stateOf(const std::string& bytes, const Limits& limits) {
       loaded.contents.push_back(
           {content.hash(), content.kind(), std::make_shared<const std::string>(std::move(*content.mutable_bytes()))});
     }
-    const Expected<SessionState> state = fromStore(loaded);
+    const Expected<SavedSession> state = fromStore(loaded);
     status = state ? checkLimits(*state, limits) : state.status();
     if (status.ok()) return state;
   }
@@ -137,7 +137,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
 
  private:
   void finish() {
-    Expected<SessionState> state = stateOf(bytes_, context_.limits);
+    Expected<SavedSession> state = stateOf(bytes_, context_.limits);
     bytes_ = std::string();
     if (!state) return end(state.status());
     const Expected<SessionPtr> session = context_.registry->create(wantedId_, std::move(*state));

@@ -8,7 +8,7 @@ Durability StoreJournal::durability() const {
   return store_.durability() == lpv::v1::DURABILITY_DISK ? Durability::kDisk : Durability::kMemory;
 }
 
-Position StoreJournal::create(const SessionState& state) {
+Position StoreJournal::create(const SavedSession& state) {
   const store::Head head{state.id, state.epoch, state.requestId, state.created, state.created, state.manners.ttl};
   return store_.create(head, [state] { return store::Whole{toSnapshot(state), contentsOf(state)}; });
 }
@@ -27,7 +27,7 @@ Expected<std::vector<KeptSession>> StoreJournal::kept() {
   return out;
 }
 
-Expected<SessionState> StoreJournal::load(const std::string& session) {
+Expected<SavedSession> StoreJournal::load(const std::string& session) {
   const Expected<store::Loaded> loaded = store_.load(session, true);
   return loaded ? fromStore(*loaded) : loaded.status();
 }

@@ -13,7 +13,7 @@ class StoreJournal final : public Journal {
 
   Durability durability() const override;
   Status writable() const override { return store_.writable(); }
-  Position create(const SessionState& state) override;
+  Position create(const SavedSession& state) override;
   Position append(const std::string& session, JournalStep step) override;
   Position setEpoch(const std::string& session, std::uint64_t epoch) override {
     return store_.setEpoch(session, epoch);
@@ -27,7 +27,7 @@ class StoreJournal final : public Journal {
   }
   Status flush() override { return store_.flush(); }
   Expected<std::vector<KeptSession>> kept() override;
-  Expected<SessionState> load(const std::string& session) override;
+  Expected<SavedSession> load(const std::string& session) override;
   Expected<SessionSummary> summary(const std::string& session) override;
   std::uint64_t highestEpoch() override { return store_.highestEpoch(); }
 

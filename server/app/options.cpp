@@ -55,6 +55,19 @@ std::optional<std::chrono::seconds> parseRetain(const std::string& text) {
   return std::chrono::seconds(count * seconds);
 }
 
+void addState(CLI::App& app, Options& o) {
+  app.add_option(
+         "--state-dir", o.stateDir,
+         "keep sessions in this directory, made where it is missing: edits are acknowledged when they are on disk")
+      ->type_name("DIR");
+  app.add_option_function<std::string>(
+         "--retain", [&o](const std::string& given) { o.retain = *parseRetain(given); },
+         "how long an expired session is kept in --state-dir: 90s, 10m, 1h, 30d")
+      ->check([](const std::string& given) { return parseRetain(given) ? std::string() : "allowed are 1s to 3650d"; })
+      ->default_str("30d")
+      ->type_name("T");
+}
+
 /// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
 bool isLoopback(const std::string& address) {
   const std::string host = address.substr(0, address.rfind(':'));
@@ -88,16 +101,7 @@ Parsed parse(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--port-file", o.portFile, "write the gRPC port here once listening");
   app.add_option("--device", o.device, "auto, software, or a number from --list-devices")->capture_default_str();
-  app.add_option(
-         "--state-dir", o.stateDir,
-         "keep sessions in this directory, made where it is missing: edits are acknowledged when they are on disk")
-      ->type_name("DIR");
-  app.add_option_function<std::string>(
-         "--retain", [&o](const std::string& given) { o.retain = *parseRetain(given); },
-         "how long an expired session is kept in --state-dir: 90s, 10m, 1h, 30d")
-      ->check([](const std::string& given) { return parseRetain(given) ? std::string() : "allowed are 1s to 3650d"; })
-      ->default_str("30d")
-      ->type_name("T");
+  addState(app, o);
   app.add_option("--log-level", o.logLevel, "trace, debug, info, warn, error, off")->capture_default_str();
   app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens");
   app.add_flag("--list-devices", o.listDevices, "print what --device would use and why, then exit")

@@ -50,7 +50,7 @@ class Journal {
   virtual Durability durability() const = 0;
   /// Ok, or why nothing may be changed now.
   virtual Status writable() const = 0;
-  virtual Position create(const SessionState& state) = 0;
+  virtual Position create(const SavedSession& state) = 0;
   virtual Position append(const std::string& session, JournalStep step) = 0;
   virtual Position setEpoch(const std::string& session, std::uint64_t epoch) = 0;
   virtual Position touch(const std::string& session, std::chrono::system_clock::time_point used) = 0;
@@ -62,7 +62,7 @@ class Journal {
 
   // Reading; may take as long as the disk does. A session's geometry is parsed and checked like an upload's.
   virtual Expected<std::vector<KeptSession>> kept() = 0;
-  virtual Expected<SessionState> load(const std::string& session) = 0;
+  virtual Expected<SavedSession> load(const std::string& session) = 0;
   virtual Expected<SessionSummary> summary(const std::string& session) = 0;
   /// At least the highest epoch of any session that was ever kept here.
   virtual std::uint64_t highestEpoch() = 0;

@@ -89,7 +89,7 @@ Expected<SessionPtr> Registry::create(const std::string& wantedId, const Session
   return find(first);
 }
 
-Expected<SessionPtr> Registry::create(const std::string& wantedId, SessionState state) {
+Expected<SessionPtr> Registry::create(const std::string& wantedId, SavedSession state) {
   const std::lock_guard lock(mutex_);
   if (Status s = checkNew(wantedId); !s.ok()) return s;
   state.id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
@@ -137,7 +137,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
 /// The epoch rises, and is kept before anybody sees it: result ids start again, and readers may have seen revisions
 /// that were lost with the last process.
 Expected<SessionPtr> Registry::restore(const std::string& id) {
-  const Expected<SessionState> state = workshop_.journal->load(id);
+  const Expected<SavedSession> state = workshop_.journal->load(id);
   if (!state) return state.status();
   SessionKey key = 0;
   std::uint64_t epoch = 0;

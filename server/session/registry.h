@@ -30,7 +30,7 @@ class Registry {
   Expected<SessionPtr> create(const std::string& wantedId, const SessionOptions& options, const SessionManners& manners,
                               const std::string& requestId);
   /// A new session with the content of another; its id, epoch and members are its own.
-  Expected<SessionPtr> create(const std::string& wantedId, SessionState state);
+  Expected<SessionPtr> create(const std::string& wantedId, SavedSession state);
   /// NOT_FOUND where there is none. Counts as use. Brings a kept session back, which takes as long as reading and
   /// parsing its geometry: for worker threads.
   Expected<SessionPtr> find(const std::string& id);

@@ -18,7 +18,7 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Sess
       lastUsed_(created_),
       keptUse_(created_) {}
 
-Session::Session(SessionKey key, std::uint64_t epoch, const SessionState& state, const Workshop& workshop)
+Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const Workshop& workshop)
     : id_(state.id),
       key_(key),
       epoch_(epoch),
@@ -35,7 +35,7 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SessionState& state,
 }
 
 std::chrono::seconds Session::begin(const std::string& requestId) {
-  SessionState now = state();
+  SavedSession now = state();
   now.requestId = requestId;
   const std::lock_guard lock(mutex_);
   kept_ = workshop_.journal->create(now);
@@ -340,9 +340,9 @@ std::optional<std::chrono::system_clock::time_point> Session::useToKeep(std::chr
   return used;
 }
 
-SessionState Session::state() const {
+SavedSession Session::state() const {
   const std::lock_guard lock(mutex_);
-  SessionState out;
+  SavedSession out;
   out.id = id_;
   out.epoch = epoch_;
   out.created = created_;

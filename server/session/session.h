@@ -56,7 +56,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(std::string id, SessionKey key, std::uint64_t epoch, const SessionOptions& options, SessionManners manners,
           const Workshop& workshop);
   /// A session that was, under a new epoch.
-  Session(SessionKey key, std::uint64_t epoch, const SessionState& state, const Workshop& workshop);
+  Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const Workshop& workshop);
   ~Session();
 
   /// Gives the journal the session as it is, once, before anything else is done with it. Answers with its time to live.
@@ -133,7 +133,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// When the session was last used, once in a while, where that is later than it said last.
   std::optional<std::chrono::system_clock::time_point> useToKeep(std::chrono::system_clock::time_point now);
   /// Without members: what a copy of the session is made from.
-  SessionState state() const;
+  SavedSession state() const;
   void dropUnusedBlobs();
   /// Ends every stream and call; afterwards nothing is accepted.
   void close(Closing why);

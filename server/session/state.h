@@ -52,7 +52,7 @@ struct SessionSummary {
 
 /// Everything that a session comes back from. Not in it: what was computed, subscribers, and the default view, which is
 /// chosen anew from the scene as it comes back.
-struct SessionState {
+struct SavedSession {
   std::string id;
   std::uint64_t epoch = 0;
   std::string requestId;  ///< of the call that made it

@@ -35,9 +35,9 @@ class SessionFiles : public ::testing::Test {
 
 TEST_F(SessionFiles, ASavedSessionIsTheSameElsewhere) {
   const std::string session = makeLitSession(stubs_);
-  apply(stubs_, session, {moveTo("Lamp", {0.25, 0.125, 0}), client::createSurface(surface("Wall", sheet(200)))});
+  apply(stubs_, session, {moveTo("Lamp", {0.25, 0.125, 0}), client::createSurface(surface("Wall", sheet(40)))});
   pb::UploadBlobResponse uploaded;
-  ASSERT_THAT(upload(stubs_, session, pb::BLOB_KIND_MESH, sheet(40).SerializeAsString(), &uploaded), IsOk());
+  ASSERT_THAT(upload(stubs_, session, pb::BLOB_KIND_MESH, sheet(250).SerializeAsString(), &uploaded), IsOk());
   const std::string file = saved(session);
   EXPECT_GT(file.size(), kMiB) << "more than one part";
   ServerProcess other;

@@ -210,6 +210,7 @@ TEST_F(KeptSessions, ComeBackAsTheyWere) {
   hall.reset();
   restart();
   hall = find("hall");
+  ASSERT_NE(hall, nullptr);
   const SessionSummary after = hall->summary();
   EXPECT_EQ(after.revision, before.revision);
   EXPECT_GT(after.epoch, before.epoch) << "result ids start again";
