@@ -26,8 +26,8 @@ struct Limits {
   int maxProbePoints = 16384;
   std::chrono::seconds uploadIdle{60};
   std::chrono::seconds firstMessage{10};
-  std::chrono::seconds selfCheck{10};          ///< between two comparisons of a session's volume with the truth; 0: none
-  std::chrono::minutes keepUnusedBlobs{10};    ///< an uploaded blob nobody refers to is dropped after this
+  std::chrono::seconds selfCheck{10};  ///< between two comparisons of a session's volume with the truth; 0: none
+  std::chrono::minutes keepUnusedBlobs{10};  ///< an uploaded blob nobody refers to is dropped after this
 };
 
 /// No message exceeds this in either direction.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/error_goal.h"
+
 namespace lpv {
 namespace {
 
