@@ -28,7 +28,7 @@ Scene sceneWith(bool surfaces) {
     wall->name = "wall";
     wall->mesh = reference::quadOf(4);
     wall->transform.scale = glm::dvec3(0.8);
-    wall->transform.translation.z = -0.7;
+    wall->transform.translation.z = 0.7;  // before the light
     scene.surfaces["wall"] = wall;
   }
   return scene;
