@@ -103,9 +103,10 @@ void addWide3(int at, dvec3 value) {
 
 /// `area` of emitter, as a share of what the light's scale was made for, about `offset` from the cell's lower corner.
 void addVpl(ivec3 cell, double area, vec3 offset, dvec3 direction, dvec3 colour) {
+  const double zeroth = params.scale.x * area;
+  if (zeroth < 0.5lf) return;  // a corner cut so small has no area in fixed point: a VPL without one is no light
   const int at = vplPlace(cell, normalBin(vec3(direction)));
   if (at < 0) return;
-  const double zeroth = params.scale.x * area;
   addWide(at + 1, zeroth);
   addWide3(at + 3, zeroth * direction);
 #if LPV_TEXTURED

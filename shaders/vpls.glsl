@@ -37,13 +37,13 @@ struct Vpl {
 /// larger than n, else n^2 / (3 spread) + spread = area.
 float spreadOf(float area, vec3 direction) {
   const float n = length(direction), missing = max(area - n, 0.0);
-  if (missing <= 1e-6 * area) return 1e-6 * area;
+  if (missing <= 1e-6 * area) return max(1e-6 * area, 1e-30);
   if (3.0 * area <= 4.0 * n) return sqrt(3.0 * n * missing);
   return 0.5 * (area + sqrt(max(area * area - 4.0 / 3.0 * n * n, 0.0)));
 }
 
 /// What is in one cell is taken for a flat square: its own second moments are not worth their place in the table.
 mat3 extentInCell(float area, vec3 direction) {
-  const vec3 n = direction / area;
+  const vec3 n = direction / max(area, 1e-30);
   return min(area, 1.0) / 12.0 * (mat3(1.0) - outerProduct(n, n));
 }

@@ -263,8 +263,9 @@ Expected<Grid> gridFrom(const pb::Grid& in) {
   grid.cell = in.cell_size();
   grid.dims = {in.dims().x(), in.dims().y(), in.dims().z()};
   for (int axis = 0; axis < 3; ++axis) {
-    const bool finite = std::isfinite(grid.origin[axis]) && std::isfinite(grid.cell) && grid.cell > 0.0;
-    if (!finite || grid.dims[axis] < 1 || grid.dims[axis] > kMaxCellsPerAxis) {
+    // Of any scene that floats can shade.
+    const bool sane = std::abs(grid.origin[axis]) <= 1e12 && grid.cell >= 1e-12 && grid.cell <= 1e12;
+    if (!sane || grid.dims[axis] < 1 || grid.dims[axis] > kMaxCellsPerAxis) {
       return Status(Code::kDataLoss, "the grid is out of range");
     }
   }
@@ -275,7 +276,7 @@ Expected<Grid> gridFrom(const pb::Grid& in) {
 Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
   const Expected<Settings> settings = fromProto(in.settings());
   if (!settings) return Status(Code::kDataLoss, settings.status().message());
-  if (Status s = checkOptions(settings->options); !s.ok()) return Status(Code::kDataLoss, s.message());
+  if (Status s = checkSavedOptions(settings->options); !s.ok()) return Status(Code::kDataLoss, s.message());
   const Expected<Grid> grid = gridFrom(in.grid());
   if (!grid) return grid.status();
   out->manners = settings->manners;

@@ -15,7 +15,8 @@ constexpr const char* kFeatures[] = {
     "method.raster",    "method.dense",   "transport.propagate", "transport.gather",     "transport.direct",
     "quality.accurate", "max_error",      "grid.automatic",      "lookup.sh2",           "lookup.cap",
     "lookup.nearest",   "lights.groups",  "frames.jpeg",         "frames.png",           "frames.exr",
-    "volume.half",      "volume.float"};
+    "volume.half",      "volume.float",   "volume.compact",      "volume.deltas",        "volume.regions",
+    "sessions.files",   "self_check"};
 
 void toProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);

@@ -1,5 +1,7 @@
 // Sessions as files: what lpv.store.v1 keeps of them, sealed like a snapshot.
 
+#include <set>
+
 #include "api/convert_session.h"
 #include "api/convert_store.h"
 #include "api/deadline.h"
@@ -37,6 +39,12 @@ Status checkLimits(const SavedSession& state, const Limits& limits) {
   for (const BlobPtr& blob : state.uploads) {
     const Expected<bool> added = room.add(blob, Clock::now());
     if (!added) return added.status();
+  }
+  std::set<std::string> groups;
+  for (const auto& light : state.document.lights) groups.insert(light.object->group);
+  if (groups.size() > std::size_t(kMaxGroups)) {
+    return invalid("data", "the session's lights are in " + std::to_string(groups.size()) + " groups, allowed are " +
+                               std::to_string(kMaxGroups));
   }
   return Document(state.document, limits, {}).checkTotals();
 }

@@ -98,8 +98,7 @@ Status checkErrorGoal(const SessionOptions& options) {
   const SessionOptions o = carriedOut(options);
   const double expected = expectedError(o, cellsOf(o.grid));
   if (expected <= o.maxError) return {};
-  std::string way = "transport GATHER with lookup CAP and grid.automatic reaches " + percent(best());
-  if (o.transport == Transport::kDirect) way = "no transport is expected to do better";
+  const std::string way = "transport GATHER with lookup CAP and grid.automatic reaches " + percent(best());
   return invalid("max_error", "max_error is " + percent(o.maxError) + ", these settings are expected to reach " +
                                   percent(expected) + "; ask for that, or change them: " + way);
 }

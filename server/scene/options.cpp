@@ -78,9 +78,13 @@ double SessionOptions::distanceRule() const {
 }
 
 Status checkOptions(const SessionOptions& o) {
+  const Status saved = checkSavedOptions(o);
+  return saved.ok() ? checkErrorGoal(o) : saved;
+}
+
+Status checkSavedOptions(const SessionOptions& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (Status s = checkTogether(o); !s.ok()) return s;
-  if (Status s = checkErrorGoal(o); !s.ok()) return s;
   if (o.visibility == Visibility::kOn) return later("visibility", "ON", "AUTO or OFF");
   if (o.bounces != 0) return later("bounces", std::to_string(o.bounces), "0");
   if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");

@@ -51,7 +51,11 @@ struct SessionOptions {
 };
 
 /// INVALID_ARGUMENT for values out of range or that do not go together, UNIMPLEMENTED for values of later versions,
-/// both by field.
+/// both by field; whatever the error goal.
+Status checkSavedOptions(const SessionOptions& options);
+
+/// The same, and INVALID_ARGUMENT for an error goal out of reach: of settings that somebody asks for. What was reached
+/// by the measurements of an older version is no reason to give up what was kept.
 Status checkOptions(const SessionOptions& options);
 
 }  // namespace lpv

@@ -78,6 +78,20 @@ Status Clients::admit(const std::string& id, Clock::time_point now) {
   return {};
 }
 
+namespace {
+
+/// Bytes of a message that is kept: what a client wrote is repeated in it.
+constexpr std::size_t kMostKeptText = 512;
+
+std::string shortened(const std::string& text) {
+  if (text.size() <= kMostKeptText) return text;
+  std::size_t end = kMostKeptText;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // not within a UTF-8 character
+  return text.substr(0, end) + " ...";
+}
+
+}  // namespace
+
 void Clients::record(const std::string& id, const EditOutcome& outcome) {
   const auto found = clients_.find(id);
   if (found == clients_.end()) return;
@@ -88,6 +102,7 @@ void Clients::record(const std::string& id, const EditOutcome& outcome) {
   }
   if (outcome.sequence == 0) return;
   client.outcomes.push_back(outcome);
+  if (Status& s = client.outcomes.back().status; !s.ok()) s = {s.code(), shortened(s.message()), shortened(s.field())};
   if (client.outcomes.size() > kRememberedOutcomes) {
     client.forgottenUpTo = std::max(client.forgottenUpTo, client.outcomes.front().sequence);
     client.outcomes.pop_front();

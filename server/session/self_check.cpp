@@ -54,15 +54,13 @@ struct Polygons {
   }
 };
 
-/// The lights that emit; none where one of them has no closed form or they are too many.
+bool emits(const Light& light) { return light.enabled && emittedRadiance(light) != glm::dvec3(0.0); }
+
+/// The lights that emit.
 std::vector<Polygons> polygonsOf(const Scene& scene) {
   std::vector<Polygons> out;
-  std::size_t triangles = 0;
   for (const auto& [name, light] : scene.lights) {
-    if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    triangles += light->mesh->triangles.size();
-    if (light->texture != nullptr || !light->mesh->directions.empty() || triangles > kMostCheckedTriangles) return {};
-    out.emplace_back(*light);
+    if (emits(*light)) out.emplace_back(*light);
   }
   return out;
 }
@@ -96,16 +94,27 @@ Receiver onWall(const Grid& grid, Random& random) {
 
 }  // namespace
 
+bool canSelfCheck(const Scene& scene) {
+  std::size_t triangles = 0;
+  for (const auto& [name, light] : scene.lights) {
+    if (!emits(*light)) continue;
+    if (light->texture != nullptr || !light->mesh->directions.empty()) return false;
+    triangles += light->mesh->triangles.size();
+  }
+  return triangles > 0 && triangles <= kMostCheckedTriangles;
+}
+
 std::optional<double> selfCheck(const Scene& scene, const Volume& volume, std::uint32_t seed) {
+  if (!canSelfCheck(scene)) return std::nullopt;
   const std::vector<Polygons> lights = polygonsOf(scene);
   std::size_t triangles = 0;
   for (const Polygons& light : lights) triangles += light.corners.size() / 3;
-  if (triangles == 0) return std::nullopt;
   const int wanted =
       int(std::min<std::size_t>(kCheckedReceivers, std::max<std::size_t>(kMostEvaluations / triangles, 1)));
   Random random(seed);
   std::vector<std::pair<glm::dvec3, glm::dvec3>> seen;  // looked up, true
   double brightest = 0.0;
+  std::size_t evaluations = 0;
   for (int tries = wanted * kTriesPerReceiver; tries > 0 && int(seen.size()) < wanted; --tries) {
     Receiver at = scene.surfaces.empty() ? onWall(volume.grid, random) : onSurface(scene, random);
     const double length = glm::length(at.normal);
@@ -116,6 +125,8 @@ std::optional<double> selfCheck(const Scene& scene, const Volume& volume, std::u
         (direct ? irradianceWithNearField : irradianceAt)(volume, scene.options.lookup, at.position, at.normal);
     const bool away = direct || volume.direct == nullptr || volume.direct->farFromEmitters(at.position) == 1.0;
     if (!got.valid || !away) continue;
+    if (evaluations > kMostEvaluations) break;
+    evaluations += triangles;
     glm::dvec3 truth(0.0);
     for (const Polygons& light : lights) truth += light.irradiance(at);
     if (glm::length(truth) < kDark * brightest) continue;

@@ -19,6 +19,9 @@ inline constexpr int kCheckedReceivers = 64;
 /// `seed` chooses the points. Takes up to some tenths of a second: not for threads that must not wait.
 std::optional<double> selfCheck(const Scene& scene, const Volume& volume, std::uint32_t seed);
 
+/// Whether there is such a truth.
+bool canSelfCheck(const Scene& scene);
+
 inline constexpr std::size_t kMostCheckedTriangles = 500'000;
 
 }  // namespace lpv

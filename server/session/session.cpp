@@ -87,7 +87,7 @@ Expected<ClientIdentity> Session::join() {
 
 void Session::leave(const ClientIdentity& client) {
   const std::lock_guard lock(mutex_);
-  if (client.id.empty() || !clients_.verify(client).ok()) return;
+  if (closed_ || client.id.empty() || !clients_.verify(client).ok()) return;
   clients_.leave(client.id);
   JournalStep step = nextStep();
   step.left = client.id;
@@ -127,7 +127,7 @@ EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence
   EditOutcome outcome;
   outcome.sequence = sequence;
   outcome.revision = document_.revision();
-  outcome.status = clients_.verify(client);
+  outcome.status = closed_ ? closedStatus("session") : clients_.verify(client);
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
   if (before && *before) return **before;
@@ -354,7 +354,7 @@ SavedSession Session::state() const {
 
 void Session::dropUnusedBlobs() {
   const std::lock_guard lock(mutex_);
-  if (!workshop_.journal->writable().ok()) return;
+  if (closed_ || !workshop_.journal->writable().ok()) return;
   std::vector<BlobHash> dropped = blobs_.dropUnused(document_.hashesInUse(), Clock::now());
   if (dropped.empty()) return;
   JournalStep step = nextStep();

@@ -175,9 +175,12 @@ std::optional<Session::Planned> Session::planTick(Clock::time_point now) {
     if (next != Clock::time_point::max()) kickLater(next);
     return std::nullopt;
   }
-  if (workshop_.limits.selfCheck.count() > 0 && now >= nextUnaskedCheck_) plan.request.transported = true;
   plan.request.session = key_;
   plan.request.scene = document_.snapshot();
+  if (workshop_.limits.selfCheck.count() > 0 && now >= nextUnaskedCheck_) {
+    nextUnaskedCheck_ = now + kUnaskedChecks * workshop_.limits.selfCheck;
+    if (canSelfCheck(*plan.request.scene)) plan.request.transported = true;
+  }
   plan.epoch = epoch_;
   plan.lookup = document_.options().lookup;
   plan.clientSequences = clients_.sequencesSince(0);
@@ -279,7 +282,7 @@ void Session::checkLater(const ScenePtr& scene, const VolumePtr& volume) {
     const std::optional<double> error = selfCheck(*scene, *volume, std::uint32_t(scene->revision));
     const std::lock_guard lock(self->mutex_);
     self->checking_ = false;
-    if (error) self->measured_ = {*error, scene->revision};
+    self->measured_ = error ? std::optional(MeasuredError{*error, scene->revision}) : std::nullopt;
   });
 }
 

@@ -21,7 +21,7 @@ void WorkerPool::stop() {
 void WorkerPool::post(std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
-    jobs_.push_back(std::move(job));
+    if (!stopping_) jobs_.push_back(std::move(job));
   }
   wake_.notify_one();
 }

@@ -5,9 +5,8 @@
 // made it is told only when it is. append() takes changes in order and never waits; whenKept() tells when everything up
 // to a position is kept. Where the state directory cannot be written,
 //   - nothing that was taken is given up: the same changes, in the same order, are tried again until they are kept;
-//   - everybody who waits is told UNAVAILABLE, naming the directory: the outcome is not known yet, and the same
-//   sequence,
-//     repeated, gets the true one;
+//   - everybody who waits is told UNAVAILABLE, naming the directory: the outcome is not known yet, and the sequence
+//     repeated gets the true one;
 //   - writable() is not ok until the store has caught up, and sessions refuse further changes with it, unapplied and
 //     unrecorded, so that what is ahead of the disk stays what was in flight at the moment of the failure.
 // So what is kept is at any time a prefix of what happened, and everything that was acknowledged is in it. A process

@@ -120,7 +120,10 @@ Status Tables::append(const std::string& session, const MakeStep& make, LogSize*
                               std::int64_t(step.record.settings().ttl().seconds()), session);
     if (!s.ok()) return s;
   }
-  return database_->run("INSERT INTO log (session, sealed) VALUES (?, ?)", session, Bytes{sealed});
+  // A step of a session that is gone is nobody's: it must not be found by the next of that name.
+  return database_->run(
+      "INSERT INTO log (session, sealed) SELECT ?, ? WHERE EXISTS (SELECT 1 FROM sessions WHERE id = ?)", session,
+      Bytes{sealed}, session);
 }
 
 Status Tables::setEpoch(const std::string& session, std::uint64_t epoch) {
