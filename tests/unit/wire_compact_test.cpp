@@ -140,7 +140,8 @@ TEST(Compact, DarknessIsDarkAndUndefinedLightIsNone) {
   volume.layers[0].coefficients[24] = -3.0F;
   Wire odd(Format::kCompact, 0);
   ASSERT_TRUE(odd.send(volume).ok());
-  for (const float c : volumeFrom(*odd.held()).layers[0].coefficients) ASSERT_TRUE(std::isfinite(c));
+  const Volume finite = volumeFrom(*odd.held());
+  for (const float c : finite.layers[0].coefficients) ASSERT_TRUE(std::isfinite(c));
 }
 
 TEST(Compact, TheSameVolumesGiveTheSameBytes) {
