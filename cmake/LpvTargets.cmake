@@ -44,6 +44,18 @@ function(lpv_library name)
   lpv_headers_compile_alone(${name} FOLDERS ${ARG_FOLDERS})
 endfunction()
 
+# lpv_mostly_headers(TARGETS...): targets whose sources take their compile time from gRPC's, GoogleTest's or CLI11's
+# headers. With LPV_UNITY eight sources are compiled as one; the other builds see that each compiles alone.
+function(lpv_mostly_headers)
+  if(LPV_UNITY)
+    set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    foreach(target ${ARGN})
+      # "The whole file is anonymous" is only true of the joined one.
+      target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    endforeach()
+  endif()
+endfunction()
+
 # lpv_headers_compile_alone(NAME [FOLDERS ...]): every header of the current folder, or of those folders below it, is
 # compiled as a translation unit of its own.
 function(lpv_headers_compile_alone name)

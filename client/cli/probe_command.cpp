@@ -13,7 +13,7 @@
 namespace lpv::cli {
 namespace {
 
-struct Options {
+struct ProbeOptions {
   std::string id;
   std::optional<glm::dvec3> at;
   std::optional<glm::dvec3> normal;
@@ -69,7 +69,7 @@ void printJson(const std::vector<client::SurfacePoint>& points, const client::Pr
   print(JsonObject().raw("result", toJson(result.info)).raw("points", jsonArray(items)).str());
 }
 
-Status probe(Context& context, const Options& options) {
+Status probe(Context& context, const ProbeOptions& options) {
   std::vector<client::SurfacePoint> points;
   if (options.points.empty()) {
     points.push_back({*options.at, *options.normal});
@@ -100,7 +100,7 @@ Status probe(Context& context, const Options& options) {
 }  // namespace
 
 void addProbeCommand(CLI::App& app, Commands& commands) {
-  auto given = std::make_shared<Options>();
+  auto given = std::make_shared<ProbeOptions>();
   CLI::App& command = commands.add(app, "probe", "Irradiance r g b at points, W/m^2",
                                    [given](Context& context) { return probe(context, *given); });
   addSession(command, given->id);

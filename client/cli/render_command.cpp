@@ -22,7 +22,7 @@ constexpr int kIterations = 512;
 /// Should this process be killed, the server forgets the session by itself.
 constexpr std::int64_t kLifeSeconds = 600;
 
-struct Options {
+struct RenderOptions {
   std::string file;
   std::string out;
   ImportOptions import;
@@ -48,13 +48,13 @@ class TemporarySession {
 };
 
 /// Nothing where the server is to choose.
-std::optional<v1::Camera> cameraFor(const Options& options, const ImportedScene& scene) {
+std::optional<v1::Camera> cameraFor(const RenderOptions& options, const ImportedScene& scene) {
   if (options.frame.hasCamera()) return options.frame.camera();
   if (!options.frame.cameraName.empty() || scene.cameras.empty()) return {};
   return client::toProto(scene.cameras.front().second);
 }
 
-Status render(Context& context, const Options& options) {
+Status render(Context& context, const RenderOptions& options) {
   if (const auto format = frameFormatOf(options.out); !format) return format.status();
   const Expected<ImportedScene> scene = importScene(options.file, options.import);
   if (!scene) return scene.status();
@@ -89,7 +89,7 @@ Status render(Context& context, const Options& options) {
 }  // namespace
 
 void addRenderCommand(CLI::App& app, Commands& commands) {
-  auto given = std::make_shared<Options>();
+  auto given = std::make_shared<RenderOptions>();
   CLI::App& command = commands.add(
       app, "render", "One picture of a file, in a session of its own (quality accurate unless said otherwise)",
       [given](Context& context) { return render(context, *given); });

@@ -46,7 +46,7 @@ void printMade(const Context& context, const ImportedScene& scene, const Uploade
   printTable(rows);
 }
 
-void addLoad(CLI::App& group, Commands& commands) {
+void addSceneLoad(CLI::App& group, Commands& commands) {
   struct Options {
     std::string id;
     std::string file;
@@ -101,7 +101,7 @@ Status listScene(Context& context, const std::string& id) {
   return {};
 }
 
-void addList(CLI::App& group, Commands& commands) {
+void addSceneList(CLI::App& group, Commands& commands) {
   auto id = std::make_shared<std::string>();
   CLI::App& app = commands.add(group, "list", "Lists lights, surfaces and cameras",
                                [id](Context& context) { return listScene(context, *id); });
@@ -112,8 +112,8 @@ void addList(CLI::App& group, Commands& commands) {
 
 void addSceneCommands(CLI::App& app, Commands& commands) {
   CLI::App& group = Commands::group(app, "scene", "Scene files: load, list");
-  addLoad(group, commands);
-  addList(group, commands);
+  addSceneLoad(group, commands);
+  addSceneList(group, commands);
 }
 
 }  // namespace lpv::cli

@@ -14,7 +14,7 @@
 namespace lpv::cli {
 namespace {
 
-struct Options {
+struct VolumeOptions {
   std::string id;
   std::string out;
   std::optional<v1::VolumeStage> stage;
@@ -36,7 +36,7 @@ std::vector<float> sumOf(const Volume& volume) {
   return {sum.begin(), sum.end()};
 }
 
-Expected<Array> arrayOf(const Volume& volume, const Options& options) {
+Expected<Array> arrayOf(const Volume& volume, const VolumeOptions& options) {
   const glm::ivec3 d = volume.grid.dims;
   Array out{{std::size_t(d.z), std::size_t(d.y), std::size_t(d.x), 3, 4}, {}};
   if (options.layers) {
@@ -58,7 +58,7 @@ Expected<Array> arrayOf(const Volume& volume, const Options& options) {
   return out;
 }
 
-std::string metadata(const Options& options, const Array& array, const client::VolumeResult& result) {
+std::string metadata(const VolumeOptions& options, const Array& array, const client::VolumeResult& result) {
   std::vector<double> shape(array.shape.begin(), array.shape.end());
   return JsonObject()
       .text("file", options.out)
@@ -68,7 +68,7 @@ std::string metadata(const Options& options, const Array& array, const client::V
       .str();
 }
 
-Expected<client::VolumeResult> fetch(Context& context, const Options& options) {
+Expected<client::VolumeResult> fetch(Context& context, const VolumeOptions& options) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
   v1::GetVolumeRequest request;
@@ -78,7 +78,7 @@ Expected<client::VolumeResult> fetch(Context& context, const Options& options) {
   return client->volume(request);
 }
 
-Status getVolume(Context& context, const Options& options) {
+Status getVolume(Context& context, const VolumeOptions& options) {
   const auto result = fetch(context, options);
   if (!result) return result.status();
   const Expected<Array> array = arrayOf(result->volume, options);
@@ -94,7 +94,7 @@ std::string largestOf(const VolumeLayer& layer) {
   return shortText(double(largest));
 }
 
-Status showVolume(Context& context, const Options& options) {
+Status showVolume(Context& context, const VolumeOptions& options) {
   const auto result = fetch(context, options);
   if (!result) return result.status();
   if (context.json()) {
@@ -115,14 +115,14 @@ Status showVolume(Context& context, const Options& options) {
   return {};
 }
 
-void addStage(CLI::App& app, Options& options) {
+void addStage(CLI::App& app, VolumeOptions& options) {
   addChoice<v1::VolumeStage>(app, "--stage", options.stage,
                              {{"injected", v1::VOLUME_STAGE_INJECTED}, {"transported", v1::VOLUME_STAGE_TRANSPORTED}},
                              "Before or after transport (transported)");
 }
 
 void addGet(CLI::App& group, Commands& commands) {
-  auto given = std::make_shared<Options>();
+  auto given = std::make_shared<VolumeOptions>();
   CLI::App& get = commands.add(group, "get", "Saves the volume as NumPy float32 (nz,ny,nx,3,4)",
                                [given](Context& context) { return getVolume(context, *given); });
   addSession(get, given->id);
@@ -133,7 +133,7 @@ void addGet(CLI::App& group, Commands& commands) {
 }
 
 void addInfo(CLI::App& group, Commands& commands) {
-  auto given = std::make_shared<Options>();
+  auto given = std::make_shared<VolumeOptions>();
   CLI::App& info = commands.add(group, "info", "Says what the volume holds: its grid, a layer for each light group",
                                 [given](Context& context) { return showVolume(context, *given); });
   addSession(info, given->id);

@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct WatchOptions {
   std::string id;
   bool frames = false;
   bool volume = false;
@@ -140,7 +140,7 @@ class Report {
 
 /// Runs until the time is over, the stream has ended, or the user has had enough.
 template <typename Watcher>
-Status follow(const Options& options, Report& report, Watcher& watcher) {
+Status follow(const WatchOptions& options, Report& report, Watcher& watcher) {
   const Clock::time_point end = options.seconds > 0.0
                                     ? Clock::now() + std::chrono::milliseconds(std::int64_t(options.seconds * 1e3))
                                     : Clock::time_point::max();
@@ -165,7 +165,7 @@ client::WatchHooks hooksFor(Report& report) {
   return hooks;
 }
 
-v1::VolumeSubscription volumeWish(const Options& options) {
+v1::VolumeSubscription volumeWish(const WatchOptions& options) {
   v1::VolumeSubscription wanted;
   wanted.set_session(options.id);
   wanted.set_max_rate(options.rate);
@@ -184,7 +184,7 @@ v1::VolumeSubscription volumeWish(const Options& options) {
   return wanted;
 }
 
-Status watch(Context& context, const Options& options) {
+Status watch(Context& context, const WatchOptions& options) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
   if (const auto session = client->session(options.id); !session) return session.status();
@@ -209,7 +209,7 @@ Status watch(Context& context, const Options& options) {
   return follow(options, report, watcher);
 }
 
-void addVolumeFlags(CLI::App& command, Options& options, CLI::Option* volume) {
+void addVolumeFlags(CLI::App& command, WatchOptions& options, CLI::Option* volume) {
   addChoice<v1::VolumeFormat>(command, "--format", options.format,
                               {{"half", v1::VOLUME_FORMAT_HALF_FLOAT},
                                {"float", v1::VOLUME_FORMAT_FLOAT},
@@ -232,7 +232,7 @@ void addVolumeFlags(CLI::App& command, Options& options, CLI::Option* volume) {
 }  // namespace
 
 void addWatchCommand(CLI::App& app, Commands& commands) {
-  auto given = std::make_shared<Options>();
+  auto given = std::make_shared<WatchOptions>();
   CLI::App& command = commands.add(app, "watch", "Follows a session: rate, age, bytes, stage times",
                                    [given](Context& context) { return watch(context, *given); });
   addSession(command, given->id);

@@ -18,7 +18,7 @@ constexpr const char* kFeatures[] = {
     "volume.half",      "volume.float",   "volume.compact",      "volume.deltas",        "volume.regions",
     "sessions.files",   "self_check"};
 
-void toProto(const Limits& in, pb::Limits* out) {
+void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);
   out->set_max_clients_per_session(in.maxClientsPerSession);
   out->set_max_cells_per_axis(kMaxCellsPerAxis);
@@ -56,7 +56,7 @@ Status getServerInfo(Context& context, const pb::GetServerInfoRequest&, pb::GetS
   device->set_version(context.device.version);
   device->set_platform(context.device.platform);
   device->set_software(context.device.software);
-  toProto(context.limits, response->mutable_limits());
+  limitsToProto(context.limits, response->mutable_limits());
   response->mutable_start_time()->set_seconds(
       std::chrono::duration_cast<std::chrono::seconds>(context.started.time_since_epoch()).count());
   response->set_durability(toProto(context.registry->durability()));
