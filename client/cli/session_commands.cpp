@@ -181,6 +181,24 @@ void addShare(CLI::App& group, Commands& commands) {
   addParsed<double>(app, "--ttl", given->ttl, "T", parseDuration, "Life of the token: 90s, 10m, 1h, 2d");
 }
 
+void addRevoke(CLI::App& group, Commands& commands) {
+  struct Options {
+    std::string id;
+    std::string token;
+  };
+  auto given = std::make_shared<Options>();
+  CLI::App& app =
+      commands.add(group, "revoke", "Ends an access token and what it has opened", [given](Context& context) {
+        Expected<client::Client> client = context.connect();
+        if (!client) return client.status();
+        return client->revokeToken(client::sessionName(given->id), given->token);
+      });
+  addSession(app, given->id);
+  app.add_option("token", given->token, "The token's id: session share --json prints it; the 16 digits after lpv_")
+      ->required()
+      ->type_name("TOKEN_ID");
+}
+
 void addSave(CLI::App& group, Commands& commands) {
   struct Options {
     std::string id;
@@ -245,6 +263,7 @@ void addSessionCommands(CLI::App& app, Commands& commands) {
   addDelete(group, commands);
   addFit(group, commands);
   addShare(group, commands);
+  addRevoke(group, commands);
   addSave(group, commands);
   addLoad(group, commands);
 }

@@ -8,7 +8,7 @@ namespace {
 /// An upload in progress: bytes arrive, the buffer grows with them, at the end a worker parses.
 class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse> {
  public:
-  explicit Upload(Context& context) : context_(context), idle_(*context.timers) {}
+  explicit Upload(const Context& context) : context_(context), idle_(*context.timers) {}
 
   void expectFirst() {
     idle_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
@@ -81,7 +81,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
       return exhausted("size", "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
                                    std::to_string(context_.limits.maxBlobBytes) + " bytes");
     }
-    const Expected<SessionPtr> session = findSession(context_, "session", header.session());
+    const Expected<SessionPtr> session = findSession(context_, "session", header.session(), Role::kEditor);
     if (!session) return session.status();
     session_ = *session;
     kind_ = header.kind();
@@ -107,7 +107,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     });
   }
 
-  Context& context_;
+  const Context context_;
   Deadline idle_;
   SessionPtr session_;
   pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;
@@ -120,7 +120,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
 /// A blob on its way out, part by part as the client takes them.
 class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
  public:
-  explicit Read(Context& context) : context_(context) {}
+  explicit Read(const Context& context) : context_(context) {}
 
   void receive(pb::ReadBlobRequest request) override {
     context_.pool->post([self = std::static_pointer_cast<Read>(shared_from_this()), request = std::move(request)] {
@@ -151,7 +151,7 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
 
  private:
   Status open(const pb::ReadBlobRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
     if (!session) return session.status();
     std::shared_ptr<const std::string> bytes;
     pb::BlobKind kind = pb::BLOB_KIND_MESH;
@@ -177,7 +177,7 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
     return {};
   }
 
-  Context& context_;
+  const Context context_;
   std::mutex mutex_;
   std::shared_ptr<const std::string> bytes_;
   pb::BlobKind kind_ = pb::BLOB_KIND_MESH;
@@ -190,8 +190,8 @@ constexpr int kMaxHashes = 1000;
 
 }  // namespace
 
-Status findBlobs(Context& context, const pb::FindBlobsRequest& request, pb::FindBlobsResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+Status findBlobs(const Context& context, const pb::FindBlobsRequest& request, pb::FindBlobsResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
   if (!session) return session.status();
   if (request.hashes_size() > kMaxHashes) {
     return invalid("hashes", "hashes has " + std::to_string(request.hashes_size()) + " entries, allowed are 1000");
@@ -202,13 +202,13 @@ Status findBlobs(Context& context, const pb::FindBlobsRequest& request, pb::Find
   return {};
 }
 
-StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(Context& context) {
+StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(const Context& context) {
   auto stream = std::make_shared<Upload>(context);
   stream->expectFirst();
   return stream;
 }
 
-StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context& context) {
+StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(const Context& context) {
   return std::make_shared<Read>(context);
 }
 

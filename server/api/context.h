@@ -4,11 +4,13 @@
 #include <string>
 
 #include "lpv/engine.h"
+#include "session/access.h"
 #include "session/registry.h"
 
 namespace lpv::api {
 
-/// What every call can reach. Outlives the doors.
+/// What a call can reach, and who makes it. The doors copy the server's for every call; what is pointed to outlives
+/// them.
 struct Context {
   Registry* registry = nullptr;
   WorkerPool* pool = nullptr;
@@ -18,6 +20,13 @@ struct Context {
   DeviceInfo device;
   std::string version;
   std::chrono::system_clock::time_point started;
+  Access* access = nullptr;
+  Grant caller = {};
 };
+
+/// PERMISSION_DENIED unless the caller may do in session `id` what `needed` may.
+Status allow(const Context& context, const std::string& id, Role needed);
+/// PERMISSION_DENIED unless the caller is an admin; `what` is what only admins do.
+Status allowAdmin(const Context& context, const char* what);
 
 }  // namespace lpv::api

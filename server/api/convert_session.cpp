@@ -232,6 +232,32 @@ pb::Durability toProto(Durability durability) {
   return durability == Durability::kDisk ? pb::DURABILITY_DISK : pb::DURABILITY_MEMORY;
 }
 
+pb::Role toProto(Role role) {
+  switch (role) {
+    case Role::kViewer:
+      return pb::ROLE_VIEWER;
+    case Role::kEditor:
+      return pb::ROLE_EDITOR;
+    case Role::kOwner:
+    case Role::kAdmin:
+      return pb::ROLE_OWNER;
+  }
+  return pb::ROLE_UNSPECIFIED;
+}
+
+Expected<Role> roleOf(pb::Role role) {
+  switch (role) {
+    case pb::ROLE_VIEWER:
+      return Role::kViewer;
+    case pb::ROLE_EDITOR:
+      return Role::kEditor;
+    case pb::ROLE_OWNER:
+      return Role::kOwner;
+    default:
+      return invalid("role", "role is " + std::to_string(int(role)) + ", allowed are VIEWER, EDITOR and OWNER");
+  }
+}
+
 ClientIdentity fromProto(const pb::ClientIdentity& identity) { return {identity.client_id(), identity.secret()}; }
 
 }  // namespace lpv::api

@@ -35,6 +35,10 @@ void toProto(const SessionOptions& options, pb::SessionSettings* out);
 void toProto(const SessionSummary& summary, pb::Session* out);
 pb::Durability toProto(Durability durability);
 
+pb::Role toProto(Role role);
+/// INVALID_ARGUMENT for none, or one that is not known.
+Expected<Role> roleOf(pb::Role role);
+
 ClientIdentity fromProto(const pb::ClientIdentity& identity);
 
 }  // namespace lpv::api

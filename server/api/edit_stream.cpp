@@ -12,7 +12,7 @@ namespace {
 
 class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsResponse> {
  public:
-  explicit EditStream(Context& context) : context_(context), first_(*context.timers), pulse_(*context.timers) {}
+  explicit EditStream(const Context& context) : context_(context), first_(*context.timers), pulse_(*context.timers) {}
 
   void expectFirst() {
     first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
@@ -80,7 +80,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   std::shared_ptr<EditStream> me() { return std::static_pointer_cast<EditStream>(shared_from_this()); }
 
   Status open(const pb::StreamEditsRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kEditor);
     if (!session) return session.status();
     client_ = fromProto(request.client());
     if (Status s = (*session)->verify(client_); !s.ok()) return s;
@@ -128,7 +128,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     });
   }
 
-  Context& context_;
+  const Context context_;
   Deadline first_;
   Pulse pulse_;
   SessionPtr session_;
@@ -143,7 +143,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
 
 }  // namespace
 
-StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(Context& context) {
+StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(const Context& context) {
   auto stream = std::make_shared<EditStream>(context);
   stream->expectFirst();
   return stream;

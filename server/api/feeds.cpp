@@ -110,9 +110,9 @@ void FrameFeed::offer(const Result& result) {
       parts->bytes());
 }
 
-Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::VolumeSubscription& in,
+Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& in,
                                                std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session());
+  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
@@ -128,9 +128,9 @@ Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::Volum
   return feed;
 }
 
-Expected<std::shared_ptr<FrameFeed>> openFeed(Context& context, const pb::FrameSubscription& in,
+Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::FrameSubscription& in,
                                               std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session());
+  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;

@@ -18,7 +18,7 @@ namespace lpv::api {
 template <typename Event>
 class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>> {
  public:
-  Feed(Context& context, SessionPtr session)
+  Feed(const Context& context, SessionPtr session)
       : context_(context), session_(std::move(session)), pulse_(*context.timers) {}
 
   /// Subscribes and starts the heartbeat; `wake` is called when next() may have something.
@@ -36,7 +36,7 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
  protected:
   /// Adds the messages of a finished result, unless a later one was encoded before it.
   void push(std::uint64_t resultId, std::function<bool(Event*)> parts, std::int64_t bytes);
-  Context& context_;
+  const Context context_;
 
  private:
   SessionPtr session_;
@@ -51,7 +51,7 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
 
 class VolumeFeed final : public Feed<pb::VolumeEvent> {
  public:
-  VolumeFeed(Context& context, SessionPtr session, const VolumeOrder& order)
+  VolumeFeed(const Context& context, SessionPtr session, const VolumeOrder& order)
       : Feed(context, std::move(session)),
         order_(order),
         chain_(volumeChains().get(this->session(), order, *context.counters)) {}
@@ -64,7 +64,7 @@ class VolumeFeed final : public Feed<pb::VolumeEvent> {
 
 class FrameFeed final : public Feed<pb::FrameEvent> {
  public:
-  FrameFeed(Context& context, SessionPtr session, pb::FrameFormat format, int quality)
+  FrameFeed(const Context& context, SessionPtr session, pb::FrameFormat format, int quality)
       : Feed(context, std::move(session)), format_(format), quality_(quality) {}
   void offer(const Result& result) override;
 
@@ -74,9 +74,9 @@ class FrameFeed final : public Feed<pb::FrameEvent> {
 };
 
 /// A feed for what a subscription asks, subscribed; errors by field.
-Expected<std::shared_ptr<VolumeFeed>> openFeed(Context& context, const pb::VolumeSubscription& subscription,
+Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& subscription,
                                                std::function<void()> wake);
-Expected<std::shared_ptr<FrameFeed>> openFeed(Context& context, const pb::FrameSubscription& subscription,
+Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::FrameSubscription& subscription,
                                               std::function<void()> wake);
 
 /// An update's effect on a live subscriber.

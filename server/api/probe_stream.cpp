@@ -13,7 +13,7 @@ constexpr std::size_t kMaxQueuedParts = 4;
 
 class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeResponse> {
  public:
-  explicit ProbeStream(Context& context) : context_(context), first_(*context.timers) {}
+  explicit ProbeStream(const Context& context) : context_(context), first_(*context.timers) {}
 
   void expectFirst() {
     first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
@@ -73,7 +73,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   std::shared_ptr<ProbeStream> me() { return std::static_pointer_cast<ProbeStream>(shared_from_this()); }
 
   Status ask(const pb::ProbeRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
     if (!session) return session.status();
     session_ = *session;
     asked_ = true;
@@ -115,7 +115,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     waiting_.pop_front();
   }
 
-  Context& context_;
+  const Context context_;
   Deadline first_;
   SessionPtr session_;
   bool asked_ = false;
@@ -131,7 +131,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
 
 }  // namespace
 
-StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(Context& context) {
+StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(const Context& context) {
   auto stream = std::make_shared<ProbeStream>(context);
   stream->expectFirst();
   return stream;

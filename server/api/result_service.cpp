@@ -13,12 +13,12 @@ namespace {
 template <typename Request, typename Response>
 class Answer : public Stream<Request, Response> {
  public:
-  explicit Answer(Context& context) : context_(context) {}
+  explicit Answer(const Context& context) : context_(context) {}
 
   void receive(Request request) override {
     if (asked_) return;
     asked_ = true;
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
     if (!session) return this->end(session.status());
     session_ = *session;
     Expected<WaitingCall> call = prepare(request);
@@ -61,7 +61,7 @@ class Answer : public Stream<Request, Response> {
   /// The answer's messages.
   virtual Expected<Parts> parts(const Result& result) = 0;
 
-  Context& context_;
+  const Context context_;
   SessionPtr session_;
 
  private:
@@ -163,15 +163,15 @@ class ProbeAnswer final : public Answer<pb::ProbeRequest, pb::ProbeResponse> {
 
 }  // namespace
 
-StreamPtr<pb::GetVolumeRequest, pb::GetVolumeResponse> getVolume(Context& context) {
+StreamPtr<pb::GetVolumeRequest, pb::GetVolumeResponse> getVolume(const Context& context) {
   return std::make_shared<VolumeAnswer>(context);
 }
 
-StreamPtr<pb::GetFrameRequest, pb::GetFrameResponse> getFrame(Context& context) {
+StreamPtr<pb::GetFrameRequest, pb::GetFrameResponse> getFrame(const Context& context) {
   return std::make_shared<FrameAnswer>(context);
 }
 
-StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(Context& context) {
+StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(const Context& context) {
   return std::make_shared<ProbeAnswer>(context);
 }
 
@@ -198,8 +198,8 @@ static Expected<FrameWish> pickedWish(const SessionPtr& session, const pb::PickR
   return wish;
 }
 
-Status pick(Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+Status pick(const Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
   const Expected<FrameWish> wish = pickedWish(*session, request, context.limits);
   if (!wish) return wish.status();

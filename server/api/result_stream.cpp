@@ -10,7 +10,7 @@ namespace {
 template <typename Traits>
 class ResultStream final : public Stream<typename Traits::Request, typename Traits::Response> {
  public:
-  explicit ResultStream(Context& context) : context_(context), first_(*context.timers) {}
+  explicit ResultStream(const Context& context) : context_(context), first_(*context.timers) {}
 
   /// The client has to say what it wants within the limit.
   void expectFirst() {
@@ -69,7 +69,7 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
     return feed_;
   }
 
-  Context& context_;
+  const Context context_;
   Deadline first_;
   std::mutex mutex_;
   std::shared_ptr<typename Traits::FeedType> feed_;
@@ -104,7 +104,7 @@ struct BidiTraits {
 };
 
 template <typename Traits>
-std::shared_ptr<ResultStream<Traits>> make(Context& context) {
+std::shared_ptr<ResultStream<Traits>> make(const Context& context) {
   auto stream = std::make_shared<ResultStream<Traits>>(context);
   stream->expectFirst();
   return stream;
@@ -112,27 +112,27 @@ std::shared_ptr<ResultStream<Traits>> make(Context& context) {
 
 }  // namespace
 
-StreamPtr<pb::WatchVolumeRequest, pb::WatchVolumeResponse> watchVolume(Context& context) {
+StreamPtr<pb::WatchVolumeRequest, pb::WatchVolumeResponse> watchVolume(const Context& context) {
   return make<WatchTraits<pb::WatchVolumeRequest, pb::WatchVolumeResponse, pb::VolumeSubscription, VolumeFeed>>(
       context);
 }
 
-StreamPtr<pb::StreamVolumeRequest, pb::StreamVolumeResponse> streamVolume(Context& context) {
+StreamPtr<pb::StreamVolumeRequest, pb::StreamVolumeResponse> streamVolume(const Context& context) {
   return make<BidiTraits<pb::StreamVolumeRequest, pb::StreamVolumeResponse, pb::VolumeSubscription, VolumeFeed>>(
       context);
 }
 
-StreamPtr<pb::WatchFramesRequest, pb::WatchFramesResponse> watchFrames(Context& context) {
+StreamPtr<pb::WatchFramesRequest, pb::WatchFramesResponse> watchFrames(const Context& context) {
   return make<WatchTraits<pb::WatchFramesRequest, pb::WatchFramesResponse, pb::FrameSubscription, FrameFeed>>(context);
 }
 
-StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(Context& context) {
+StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(const Context& context) {
   return make<BidiTraits<pb::StreamFramesRequest, pb::StreamFramesResponse, pb::FrameSubscription, FrameFeed>>(context);
 }
 
-Status updateSubscription(Context& context, const pb::UpdateSubscriptionRequest& request,
+Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRequest& request,
                           pb::UpdateSubscriptionResponse*) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
   const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
   if (!subscriber) {

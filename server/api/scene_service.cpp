@@ -6,8 +6,9 @@
 
 namespace lpv::api {
 
-void applyEdit(Context& context, const pb::ApplyEditRequest& request, pb::ApplyEditResponse* response, Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+void applyEdit(const Context& context, const pb::ApplyEditRequest& request, pb::ApplyEditResponse* response,
+               Done done) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
   if (!session) return done(session.status());
   const ClientIdentity client = fromProto(request.client());
   Expected<Edit> edit = fromProto(request.edit(), context.limits);
@@ -19,8 +20,8 @@ void applyEdit(Context& context, const pb::ApplyEditRequest& request, pb::ApplyE
   });
 }
 
-Status listLights(Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+Status listLights(const Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
   response->set_revision((*session)->revision());
   const std::vector<Versioned<Light>> lights = (*session)->lights();
@@ -36,8 +37,9 @@ Status listLights(Context& context, const pb::ListLightsRequest& request, pb::Li
       response->mutable_next_page_token());
 }
 
-Status listSurfaces(Context& context, const pb::ListSurfacesRequest& request, pb::ListSurfacesResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+Status listSurfaces(const Context& context, const pb::ListSurfacesRequest& request,
+                    pb::ListSurfacesResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
   response->set_revision((*session)->revision());
   const std::vector<Versioned<Surface>> surfaces = (*session)->surfaces();
@@ -47,8 +49,8 @@ Status listSurfaces(Context& context, const pb::ListSurfacesRequest& request, pb
       response->mutable_next_page_token());
 }
 
-Status listCameras(Context& context, const pb::ListCamerasRequest& request, pb::ListCamerasResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+Status listCameras(const Context& context, const pb::ListCamerasRequest& request, pb::ListCamerasResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
   response->set_revision((*session)->revision());
   const std::vector<std::pair<std::string, Camera>> cameras = (*session)->cameras();

@@ -13,7 +13,7 @@ namespace {
 
 class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneResponse> {
  public:
-  explicit SceneStream(Context& context) : context_(context), pulse_(*context.timers) {}
+  explicit SceneStream(const Context& context) : context_(context), pulse_(*context.timers) {}
 
   void receive(pb::WatchSceneRequest request) override {
     if (Status s = open(request); !s.ok()) return end(s);
@@ -48,7 +48,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
 
  private:
   Status open(const pb::WatchSceneRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
     if (!session) return session.status();
     if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return s;
     const std::lock_guard lock(mutex_);
@@ -78,7 +78,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     snapshotDue_ = false;
   }
 
-  Context& context_;
+  const Context context_;
   Pulse pulse_;
   std::mutex mutex_;
   SessionPtr session_;
@@ -90,7 +90,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
 
 }  // namespace
 
-StreamPtr<pb::WatchSceneRequest, pb::WatchSceneResponse> watchScene(Context& context) {
+StreamPtr<pb::WatchSceneRequest, pb::WatchSceneResponse> watchScene(const Context& context) {
   return std::make_shared<SceneStream>(context);
 }
 

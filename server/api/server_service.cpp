@@ -11,12 +11,36 @@ namespace lpv::api {
 namespace {
 
 constexpr const char* kFeatures[] = {
-    "injection.count",  "injection.flux", "injection.textures",  "injection.directions", "method.compute",
-    "method.raster",    "method.dense",   "transport.propagate", "transport.gather",     "transport.direct",
-    "quality.accurate", "max_error",      "grid.automatic",      "lookup.sh2",           "lookup.cap",
-    "lookup.nearest",   "lights.groups",  "frames.jpeg",         "frames.png",           "frames.exr",
-    "volume.half",      "volume.float",   "volume.compact",      "volume.deltas",        "volume.regions",
-    "sessions.files",   "self_check"};
+    "injection.count",
+    "injection.flux",
+    "injection.textures",
+    "injection.directions",
+    "method.compute",
+    "method.raster",
+    "method.dense",
+    "transport.propagate",
+    "transport.gather",
+    "transport.direct",
+    "quality.accurate",
+    "max_error",
+    "grid.automatic",
+    "lookup.sh2",
+    "lookup.cap",
+    "lookup.nearest",
+    "lights.groups",
+    "frames.jpeg",
+    "frames.png",
+    "frames.exr",
+    "volume.half",
+    "volume.float",
+    "volume.compact",
+    "volume.deltas",
+    "volume.regions",
+    "sessions.files",
+    "self_check",
+    "access.tokens",
+    "tls",
+};
 
 void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);
@@ -48,7 +72,7 @@ std::int64_t residentBytes() {
 
 }  // namespace
 
-Status getServerInfo(Context& context, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse* response) {
+Status getServerInfo(const Context& context, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse* response) {
   response->set_version(context.version);
   pb::Device* device = response->mutable_device();
   device->set_name(context.device.name);
@@ -64,7 +88,8 @@ Status getServerInfo(Context& context, const pb::GetServerInfoRequest&, pb::GetS
   return {};
 }
 
-Status getStats(Context& context, const pb::GetStatsRequest&, pb::GetStatsResponse* response) {
+Status getStats(const Context& context, const pb::GetStatsRequest&, pb::GetStatsResponse* response) {
+  if (Status s = allowAdmin(context, "reading the server's statistics"); !s.ok()) return s;
   std::int64_t blobs = 0;
   std::int64_t blobBytes = 0;
   std::size_t subscribers = 0;

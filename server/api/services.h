@@ -24,48 +24,50 @@ template <typename Request, typename Response>
 using StreamPtr = std::shared_ptr<Stream<Request, Response>>;
 
 // ServerService.
-Status getServerInfo(Context&, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse*);
-Status getStats(Context&, const pb::GetStatsRequest&, pb::GetStatsResponse*);
+Status getServerInfo(const Context&, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse*);
+Status getStats(const Context&, const pb::GetStatsRequest&, pb::GetStatsResponse*);
 
 // SessionService. What is not here answers UNIMPLEMENTED.
-void createSession(Context&, const pb::CreateSessionRequest&, pb::CreateSessionResponse*, Done);
-Status getSession(Context&, const pb::GetSessionRequest&, pb::GetSessionResponse*);
-Status listSessions(Context&, const pb::ListSessionsRequest&, pb::ListSessionsResponse*);
-void updateSession(Context&, const pb::UpdateSessionRequest&, pb::UpdateSessionResponse*, Done);
-void deleteSession(Context&, const pb::DeleteSessionRequest&, pb::DeleteSessionResponse*, Done);
-void fitSession(Context&, const pb::FitSessionRequest&, pb::FitSessionResponse*, Done);
-void joinSession(Context&, const pb::JoinSessionRequest&, pb::JoinSessionResponse*, Done);
-void leaveSession(Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*, Done);
+void createSession(const Context&, const pb::CreateSessionRequest&, pb::CreateSessionResponse*, Done);
+Status getSession(const Context&, const pb::GetSessionRequest&, pb::GetSessionResponse*);
+Status listSessions(const Context&, const pb::ListSessionsRequest&, pb::ListSessionsResponse*);
+void updateSession(const Context&, const pb::UpdateSessionRequest&, pb::UpdateSessionResponse*, Done);
+void deleteSession(const Context&, const pb::DeleteSessionRequest&, pb::DeleteSessionResponse*, Done);
+void fitSession(const Context&, const pb::FitSessionRequest&, pb::FitSessionResponse*, Done);
+void joinSession(const Context&, const pb::JoinSessionRequest&, pb::JoinSessionResponse*, Done);
+void leaveSession(const Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*, Done);
+void createToken(const Context&, const pb::CreateTokenRequest&, pb::CreateTokenResponse*, Done);
+void revokeToken(const Context&, const pb::RevokeTokenRequest&, pb::RevokeTokenResponse*, Done);
 
-StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(Context&);
-StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(Context&);
+StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(const Context&);
+StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(const Context&);
 
 // BlobService.
-Status findBlobs(Context&, const pb::FindBlobsRequest&, pb::FindBlobsResponse*);
-StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(Context&);
-StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context&);
+Status findBlobs(const Context&, const pb::FindBlobsRequest&, pb::FindBlobsResponse*);
+StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(const Context&);
+StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(const Context&);
 
 // SceneService.
-void applyEdit(Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
-Status listLights(Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
-Status listSurfaces(Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
-Status listCameras(Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);
-StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(Context&);
-StreamPtr<pb::WatchSceneRequest, pb::WatchSceneResponse> watchScene(Context&);
+void applyEdit(const Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
+Status listLights(const Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
+Status listSurfaces(const Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
+Status listCameras(const Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);
+StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(const Context&);
+StreamPtr<pb::WatchSceneRequest, pb::WatchSceneResponse> watchScene(const Context&);
 
 // ResultService.
-StreamPtr<pb::WatchVolumeRequest, pb::WatchVolumeResponse> watchVolume(Context&);
-StreamPtr<pb::StreamVolumeRequest, pb::StreamVolumeResponse> streamVolume(Context&);
-StreamPtr<pb::WatchFramesRequest, pb::WatchFramesResponse> watchFrames(Context&);
-StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(Context&);
-Status updateSubscription(Context&, const pb::UpdateSubscriptionRequest&, pb::UpdateSubscriptionResponse*);
-StreamPtr<pb::GetVolumeRequest, pb::GetVolumeResponse> getVolume(Context&);
-StreamPtr<pb::GetFrameRequest, pb::GetFrameResponse> getFrame(Context&);
-StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(Context&);
-StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(Context&);
-Status pick(Context&, const pb::PickRequest&, pb::PickResponse*);
+StreamPtr<pb::WatchVolumeRequest, pb::WatchVolumeResponse> watchVolume(const Context&);
+StreamPtr<pb::StreamVolumeRequest, pb::StreamVolumeResponse> streamVolume(const Context&);
+StreamPtr<pb::WatchFramesRequest, pb::WatchFramesResponse> watchFrames(const Context&);
+StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(const Context&);
+Status updateSubscription(const Context&, const pb::UpdateSubscriptionRequest&, pb::UpdateSubscriptionResponse*);
+StreamPtr<pb::GetVolumeRequest, pb::GetVolumeResponse> getVolume(const Context&);
+StreamPtr<pb::GetFrameRequest, pb::GetFrameResponse> getFrame(const Context&);
+StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(const Context&);
+StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(const Context&);
+Status pick(const Context&, const pb::PickRequest&, pb::PickResponse*);
 
-/// The session that "sessions/{id}" at `field` names.
-Expected<SessionPtr> findSession(Context&, const std::string& field, const std::string& name);
+/// The session that "sessions/{id}" at `field` names, where the caller may do in it what `needed` may.
+Expected<SessionPtr> findSession(const Context&, const std::string& field, const std::string& name, Role needed);
 
 }  // namespace lpv::api

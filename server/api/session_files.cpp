@@ -70,10 +70,10 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
 /// A session on its way out, part by part as the client takes them.
 class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
-  explicit Export(Context& context) : context_(context) {}
+  explicit Export(const Context& context) : context_(context) {}
 
   void receive(pb::ExportSessionRequest request) override {
-    const Expected<SessionPtr> session = findSession(context_, "name", request.name());
+    const Expected<SessionPtr> session = findSession(context_, "name", request.name(), Role::kViewer);
     if (!session) return end(session.status());
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return end(file.status());
@@ -94,7 +94,7 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
   void cancelled() override { end(Status(Code::kCancelled, "the client went away")); }
 
  private:
-  Context& context_;
+  const Context context_;
   std::mutex mutex_;
   std::string bytes_;
   std::size_t offset_ = 0;
@@ -103,7 +103,7 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
 /// A file on its way in; a worker makes the session at its end.
 class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionResponse> {
  public:
-  explicit Import(Context& context) : context_(context), idle_(*context.timers) {}
+  explicit Import(const Context& context) : context_(context), idle_(*context.timers) {}
 
   void expect(std::chrono::seconds patience, const char* limit) {
     idle_.restart(patience, [weak = weak_from_this(), limit] {
@@ -114,7 +114,10 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
 
   void receive(pb::ImportSessionRequest request) override {
     if (hasEnded()) return;
-    if (!begun_) wantedId_ = request.session_id();
+    if (!begun_) {
+      if (Status s = allowAdmin(context_, "making a session from a file"); !s.ok()) return end(s);
+      wantedId_ = request.session_id();
+    }
     begun_ = true;
     if (bytes_.size() + request.data().size() > kMaxFileBytes) {
       bytes_ = std::string();
@@ -162,7 +165,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     });
   }
 
-  Context& context_;
+  const Context context_;
   Deadline idle_;
   bool begun_ = false;
   std::string wantedId_;
@@ -173,11 +176,11 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
 
 }  // namespace
 
-StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(Context& context) {
+StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(const Context& context) {
   return std::make_shared<Export>(context);
 }
 
-StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(Context& context) {
+StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(const Context& context) {
   auto stream = std::make_shared<Import>(context);
   stream->expect(context.limits.firstMessage, "first_message");
   return stream;

@@ -4,9 +4,11 @@
 
 namespace lpv::api {
 
-Expected<SessionPtr> findSession(Context& context, const std::string& field, const std::string& name) {
+Expected<SessionPtr> findSession(const Context& context, const std::string& field, const std::string& name,
+                                 Role needed) {
   const Expected<std::string> id = sessionId(field, name);
   if (!id) return id.status();
+  if (Status s = allow(context, *id, needed); !s.ok()) return s;
   return context.registry->find(*id);
 }
 
@@ -23,34 +25,42 @@ void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
 
 }  // namespace
 
-void createSession(Context& context, const pb::CreateSessionRequest& request, pb::CreateSessionResponse* response,
+void createSession(const Context& context, const pb::CreateSessionRequest& request, pb::CreateSessionResponse* response,
                    Done done) {
+  if (Status s = allowAdmin(context, "making a session"); !s.ok()) return done(s);
   const Expected<Settings> settings = fromProto(request.settings());
   if (!settings) return done(settings.status());
   const Expected<SessionPtr> session =
       context.registry->create(request.session_id(), settings->options, settings->manners, request.request_id());
   if (!session) return done(session.status());
+  if (context.access->required()) {
+    const Expected<MintedToken> token = context.access->mint((*session)->id(), Role::kOwner, kDefaultTokenLife);
+    if (!token) return done(token.status());
+    response->set_owner_token(token->token);
+  }
   answerWhenKept(*session, response, std::move(done));
 }
 
-Status getSession(Context& context, const pb::GetSessionRequest& request, pb::GetSessionResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "name", request.name());
+Status getSession(const Context& context, const pb::GetSessionRequest& request, pb::GetSessionResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "name", request.name(), Role::kViewer);
   if (!session) return session.status();
   toProto((*session)->summary(), response->mutable_session());
   return {};
 }
 
-Status listSessions(Context& context, const pb::ListSessionsRequest& request, pb::ListSessionsResponse* response) {
-  const std::vector<SessionSummary> sessions = context.registry->summaries();
+Status listSessions(const Context& context, const pb::ListSessionsRequest& request,
+                    pb::ListSessionsResponse* response) {
+  std::vector<SessionSummary> sessions = context.registry->summaries();
+  std::erase_if(sessions, [&](const auto& each) { return !allow(context, each.id, Role::kViewer).ok(); });
   return page(
       request, sessions, [](const SessionSummary& session) { return session.id; },
       [&](const SessionSummary& session) { toProto(session, response->add_sessions()); },
       response->mutable_next_page_token());
 }
 
-void updateSession(Context& context, const pb::UpdateSessionRequest& request, pb::UpdateSessionResponse* response,
+void updateSession(const Context& context, const pb::UpdateSessionRequest& request, pb::UpdateSessionResponse* response,
                    Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name());
+  const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name(), Role::kEditor);
   if (!session) return done(session.status());
   const SessionSummary now = (*session)->summary();
   const Expected<Settings> settings =
@@ -60,14 +70,17 @@ void updateSession(Context& context, const pb::UpdateSessionRequest& request, pb
   answerWhenKept(*session, response, std::move(done));
 }
 
-void deleteSession(Context& context, const pb::DeleteSessionRequest& request, pb::DeleteSessionResponse*, Done done) {
+void deleteSession(const Context& context, const pb::DeleteSessionRequest& request, pb::DeleteSessionResponse*,
+                   Done done) {
   const Expected<std::string> id = sessionId("name", request.name());
   if (!id) return done(id.status());
+  if (Status s = allow(context, *id, Role::kOwner); !s.ok()) return done(s);
   context.registry->remove(*id, std::move(done));
 }
 
-void fitSession(Context& context, const pb::FitSessionRequest& request, pb::FitSessionResponse* response, Done done) {
-  const Expected<SessionPtr> session = findSession(context, "name", request.name());
+void fitSession(const Context& context, const pb::FitSessionRequest& request, pb::FitSessionResponse* response,
+                Done done) {
+  const Expected<SessionPtr> session = findSession(context, "name", request.name(), Role::kEditor);
   if (!session) return done(session.status());
   Edit edit;
   edit.operations.emplace_back(FitGrid{});
@@ -76,9 +89,9 @@ void fitSession(Context& context, const pb::FitSessionRequest& request, pb::FitS
   answerWhenKept(*session, response, std::move(done));
 }
 
-void joinSession(Context& context, const pb::JoinSessionRequest& request, pb::JoinSessionResponse* response,
+void joinSession(const Context& context, const pb::JoinSessionRequest& request, pb::JoinSessionResponse* response,
                  Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return done(session.status());
   const Expected<ClientIdentity> client = (*session)->join();
   if (!client) return done(client.status());
@@ -87,8 +100,9 @@ void joinSession(Context& context, const pb::JoinSessionRequest& request, pb::Jo
   answerWhenKept(*session, response, std::move(done));
 }
 
-void leaveSession(Context& context, const pb::LeaveSessionRequest& request, pb::LeaveSessionResponse*, Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+void leaveSession(const Context& context, const pb::LeaveSessionRequest& request, pb::LeaveSessionResponse*,
+                  Done done) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return done(session.status());
   if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return done(s);
   (*session)->leave(fromProto(request.client()));

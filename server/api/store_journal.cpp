@@ -1,5 +1,6 @@
 #include "api/store_journal.h"
 
+#include "api/convert_session.h"
 #include "api/convert_store.h"
 
 namespace lpv::api {
@@ -15,6 +16,22 @@ Position StoreJournal::create(const SavedSession& state) {
 
 Position StoreJournal::append(const std::string& session, JournalStep step) {
   return store_.append(session, [step = std::move(step)](const store::Holds& holds) { return toStep(step, holds); });
+}
+
+Position StoreJournal::keepToken(const AccessToken& token) {
+  return store_.keepToken({token.id, token.session, toProto(token.role), token.hash, token.expires});
+}
+
+Expected<std::vector<AccessToken>> StoreJournal::tokens() {
+  const Expected<std::vector<store::Token>> kept = store_.tokens();
+  if (!kept) return kept.status();
+  std::vector<AccessToken> out;
+  for (const store::Token& token : *kept) {
+    const Expected<Role> role = roleOf(token.role);
+    if (!role) return Status(Code::kDataLoss, "the state directory has a token of an unknown role: " + token.id);
+    out.push_back({token.id, token.session, *role, token.hash, token.expires});
+  }
+  return out;
 }
 
 Expected<std::vector<KeptSession>> StoreJournal::kept() {

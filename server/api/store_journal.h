@@ -22,11 +22,14 @@ class StoreJournal final : public Journal {
     return store_.touch(session, used);
   }
   Position remove(const std::string& session) override { return store_.remove(session); }
+  Position keepToken(const AccessToken& token) override;
+  Position dropToken(const std::string& tokenId) override { return store_.dropToken(tokenId); }
   void whenKept(Position position, std::function<void(const Status&)> kept) override {
     store_.whenKept(position, std::move(kept));
   }
   Status flush() override { return store_.flush(); }
   Expected<std::vector<KeptSession>> kept() override;
+  Expected<std::vector<AccessToken>> tokens() override;
   Expected<SavedSession> load(const std::string& session) override;
   Expected<SessionSummary> summary(const std::string& session) override;
   std::uint64_t highestEpoch() override { return store_.highestEpoch(); }

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -18,6 +19,7 @@
 #include "grpc/door.h"
 #include "lpv/engine.h"
 #include "ops/log.h"
+#include "session/access.h"
 #include "session/registry.h"
 #include "store/sqlite_store.h"
 
@@ -77,6 +79,19 @@ Expected<std::unique_ptr<store::Store>> openStore(const Options& options, Worker
   return std::unique_ptr<store::Store>(std::move(*opened));
 }
 
+/// Makes the first line of --admin-token-file the admin's token.
+Status readAdminToken(const Options& options, Access& access) {
+  if (options.adminTokenFile.empty()) return {};
+  std::ifstream file(options.adminTokenFile);
+  std::string token;
+  std::getline(file, token);
+  if (!file && token.empty()) {
+    return invalid("admin-token-file", "cannot read --admin-token-file " + options.adminTokenFile + ", or it is empty");
+  }
+  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) token.pop_back();
+  return access.require(token);
+}
+
 int serve(const Options& options, const sigset_t& signals) {
   // Whoever waits for the file must not find the port of an earlier run.
   if (!options.portFile.empty()) std::remove(options.portFile.c_str());
@@ -88,14 +103,19 @@ int serve(const Options& options, const sigset_t& signals) {
   Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool);
   if (!opened) return fail(opened.status());
   api::StoreJournal journal(**opened);
-  const Workshop workshop{options.limits, engine->get(), &pool, &timers, &counters, api::meshHash, &journal};
+  Access access(journal, timers);
+  if (const Status status = access.open(); !status.ok()) return fail(status);
+  if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
+  const Workshop workshop{options.limits, engine->get(), &pool, &timers, &counters, api::meshHash, &journal, &access};
   Registry registry(workshop, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context{&registry,      &pool,
                        &timers,        &counters,
                        options.limits, (*engine)->device(),
-                       kVersion,       std::chrono::system_clock::now()};
-  Expected<std::unique_ptr<door::Door>> entrance = door::Door::open(context, options.listen);
+                       kVersion,       std::chrono::system_clock::now(),
+                       &access};
+  Expected<std::unique_ptr<door::Door>> entrance =
+      door::Door::open(context, {options.listen, options.tls, options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   door::Door& door = **entrance;
   if (const Status status = writePortFile(options.portFile, door.port()); !status.ok()) return fail(status);

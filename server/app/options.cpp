@@ -68,6 +68,19 @@ void addState(CLI::App& app, Options& o) {
       ->type_name("T");
 }
 
+void addSecurity(CLI::App& app, Options& o) {
+  const auto file = [&app](const char* flag, std::string& path, const char* what) {
+    app.add_option(flag, path, what)->type_name("FILE")->group("Security");
+  };
+  file("--tls-cert", o.tls.certificate, "this server's certificate chain, PEM; a changed file is taken up by itself");
+  file("--tls-key", o.tls.key, "its private key, PEM");
+  file("--tls-client-ca", o.tls.clientAuthorities, "clients need a certificate that these authorities vouch for, PEM");
+  file("--admin-token-file", o.adminTokenFile,
+       "every call needs an access token; the first line of this file is the admin's. SIGHUP reads it again");
+  app.add_flag("--reflection", o.reflection, "gRPC reflection although access tokens are asked for")->group("Security");
+  app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens")->group("Security");
+}
+
 /// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
 bool isLoopback(const std::string& address) {
   const std::string host = address.substr(0, address.rfind(':'));
@@ -79,11 +92,13 @@ Status check(Options& options) {
     return invalid("listen", "--listen is \"" + options.listen + "\", the form is HOST:PORT");
   }
   if (options.listen.starts_with(":")) options.listen = "127.0.0.1" + options.listen;
-  if (!isLoopback(options.listen) && !options.insecure) {
+  const bool secured = options.tls.given() && !options.adminTokenFile.empty();
+  if (!isLoopback(options.listen) && !secured && !options.insecure) {
     return invalid("listen", "--listen " + options.listen +
-                                 " is not a loopback address, and TLS and tokens are not built in this version; use "
-                                 "127.0.0.1, or --insecure on a network you trust");
+                                 " is not a loopback address: give --tls-cert, --tls-key and --admin-token-file, or "
+                                 "--insecure on a network you trust");
   }
+  if (Status s = door::check(options.tls); !s.ok()) return s;
   const Expected<DeviceChoice> choice = parseDeviceChoice(options.device);
   if (!choice) return choice.status();
   options.choice = *choice;
@@ -103,7 +118,7 @@ Parsed parse(int argc, char** argv) {
   app.add_option("--device", o.device, "auto, software, or a number from --list-devices")->capture_default_str();
   addState(app, o);
   app.add_option("--log-level", o.logLevel, "trace, debug, info, warn, error, off")->capture_default_str();
-  app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens");
+  addSecurity(app, o);
   app.add_flag("--list-devices", o.listDevices, "print what --device would use and why, then exit")
       ->configurable(false);
   app.add_flag("--print-config", o.printConfig, "print the configuration as TOML, then exit")->configurable(false);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string>
 
+#include "grpc/certificates.h"
 #include "lpv/engine.h"
 #include "session/limits.h"
 
@@ -20,6 +21,9 @@ struct Options {
   bool printConfig = false;
   bool version = false;
   bool insecure = false;
+  door::TlsFiles tls;
+  std::string adminTokenFile;  ///< given: calls need access tokens, and its first line is the admin's
+  bool reflection = false;     ///< although tokens are asked for
   Limits limits;
   DeviceChoice choice;
 };

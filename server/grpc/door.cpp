@@ -28,17 +28,14 @@ void configure(grpc::ServerBuilder& builder) {
 
 }  // namespace
 
-Expected<std::unique_ptr<Door>> Door::open(api::Context& context, const std::string& address) {
+Expected<std::unique_ptr<Door>> Door::open(api::Context& context, const DoorOptions& options) {
+  const std::string& address = options.address;
   grpc::EnableDefaultHealthCheckService(true);
-  static const bool kReflection = [] {
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    return true;
-  }();
-  (void)kReflection;
+  if (options.reflection) grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   std::unique_ptr<Door> door(new Door(context));
   grpc::ServerBuilder builder;
   configure(builder);
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &door->port_);
+  builder.AddListeningPort(address, serverCredentials(options.tls), &door->port_);
   door->services_.registerWith(builder);
   door->server_ = builder.BuildAndStart();
   if (!door->server_ || door->port_ == 0) {

@@ -7,17 +7,25 @@
 #include <string>
 
 #include "api/context.h"
+#include "grpc/certificates.h"
 #include "grpc/services.h"
 #include "scene/status.h"
 
 namespace lpv::door {
 
-/// A listening gRPC server: health and reflection on, identity encoding only, no shared ports, messages of at most
+/// Where the door is, and what it looks like.
+struct DoorOptions {
+  std::string address;      ///< "host:port", port 0 = any free one
+  TlsFiles tls;             ///< checked
+  bool reflection = true;   ///< tells anybody what can be called
+};
+
+/// A listening gRPC server: health on, identity encoding only, no shared ports, messages of at most
 /// 1 MiB (PROTOCOL.md, Doors).
 class Door {
  public:
-  /// Listens on `address` ("host:port", port 0 = any free one). UNAVAILABLE where that is not possible.
-  static Expected<std::unique_ptr<Door>> open(api::Context& context, const std::string& address);
+  /// Listens. UNAVAILABLE where that is not possible.
+  static Expected<std::unique_ptr<Door>> open(api::Context& context, const DoorOptions& options);
   ~Door();
 
   int port() const { return port_; }

@@ -18,6 +18,7 @@
 #include "api/context.h"
 #include "api/services.h"
 #include "api/stream.h"
+#include "grpc/admission.h"
 #include "grpc/status.h"
 
 namespace lpv::door {
@@ -29,10 +30,14 @@ using api::StreamPtr;
 template <typename Base, typename Request, typename Response>
 class StreamReactor final : public Base {
  public:
-  static Base* start(api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
+  static Base* start(const api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
                      Response* response) {
     auto* reactor = new StreamReactor(*context.pool, std::move(stream), response);
     reactor->self_.reset(reactor);
+    reactor->ward_ =
+        context.access->watch(context.caller, [weak = std::weak_ptr<StreamReactor>(reactor->self_)](const Status& why) {
+          if (const auto self = weak.lock()) self->expel(why);
+        });
     reactor->stream_->onWake([weak = std::weak_ptr<StreamReactor>(reactor->self_)] {
       if (const auto self = weak.lock()) self->pump();
     });
@@ -105,18 +110,29 @@ class StreamReactor final : public Base {
         const std::lock_guard lock(self->mutex_);
         self->opening_ = false;
         self->reading_ = false;
-        cancelled = self->broken_;
+        cancelled = self->broken_ || self->expelled_;
       }
       if (cancelled) self->stream_->cancelled();
       self->pump();
     });
   }
 
+  /// The token that opened the stream is no longer good.
+  void expel(const Status& why) {
+    {
+      const std::lock_guard lock(mutex_);
+      expelled_ = why;
+      if (opening_) return;
+    }
+    stream_->cancelled();
+    pump();
+  }
+
   /// Starts whatever can be started now.
   void pump() {
     const std::lock_guard lock(mutex_);
     if (finished_ || opening_) return;
-    if (!writing_ && !broken_) respond();
+    if (!writing_ && !broken_ && !expelled_) respond();
     if (!writing_) {
       if (const std::optional<Status> end = ending()) {
         finished_ = true;
@@ -144,6 +160,7 @@ class StreamReactor final : public Base {
 
   std::optional<Status> ending() {
     if (broken_) return Status(Code::kCancelled, "the client went away");
+    if (expelled_) return expelled_;
     if (answered_) return Status();
     return stream_->ended();
   }
@@ -163,58 +180,82 @@ class StreamReactor final : public Base {
   bool broken_ = false;
   bool answered_ = false;  ///< the one response is in its place
   bool finished_ = false;
+  std::optional<Status> expelled_;  ///< why, once it is
+  std::shared_ptr<void> ward_;  ///< tells when that is so
 };
+
+/// A call that is refused at the door.
+template <typename Base>
+class Refusal final : public Base {
+ public:
+  explicit Refusal(const Status& why) { this->Finish(toGrpc(why)); }
+  void OnDone() override { delete this; }
+};
+
+/// What makes a stream of the service for a caller.
+template <typename Request, typename Response>
+using MakeStream = StreamPtr<Request, Response> (*)(const api::Context&);
+
+template <typename Base, typename Request, typename Response>
+Base* admit(const api::Context& context, grpc::CallbackServerContext* call, MakeStream<Request, Response> make,
+            const Request* request, Response* response) {
+  const Expected<api::Context> admitted = admit(context, *call);
+  if (!admitted) return new Refusal<Base>(admitted.status());
+  return StreamReactor<Base, Request, Response>::start(*admitted, make(*admitted), request, response);
+}
 
 /// Both sides stream.
 template <typename Request, typename Response>
-grpc::ServerBidiReactor<Request, Response>* serve(api::Context& context, StreamPtr<Request, Response> stream) {
-  using Base = grpc::ServerBidiReactor<Request, Response>;
-  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), nullptr, nullptr);
+grpc::ServerBidiReactor<Request, Response>* serve(const api::Context& context, grpc::CallbackServerContext* call,
+                                                  MakeStream<Request, Response> make) {
+  return admit<grpc::ServerBidiReactor<Request, Response>, Request, Response>(context, call, make, nullptr, nullptr);
 }
 
 /// One question, many answers.
 template <typename Request, typename Response>
-grpc::ServerWriteReactor<Response>* serve(api::Context& context, StreamPtr<Request, Response> stream,
-                                          const Request* request) {
-  using Base = grpc::ServerWriteReactor<Response>;
-  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), request, nullptr);
+grpc::ServerWriteReactor<Response>* serve(const api::Context& context, grpc::CallbackServerContext* call,
+                                          MakeStream<Request, Response> make, const Request* request) {
+  return admit<grpc::ServerWriteReactor<Response>, Request, Response>(context, call, make, request, nullptr);
 }
 
 /// Many messages, one answer.
 template <typename Request, typename Response>
-grpc::ServerReadReactor<Request>* serve(api::Context& context, StreamPtr<Request, Response> stream,
-                                        Response* response) {
-  using Base = grpc::ServerReadReactor<Request>;
-  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), nullptr, response);
+grpc::ServerReadReactor<Request>* serve(const api::Context& context, grpc::CallbackServerContext* call,
+                                        MakeStream<Request, Response> make, Response* response) {
+  return admit<grpc::ServerReadReactor<Request>, Request, Response>(context, call, make, nullptr, response);
 }
 
 /// One question, one answer that has to be waited for.
 template <typename Request, typename Response>
-grpc::ServerUnaryReactor* serve(api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
-                                Response* response) {
-  return StreamReactor<grpc::ServerUnaryReactor, Request, Response>::start(context, std::move(stream), request,
-                                                                           response);
+grpc::ServerUnaryReactor* serve(const api::Context& context, grpc::CallbackServerContext* call,
+                                MakeStream<Request, Response> make, const Request* request, Response* response) {
+  return admit<grpc::ServerUnaryReactor, Request, Response>(context, call, make, request, response);
 }
 
-/// One question, one answer, computed by `call` on a worker thread: no reaction blocks.
+/// One question, one answer, computed by `function` on a worker thread: no reaction blocks.
 template <typename Request, typename Response>
-grpc::ServerUnaryReactor* answer(api::Context& context, grpc::CallbackServerContext* call, const Request* request,
-                                 Response* response, Status (*function)(api::Context&, const Request&, Response*)) {
+grpc::ServerUnaryReactor* answer(const api::Context& context, grpc::CallbackServerContext* call, const Request* request,
+                                 Response* response,
+                                 Status (*function)(const api::Context&, const Request&, Response*)) {
+  Expected<api::Context> admitted = admit(context, *call);
+  if (!admitted) return new Refusal<grpc::ServerUnaryReactor>(admitted.status());
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context.pool->post([&context, request, response, reactor, function] {
-    reactor->Finish(toGrpc(function(context, *request, response)));
+  context.pool->post([own = std::move(*admitted), request, response, reactor, function] {
+    reactor->Finish(toGrpc(function(own, *request, response)));
   });
   return reactor;
 }
 
-/// The same, answered when `call` says so.
+/// The same, answered when `function` says so.
 template <typename Request, typename Response>
-grpc::ServerUnaryReactor* answer(api::Context& context, grpc::CallbackServerContext* call, const Request* request,
+grpc::ServerUnaryReactor* answer(const api::Context& context, grpc::CallbackServerContext* call, const Request* request,
                                  Response* response,
-                                 void (*function)(api::Context&, const Request&, Response*, api::Done)) {
+                                 void (*function)(const api::Context&, const Request&, Response*, api::Done)) {
+  Expected<api::Context> admitted = admit(context, *call);
+  if (!admitted) return new Refusal<grpc::ServerUnaryReactor>(admitted.status());
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context.pool->post([&context, request, response, reactor, function] {
-    function(context, *request, response, [reactor](const Status& status) { reactor->Finish(toGrpc(status)); });
+  context.pool->post([own = std::move(*admitted), request, response, reactor, function] {
+    function(own, *request, response, [reactor](const Status& status) { reactor->Finish(toGrpc(status)); });
   });
   return reactor;
 }

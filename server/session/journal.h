@@ -55,6 +55,9 @@ class Journal {
   virtual Position setEpoch(const std::string& session, std::uint64_t epoch) = 0;
   virtual Position touch(const std::string& session, std::chrono::system_clock::time_point used) = 0;
   virtual Position remove(const std::string& session) = 0;
+  /// Goes with its session, or with dropToken.
+  virtual Position keepToken(const AccessToken& token) = 0;
+  virtual Position dropToken(const std::string& tokenId) = 0;
   /// Calls `kept` once, with ok when everything up to there is kept, or with why that is not known.
   virtual void whenKept(Position position, std::function<void(const Status&)> kept) = 0;
   /// Waits for what was given so far. Not under a lock.
@@ -62,6 +65,7 @@ class Journal {
 
   // Reading; may take as long as the disk does. A session's geometry is parsed and checked like an upload's.
   virtual Expected<std::vector<KeptSession>> kept() = 0;
+  virtual Expected<std::vector<AccessToken>> tokens() = 0;
   virtual Expected<SavedSession> load(const std::string& session) = 0;
   virtual Expected<SessionSummary> summary(const std::string& session) = 0;
   /// At least the highest epoch of any session that was ever kept here.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/error_goal.h"
+#include "session/access.h"
 
 namespace lpv {
 namespace {
@@ -179,6 +180,7 @@ void Registry::remove(const std::string& id, std::function<void(const Status&)> 
     gone = workshop_.journal->remove(id);
     kept_.erase(id);
     moving_.erase(id);
+    if (workshop_.access) workshop_.access->forget(id);
   }
   moved_.notify_all();
   workshop_.journal->whenKept(gone, std::move(done));

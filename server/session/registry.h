@@ -41,6 +41,10 @@ class Registry {
   /// All of them, in order of id. What cannot be read now is left out.
   std::vector<SessionSummary> summaries();
 
+  /// Calls `kept` when the journal has everything up to `position`, or with why that is not known.
+  void whenKept(Position position, std::function<void(const Status&)> kept) const {
+    workshop_.journal->whenKept(position, std::move(kept));
+  }
   Durability durability() const { return workshop_.journal->durability(); }
 
   /// Refuses new sessions and ends every stream with a notice.

@@ -27,6 +27,8 @@
 
 namespace lpv {
 
+class Access;
+
 /// Counters of the whole server, for stats and metrics.
 struct Counters {
   std::atomic<std::int64_t> ticks{0};
@@ -46,6 +48,7 @@ struct Workshop {
   Counters* counters = nullptr;
   MeshHasher hasher;
   Journal* journal = nullptr;
+  Access* access = nullptr;  ///< told of sessions that are gone; may be null
 };
 
 /// A session that shows frames alone has a volume made for its check this many times less often.

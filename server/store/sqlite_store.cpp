@@ -86,6 +86,14 @@ Position SqliteStore::remove(const std::string& session) {
   });
 }
 
+Position SqliteStore::keepToken(const Token& token) {
+  return push(token.session, [token](Tables& tables, LogSize*) { return tables.keepToken(token); });
+}
+
+Position SqliteStore::dropToken(const std::string& tokenId) {
+  return push({}, [tokenId](Tables& tables, LogSize*) { return tables.dropToken(tokenId); });
+}
+
 void SqliteStore::whenKept(Position position, Kept kept) {
   Status status;
   {
@@ -200,6 +208,12 @@ Expected<std::vector<Head>> SqliteStore::heads() {
   if (Status s = flush(); !s.ok()) return s;
   const std::lock_guard lock(readMutex_);
   return reading_->heads();
+}
+
+Expected<std::vector<Token>> SqliteStore::tokens() {
+  if (Status s = flush(); !s.ok()) return s;
+  const std::lock_guard lock(readMutex_);
+  return reading_->tokens();
 }
 
 Expected<Loaded> SqliteStore::load(const std::string& session, bool withContents) {

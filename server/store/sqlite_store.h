@@ -45,9 +45,12 @@ class SqliteStore final : public Store {
   Position setEpoch(const std::string& session, std::uint64_t epoch) override;
   Position touch(const std::string& session, std::chrono::system_clock::time_point used) override;
   Position remove(const std::string& session) override;
+  Position keepToken(const Token& token) override;
+  Position dropToken(const std::string& tokenId) override;
   void whenKept(Position position, Kept kept) override;
   Status flush() override;
   Expected<std::vector<Head>> heads() override;
+  Expected<std::vector<Token>> tokens() override;
   Expected<Loaded> load(const std::string& session, bool withContents) override;
   std::uint64_t highestEpoch() override { return highestEpoch_; }
 

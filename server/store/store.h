@@ -43,6 +43,15 @@ struct Head {
   std::chrono::seconds ttl{0};  ///< 0: never expires
 };
 
+/// An access token: its session, what it allows, and SHA-256 of its text.
+struct Token {
+  std::string id;
+  std::string session;
+  lpv::v1::Role role = lpv::v1::ROLE_UNSPECIFIED;
+  std::string hash;
+  std::chrono::system_clock::time_point expires;
+};
+
 /// A session as it is kept, its log folded into its snapshot.
 struct Loaded {
   Head head;
@@ -87,7 +96,9 @@ class Store {
   virtual Position append(const std::string& session, MakeStep step) = 0;
   virtual Position setEpoch(const std::string& session, std::uint64_t epoch) = 0;
   virtual Position touch(const std::string& session, std::chrono::system_clock::time_point used) = 0;
-  virtual Position remove(const std::string& session) = 0;
+  virtual Position remove(const std::string& session) = 0;  ///< its tokens too
+  virtual Position keepToken(const Token& token) = 0;
+  virtual Position dropToken(const std::string& tokenId) = 0;
 
   /// Calls `kept` once: at once where `position` is kept or the store is failing, else on the store's executor.
   virtual void whenKept(Position position, Kept kept) = 0;
@@ -97,6 +108,7 @@ class Store {
 
   // Reading: waits for the changes given so far.
   virtual Expected<std::vector<Head>> heads() = 0;
+  virtual Expected<std::vector<Token>> tokens() = 0;
   /// NOT_FOUND; DATA_LOSS where what is kept cannot be read as what was written.
   virtual Expected<Loaded> load(const std::string& session, bool withContents) = 0;
   /// At least the highest epoch that any session ever had here; 0 for none.
@@ -113,9 +125,12 @@ class MemoryStore final : public Store {
   Position setEpoch(const std::string&, std::uint64_t) override { return 0; }
   Position touch(const std::string&, std::chrono::system_clock::time_point) override { return 0; }
   Position remove(const std::string&) override { return 0; }
+  Position keepToken(const Token&) override { return 0; }
+  Position dropToken(const std::string&) override { return 0; }
   void whenKept(Position, Kept kept) override { kept({}); }
   Status flush() override { return {}; }
   Expected<std::vector<Head>> heads() override { return std::vector<Head>(); }
+  Expected<std::vector<Token>> tokens() override { return std::vector<Token>(); }
   Expected<Loaded> load(const std::string& session, bool) override {
     return Status(Code::kNotFound, "there is no session \"" + session + "\"; this server keeps none on disk",
                   "session");

@@ -25,6 +25,13 @@ constexpr const char* kSchema[] = {
     "INSERT INTO epochs VALUES (0)",
 };
 
+/// What came after the first databases of this schema version: a database without them has none of what they hold.
+constexpr const char* kAdded[] = {
+    "CREATE TABLE IF NOT EXISTS tokens (id TEXT PRIMARY KEY, session TEXT NOT NULL, role INTEGER NOT NULL,"
+    " hash TEXT NOT NULL, expires INTEGER NOT NULL) WITHOUT ROWID",
+    "CREATE INDEX IF NOT EXISTS tokens_of ON tokens (session)",
+};
+
 std::int64_t seconds(std::chrono::system_clock::time_point t) {
   return std::chrono::duration_cast<std::chrono::seconds>(t.time_since_epoch()).count();
 }
@@ -71,7 +78,11 @@ Status Tables::prepare() {
   if (Status s = database_->run("PRAGMA journal_mode = WAL"); !s.ok()) return s;
   if (Status s = database_->run("PRAGMA synchronous = FULL"); !s.ok()) return s;
   if (Status s = database_->run("PRAGMA journal_size_limit = 67108864"); !s.ok()) return s;
-  return isNew ? makeSchema() : Status();
+  Status status = isNew ? makeSchema() : Status();
+  for (const char* sql : kAdded) {
+    if (status.ok()) status = database_->run(sql);
+  }
+  return status;
 }
 
 Status Tables::makeSchema() {
@@ -145,10 +156,20 @@ Status Tables::remove(const std::string& session) {
       " (SELECT 1 FROM holds WHERE holds.hash = contents.hash AND session <> ?1)",
       session);
   for (const char* sql : {"DELETE FROM holds WHERE session = ?", "DELETE FROM log WHERE session = ?",
-                          "DELETE FROM snapshots WHERE session = ?", "DELETE FROM sessions WHERE id = ?"}) {
+                          "DELETE FROM snapshots WHERE session = ?", "DELETE FROM tokens WHERE session = ?",
+                          "DELETE FROM sessions WHERE id = ?"}) {
     if (s.ok()) s = database_->run(sql, session);
   }
   return s;
+}
+
+Status Tables::keepToken(const Token& token) {
+  return database_->run("INSERT INTO tokens SELECT ?, ?, ?, ?, ? WHERE EXISTS (SELECT 1 FROM sessions WHERE id = ?2)",
+                        token.id, token.session, std::int64_t(token.role), token.hash, seconds(token.expires));
+}
+
+Status Tables::dropToken(const std::string& tokenId) {
+  return database_->run("DELETE FROM tokens WHERE id = ?", tokenId);
 }
 
 Status Tables::compact(const std::string& session) {
@@ -218,6 +239,18 @@ Expected<std::vector<Head>> Tables::heads() {
     if (!*row) return out;
     out.push_back({rows.bytes(0), std::uint64_t(rows.integer(1)), rows.bytes(2), timeOf(rows.integer(3)),
                    timeOf(rows.integer(4)), std::chrono::seconds(rows.integer(5))});
+  }
+}
+
+Expected<std::vector<Token>> Tables::tokens() {
+  std::vector<Token> out;
+  Statement rows = database_->query("SELECT id, session, role, hash, expires FROM tokens ORDER BY id");
+  while (true) {
+    const Expected<bool> row = rows.step();
+    if (!row) return row.status();
+    if (!*row) return out;
+    out.push_back(
+        {rows.bytes(0), rows.bytes(1), lpv::v1::Role(rows.integer(2)), rows.bytes(3), timeOf(rows.integer(4))});
   }
 }
 

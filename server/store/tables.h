@@ -16,7 +16,7 @@ struct LogSize {
 };
 
 /// sessions (one row each), snapshots (sealed), log (sealed records in order), contents (bytes by hash, once),
-/// holds (which session needs which content).
+/// holds (which session needs which content), tokens (who may use which session).
 class Tables {
  public:
   /// Opens or makes the database. FAILED_PRECONDITION for a newer schema, DATA_LOSS for a file that is none.
@@ -33,10 +33,14 @@ class Tables {
   Status setEpoch(const std::string& session, std::uint64_t epoch);
   Status touch(const std::string& session, std::int64_t usedSeconds);
   Status remove(const std::string& session);
+  /// Of a session that is there; else nothing is done.
+  Status keepToken(const Token& token);
+  Status dropToken(const std::string& tokenId);
   /// Folds the log into the snapshot and lets go of contents that nothing needs any more.
   Status compact(const std::string& session);
 
   Expected<std::vector<Head>> heads();
+  Expected<std::vector<Token>> tokens();
   Expected<Loaded> load(const std::string& session, bool withContents);
   Expected<std::map<std::string, LogSize>> logSizes();
   Expected<std::int64_t> highestEpoch();
