@@ -18,7 +18,7 @@
 #include "api/context.h"
 #include "api/services.h"
 #include "api/stream.h"
-#include "grpc/status.h"
+#include "grpc/record.h"
 
 namespace lpv::door {
 
@@ -29,9 +29,9 @@ using api::StreamPtr;
 template <typename Base, typename Request, typename Response>
 class StreamReactor final : public Base {
  public:
-  static Base* start(api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
-                     Response* response) {
-    auto* reactor = new StreamReactor(*context.pool, std::move(stream), response);
+  static Base* start(api::Context& context, grpc::CallbackServerContext* call, StreamPtr<Request, Response> stream,
+                     const Request* request, Response* response) {
+    auto* reactor = new StreamReactor(context, contextOf(*call, {}), std::move(stream), response);
     reactor->self_.reset(reactor);
     reactor->stream_->onWake([weak = std::weak_ptr<StreamReactor>(reactor->self_)] {
       if (const auto self = weak.lock()) self->pump();
@@ -88,8 +88,11 @@ class StreamReactor final : public Base {
   static constexpr bool kReads = requires(Base& base, Request* request) { base.StartRead(request); };
   static constexpr bool kWrites = requires(Base& base, const Response* response) { base.StartWrite(response); };
 
-  StreamReactor(WorkerPool& pool, StreamPtr<Request, Response> stream, Response* response)
-      : pool_(pool), stream_(std::move(stream)), response_(response ? response : &ownResponse_) {}
+  StreamReactor(api::Context& context, ops::LogContext who, StreamPtr<Request, Response> stream, Response* response)
+      : context_(context),
+        who_(std::move(who)),
+        stream_(std::move(stream)),
+        response_(response ? response : &ownResponse_) {}
 
   /// Hands the first message to a worker.
   void open(Request request) {
@@ -97,8 +100,10 @@ class StreamReactor final : public Base {
     {
       const std::lock_guard lock(mutex_);
       opening_ = true;
+      who_.session = shortId(sessionIn(request));
     }
-    pool_.post([self = self_, request = std::move(request)]() mutable {
+    context_.pool->post([self = self_, who = who_, request = std::move(request)]() mutable {
+      const ops::LogScope scope(std::move(who));
       self->stream_->receive(std::move(request));
       bool cancelled = false;
       {
@@ -120,7 +125,8 @@ class StreamReactor final : public Base {
     if (!writing_) {
       if (const std::optional<Status> end = ending()) {
         finished_ = true;
-        this->Finish(toGrpc(*end));
+        const ops::LogScope scope(who_);
+        this->Finish(recorded<Request>(context_, *response_, *end, written_));
         return;
       }
     }
@@ -135,7 +141,7 @@ class StreamReactor final : public Base {
     response_->Clear();
     if (!stream_->next(response_)) return;
     if constexpr (kWrites) {
-      writing_ = true;
+      writing_ = written_ = true;
       this->StartWrite(response_);
     } else {
       answered_ = true;
@@ -148,7 +154,8 @@ class StreamReactor final : public Base {
     return stream_->ended();
   }
 
-  WorkerPool& pool_;
+  api::Context& context_;
+  ops::LogContext who_;
   StreamPtr<Request, Response> stream_;
   std::shared_ptr<StreamReactor> self_;
   std::mutex mutex_;
@@ -159,6 +166,7 @@ class StreamReactor final : public Base {
   bool opening_ = false;  ///< a worker has it
   bool reading_ = false;
   bool writing_ = false;
+  bool written_ = false;  ///< something
   bool inputEnded_ = false;
   bool broken_ = false;
   bool answered_ = false;  ///< the one response is in its place
@@ -167,32 +175,33 @@ class StreamReactor final : public Base {
 
 /// Both sides stream.
 template <typename Request, typename Response>
-grpc::ServerBidiReactor<Request, Response>* serve(api::Context& context, StreamPtr<Request, Response> stream) {
+grpc::ServerBidiReactor<Request, Response>* serve(api::Context& context, grpc::CallbackServerContext* call,
+                                                  StreamPtr<Request, Response> stream) {
   using Base = grpc::ServerBidiReactor<Request, Response>;
-  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), nullptr, nullptr);
+  return StreamReactor<Base, Request, Response>::start(context, call, std::move(stream), nullptr, nullptr);
 }
 
 /// One question, many answers.
 template <typename Request, typename Response>
-grpc::ServerWriteReactor<Response>* serve(api::Context& context, StreamPtr<Request, Response> stream,
-                                          const Request* request) {
+grpc::ServerWriteReactor<Response>* serve(api::Context& context, grpc::CallbackServerContext* call,
+                                          StreamPtr<Request, Response> stream, const Request* request) {
   using Base = grpc::ServerWriteReactor<Response>;
-  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), request, nullptr);
+  return StreamReactor<Base, Request, Response>::start(context, call, std::move(stream), request, nullptr);
 }
 
 /// Many messages, one answer.
 template <typename Request, typename Response>
-grpc::ServerReadReactor<Request>* serve(api::Context& context, StreamPtr<Request, Response> stream,
-                                        Response* response) {
+grpc::ServerReadReactor<Request>* serve(api::Context& context, grpc::CallbackServerContext* call,
+                                        StreamPtr<Request, Response> stream, Response* response) {
   using Base = grpc::ServerReadReactor<Request>;
-  return StreamReactor<Base, Request, Response>::start(context, std::move(stream), nullptr, response);
+  return StreamReactor<Base, Request, Response>::start(context, call, std::move(stream), nullptr, response);
 }
 
 /// One question, one answer that has to be waited for.
 template <typename Request, typename Response>
-grpc::ServerUnaryReactor* serve(api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
-                                Response* response) {
-  return StreamReactor<grpc::ServerUnaryReactor, Request, Response>::start(context, std::move(stream), request,
+grpc::ServerUnaryReactor* serve(api::Context& context, grpc::CallbackServerContext* call,
+                                StreamPtr<Request, Response> stream, const Request* request, Response* response) {
+  return StreamReactor<grpc::ServerUnaryReactor, Request, Response>::start(context, call, std::move(stream), request,
                                                                            response);
 }
 
@@ -201,8 +210,9 @@ template <typename Request, typename Response>
 grpc::ServerUnaryReactor* answer(api::Context& context, grpc::CallbackServerContext* call, const Request* request,
                                  Response* response, Status (*function)(api::Context&, const Request&, Response*)) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context.pool->post([&context, request, response, reactor, function] {
-    reactor->Finish(toGrpc(function(context, *request, response)));
+  context.pool->post([&context, call, request, response, reactor, function] {
+    const ops::LogScope scope(contextOf(*call, sessionIn(*request)));
+    reactor->Finish(recorded<Request>(context, *response, function(context, *request, response)));
   });
   return reactor;
 }
@@ -213,8 +223,13 @@ grpc::ServerUnaryReactor* answer(api::Context& context, grpc::CallbackServerCont
                                  Response* response,
                                  void (*function)(api::Context&, const Request&, Response*, api::Done)) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context.pool->post([&context, request, response, reactor, function] {
-    function(context, *request, response, [reactor](const Status& status) { reactor->Finish(toGrpc(status)); });
+  context.pool->post([&context, call, request, response, reactor, function] {
+    const ops::LogContext who = contextOf(*call, sessionIn(*request));
+    const ops::LogScope scope(who);
+    function(context, *request, response, [&context, who, response, reactor](const Status& status) {
+      const ops::LogScope ending(who);
+      reactor->Finish(recorded<Request>(context, *response, status));
+    });
   });
   return reactor;
 }

@@ -85,13 +85,13 @@ class SessionDoor final : public pb::SessionService::CallbackService {
   grpc::ServerUnaryReactor* RevokeToken(Call* call, const pb::RevokeTokenRequest*, pb::RevokeTokenResponse*) override {
     return later(call, "sharing by token");
   }
-  grpc::ServerWriteReactor<pb::ExportSessionResponse>* ExportSession(Call*,
+  grpc::ServerWriteReactor<pb::ExportSessionResponse>* ExportSession(Call* call,
                                                                      const pb::ExportSessionRequest* request) override {
-    return serve(context_, api::exportSession(context_), request);
+    return serve(context_, call, api::exportSession(context_), request);
   }
-  grpc::ServerReadReactor<pb::ImportSessionRequest>* ImportSession(Call*,
+  grpc::ServerReadReactor<pb::ImportSessionRequest>* ImportSession(Call* call,
                                                                    pb::ImportSessionResponse* response) override {
-    return serve(context_, api::importSession(context_), response);
+    return serve(context_, call, api::importSession(context_), response);
   }
 
  private:
@@ -106,11 +106,11 @@ class BlobDoor final : public pb::BlobService::CallbackService {
                                       pb::FindBlobsResponse* response) override {
     return answer(context_, call, request, response, api::findBlobs);
   }
-  grpc::ServerReadReactor<pb::UploadBlobRequest>* UploadBlob(Call*, pb::UploadBlobResponse* response) override {
-    return serve(context_, api::uploadBlob(context_), response);
+  grpc::ServerReadReactor<pb::UploadBlobRequest>* UploadBlob(Call* call, pb::UploadBlobResponse* response) override {
+    return serve(context_, call, api::uploadBlob(context_), response);
   }
-  grpc::ServerWriteReactor<pb::ReadBlobResponse>* ReadBlob(Call*, const pb::ReadBlobRequest* request) override {
-    return serve(context_, api::readBlob(context_), request);
+  grpc::ServerWriteReactor<pb::ReadBlobResponse>* ReadBlob(Call* call, const pb::ReadBlobRequest* request) override {
+    return serve(context_, call, api::readBlob(context_), request);
   }
 
  private:
@@ -137,11 +137,12 @@ class SceneDoor final : public pb::SceneService::CallbackService {
                                         pb::ListCamerasResponse* response) override {
     return answer(context_, call, request, response, api::listCameras);
   }
-  grpc::ServerBidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>* StreamEdits(Call*) override {
-    return serve(context_, api::streamEdits(context_));
+  grpc::ServerBidiReactor<pb::StreamEditsRequest, pb::StreamEditsResponse>* StreamEdits(Call* call) override {
+    return serve(context_, call, api::streamEdits(context_));
   }
-  grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Call*, const pb::WatchSceneRequest* request) override {
-    return serve(context_, api::watchScene(context_), request);
+  grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Call* call,
+                                                               const pb::WatchSceneRequest* request) override {
+    return serve(context_, call, api::watchScene(context_), request);
   }
   grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest*, pb::UndoResponse*) override {
     return later(call, "undo");
@@ -158,35 +159,35 @@ class ResultDoor final : public pb::ResultService::CallbackService {
  public:
   explicit ResultDoor(api::Context& context) : context_(context) {}
 
-  grpc::ServerWriteReactor<pb::WatchVolumeResponse>* WatchVolume(Call*,
+  grpc::ServerWriteReactor<pb::WatchVolumeResponse>* WatchVolume(Call* call,
                                                                  const pb::WatchVolumeRequest* request) override {
-    return serve(context_, api::watchVolume(context_), request);
+    return serve(context_, call, api::watchVolume(context_), request);
   }
-  grpc::ServerBidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>* StreamVolume(Call*) override {
-    return serve(context_, api::streamVolume(context_));
+  grpc::ServerBidiReactor<pb::StreamVolumeRequest, pb::StreamVolumeResponse>* StreamVolume(Call* call) override {
+    return serve(context_, call, api::streamVolume(context_));
   }
-  grpc::ServerWriteReactor<pb::WatchFramesResponse>* WatchFrames(Call*,
+  grpc::ServerWriteReactor<pb::WatchFramesResponse>* WatchFrames(Call* call,
                                                                  const pb::WatchFramesRequest* request) override {
-    return serve(context_, api::watchFrames(context_), request);
+    return serve(context_, call, api::watchFrames(context_), request);
   }
-  grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* StreamFrames(Call*) override {
-    return serve(context_, api::streamFrames(context_));
+  grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* StreamFrames(Call* call) override {
+    return serve(context_, call, api::streamFrames(context_));
   }
   grpc::ServerUnaryReactor* UpdateSubscription(Call* call, const pb::UpdateSubscriptionRequest* request,
                                                pb::UpdateSubscriptionResponse* response) override {
     return answer(context_, call, request, response, api::updateSubscription);
   }
-  grpc::ServerWriteReactor<pb::GetVolumeResponse>* GetVolume(Call*, const pb::GetVolumeRequest* request) override {
-    return serve(context_, api::getVolume(context_), request);
+  grpc::ServerWriteReactor<pb::GetVolumeResponse>* GetVolume(Call* call, const pb::GetVolumeRequest* request) override {
+    return serve(context_, call, api::getVolume(context_), request);
   }
-  grpc::ServerWriteReactor<pb::GetFrameResponse>* GetFrame(Call*, const pb::GetFrameRequest* request) override {
-    return serve(context_, api::getFrame(context_), request);
+  grpc::ServerWriteReactor<pb::GetFrameResponse>* GetFrame(Call* call, const pb::GetFrameRequest* request) override {
+    return serve(context_, call, api::getFrame(context_), request);
   }
-  grpc::ServerUnaryReactor* Probe(Call*, const pb::ProbeRequest* request, pb::ProbeResponse* response) override {
-    return serve(context_, api::probe(context_), request, response);
+  grpc::ServerUnaryReactor* Probe(Call* call, const pb::ProbeRequest* request, pb::ProbeResponse* response) override {
+    return serve(context_, call, api::probe(context_), request, response);
   }
-  grpc::ServerBidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>* StreamProbe(Call*) override {
-    return serve(context_, api::streamProbe(context_));
+  grpc::ServerBidiReactor<pb::StreamProbeRequest, pb::StreamProbeResponse>* StreamProbe(Call* call) override {
+    return serve(context_, call, api::streamProbe(context_));
   }
   grpc::ServerUnaryReactor* Pick(Call* call, const pb::PickRequest* request, pb::PickResponse* response) override {
     return answer(context_, call, request, response, api::pick);
