@@ -4,6 +4,7 @@
 
 #include "api/convert_session.h"
 #include "api/services.h"
+#include "ops/log_scope.h"
 
 namespace lpv::api {
 
@@ -45,16 +46,19 @@ bool Feed<Event>::next(Event* event) {
 }
 
 template <typename Event>
-void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts, std::int64_t bytes) {
+void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts, SentAs as, std::int64_t bytes) {
   std::function<void()> wake;
   {
     const std::lock_guard lock(mutex_);
-    if (resultId < newest_) return;  // its credit comes back with the later one's acknowledgement
+    if (resultId < newest_) {  // its credit comes back with the later one's acknowledgement
+      ++context_.counters->resultsCoalesced;
+      return;
+    }
     newest_ = resultId;
     results_.push_back(std::move(parts));
     wake = wake_;
   }
-  context_.counters->resultBytesSent += bytes;
+  context_.counters->countSent(as, bytes);
   if (wake) wake();
 }
 
@@ -88,12 +92,13 @@ void VolumeFeed::offer(const Result& result) {
         *event->mutable_part() = std::move(part);
         return true;
       },
-      parts->bytes());
+      sentAs(order_.format), parts->bytes());
 }
 
 void FrameFeed::offer(const Result& result) {
   Expected<std::string> file = encodeFrame(*result.frame, format_, quality_);
   if (!file) {
+    const ops::LogScope scope({session()->id(), {}, {}});
     spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());
     close(Closing::kDraining);
     return;
@@ -107,7 +112,7 @@ void FrameFeed::offer(const Result& result) {
         *event->mutable_part() = std::move(part);
         return true;
       },
-      parts->bytes());
+      sentAs(format_), parts->bytes());
 }
 
 Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& in,

@@ -35,7 +35,7 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
 
  protected:
   /// Adds the messages of a finished result, unless a later one was encoded before it.
-  void push(std::uint64_t resultId, std::function<bool(Event*)> parts, std::int64_t bytes);
+  void push(std::uint64_t resultId, std::function<bool(Event*)> parts, SentAs as, std::int64_t bytes);
   const Context context_;
 
  private:

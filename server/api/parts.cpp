@@ -132,6 +132,23 @@ pb::VolumeFormat toProto(wire::Format format) {
   return pb::VOLUME_FORMAT_UNSPECIFIED;
 }
 
+SentAs sentAs(wire::Format format) {
+  switch (format) {
+    case wire::Format::kHalf:
+      return SentAs::kVolumeHalf;
+    case wire::Format::kFloat:
+      return SentAs::kVolumeFloat;
+    case wire::Format::kCompact:
+      break;
+  }
+  return SentAs::kVolumeCompact;
+}
+
+SentAs sentAs(pb::FrameFormat format) {
+  if (format == pb::FRAME_FORMAT_PNG) return SentAs::kFramePng;
+  return format == pb::FRAME_FORMAT_EXR ? SentAs::kFrameExr : SentAs::kFrameJpeg;
+}
+
 pb::PayloadCompression toProto(wire::Compression compression) {
   return compression == wire::Compression::kZstd ? pb::PAYLOAD_COMPRESSION_ZSTD : pb::PAYLOAD_COMPRESSION_NONE;
 }

@@ -71,6 +71,9 @@ class FrameParts {
 void toProto(const ResultMeta& meta, pb::ResultInfo* out);
 
 pb::VolumeFormat toProto(wire::Format format);
+/// What a result of that format is counted as.
+SentAs sentAs(wire::Format format);
+SentAs sentAs(pb::FrameFormat format);
 pb::PayloadCompression toProto(wire::Compression compression);
 
 }  // namespace lpv::api

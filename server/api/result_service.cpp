@@ -98,7 +98,7 @@ class VolumeAnswer final : public Answer<pb::GetVolumeRequest, pb::GetVolumeResp
   Expected<Parts> parts(const Result& result) override {
     const auto parts =
         std::make_shared<VolumeParts>(result, order_, volumeEncodings().get(result.volume, order_, *context_.counters));
-    context_.counters->resultBytesSent += parts->bytes();
+    context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }
 
@@ -124,7 +124,7 @@ class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameRespons
     Expected<std::string> file = encodeFrame(*result.frame, order_.format, order_.quality);
     if (!file) return file.status();
     const auto parts = std::make_shared<FrameParts>(result, order_.format, std::move(*file));
-    context_.counters->resultBytesSent += parts->bytes();
+    context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetFrameResponse* response) { return parts->next(response->mutable_part()); });
   }
 

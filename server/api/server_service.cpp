@@ -1,11 +1,9 @@
-#include <unistd.h>
-
 #include <algorithm>
-#include <fstream>
 #include <optional>
 
 #include "api/convert_session.h"
 #include "api/services.h"
+#include "ops/process.h"
 
 namespace lpv::api {
 namespace {
@@ -61,15 +59,6 @@ void limitsToProto(const Limits& in, pb::Limits* out) {
   out->mutable_upload_idle()->set_seconds(in.uploadIdle.count());
 }
 
-/// Resident memory, bytes; 0 where the system does not tell.
-std::int64_t residentBytes() {
-  std::ifstream statm("/proc/self/statm");
-  std::int64_t total = 0;
-  std::int64_t resident = 0;
-  if (!(statm >> total >> resident)) return 0;
-  return resident * sysconf(_SC_PAGESIZE);
-}
-
 }  // namespace
 
 Status getServerInfo(const Context& context, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse* response) {
@@ -106,13 +95,13 @@ Status getStats(const Context& context, const pb::GetStatsRequest&, pb::GetStats
   response->set_subscribers(int(subscribers));
   response->set_ticks(context.counters->ticks);
   response->set_results_sent(context.counters->resultsSent);
-  response->set_result_bytes_sent(context.counters->resultBytesSent);
+  response->set_result_bytes_sent(context.counters->resultBytesSent());
   response->set_volumes_encoded(context.counters->volumesEncoded);
   response->set_edits_accepted(context.counters->editsAccepted);
-  response->set_edits_rejected(context.counters->editsRejected);
+  response->set_edits_rejected(context.counters->editsRejected.total());
   response->set_blobs(blobs);
   response->set_blob_bytes(blobBytes);
-  response->set_resident_bytes(residentBytes());
+  response->set_resident_bytes(ops::processUse().residentBytes);
   if (worst) response->set_worst_measured_error(*worst);
   const auto uptime = std::chrono::system_clock::now() - context.started;
   response->mutable_uptime()->set_seconds(std::chrono::duration_cast<std::chrono::seconds>(uptime).count());

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -15,10 +14,16 @@
 #include "api/context.h"
 #include "api/store_journal.h"
 #include "app/options.h"
+#include "app/signals.h"
 #include "app/version.h"
 #include "grpc/door.h"
 #include "lpv/engine.h"
+#include "ops/audit.h"
+#include "ops/endpoint.h"
+#include "ops/health.h"
 #include "ops/log.h"
+#include "ops/log_scope.h"
+#include "ops/metrics.h"
 #include "session/access.h"
 #include "session/registry.h"
 #include "store/sqlite_store.h"
@@ -31,29 +36,17 @@ constexpr std::chrono::seconds kShutdownPatience{5};
 /// threshold with the first large one and keeps what the later ones held: 24 MB after a few uploads that broke off.
 constexpr int kMappedFrom = 1024 * 1024;
 
-/// Signals are waited for, never handled: blocked here, before any thread starts.
-sigset_t blockSignals() {
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is an error of that write
-  return set;
-}
-
 /// Written beside and renamed, so that a reader never sees half a number.
-Status writePortFile(const std::string& path, int port) {
+Status writePortFile(const char* flag, const std::string& path, int port) {
   if (path.empty()) return {};
   const std::string partial = path + ".part";
   {
     std::ofstream file(partial);
     file << port << "\n";
-    if (!file.flush()) return Status(Code::kUnavailable, "cannot write --port-file " + path, "port-file");
+    if (!file.flush()) return Status(Code::kUnavailable, std::string("cannot write ") + flag + " " + path);
   }
   if (std::rename(partial.c_str(), path.c_str()) == 0) return {};
-  return Status(Code::kUnavailable, "cannot write --port-file " + path, "port-file");
+  return Status(Code::kUnavailable, std::string("cannot write ") + flag + " " + path);
 }
 
 int fail(const Status& status) {
@@ -62,11 +55,15 @@ int fail(const Status& status) {
 }
 
 /// Where sessions are kept.
-Expected<std::unique_ptr<store::Store>> openStore(const Options& options, WorkerPool& pool) {
+Expected<std::unique_ptr<store::Store>> openStore(const Options& options, WorkerPool& pool, Counters& counters) {
   if (options.stateDir.empty()) return std::unique_ptr<store::Store>(std::make_unique<store::MemoryStore>());
   store::SqliteOptions sqlite;
   sqlite.directory = options.stateDir;
   sqlite.executor = [&pool](std::function<void()> call) { pool.post(std::move(call)); };
+  sqlite.onCommit = [&counters](std::chrono::duration<double> took, bool committed) {
+    counters.storeCommitSeconds.observe(took.count());
+    if (!committed) ++counters.storeFailures;
+  };
   sqlite.onChange = [](const Status& status) {
     if (status.ok()) {
       spdlog::info("the state directory can be written again; nothing was lost");
@@ -92,21 +89,75 @@ Status readAdminToken(const Options& options, Access& access) {
   return access.require(token);
 }
 
-int serve(const Options& options, const sigset_t& signals) {
-  // Whoever waits for the file must not find the port of an earlier run.
-  if (!options.portFile.empty()) std::remove(options.portFile.c_str());
+/// What happened to a session that nobody asked for.
+void tell(Incident incident, const std::string& session, const std::string& why) {
+  const ops::LogScope scope({session, {}, {}});
+  switch (incident) {
+    case Incident::kExpired:
+      return ops::audit("expire", {{"why", "ttl"}});
+    case Incident::kForgotten:
+      return ops::audit("expire", {{"why", "retain"}});
+    case Incident::kPutAway:
+      return spdlog::info("idle: put away, on disk only");
+    case Incident::kTickFailed:
+      return spdlog::error("a tick failed: {}", why);
+  }
+}
+
+/// The endpoint of --ops-listen; null where it is not wanted.
+Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const ops::Health& health) {
+  if (options.opsListen.empty()) return std::unique_ptr<ops::Endpoint>();
+  Expected<std::unique_ptr<ops::Endpoint>> endpoint = ops::Endpoint::open(options.opsListen, health);
+  if (!endpoint) return endpoint;
+  if (Status s = writePortFile("--ops-port-file", options.opsPortFile, (*endpoint)->port()); !s.ok()) return s;
+  spdlog::info("/live, /ready and /metrics on {} (port {})", options.opsListen, (*endpoint)->port());
+  return endpoint;
+}
+
+void publish(ops::Endpoint& endpoint, const api::Context& context, const Workshop& workshop,
+             const store::Store& store) {
+  ops::MetricSources sources;
+  sources.counters = context.counters;
+  sources.registry = context.registry;
+  sources.journal = workshop.journal;
+  sources.storeQueue = [&store] { return store.queued(); };
+  sources.device = context.device;
+  sources.version = context.version;
+  sources.started = context.started;
+  endpoint.publish([sources] { return ops::renderMetrics(sources); });
+}
+
+/// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
+/// is kept, and before the first stream has its notice: who has that, and asks, must not be sent here again.
+void drain(Registry& registry, door::Door& door, ops::Health& health) {
+  if (const Status kept = registry.freeze(); !kept.ok()) spdlog::error("while draining: {}", kept.message());
+  health.stopServing();
+  door.stopServing();
+  registry.drain();
+  door.shutdown(kShutdownPatience);
+}
+
+int serve(const Options& options, Signals& signals) {
+  // Whoever waits for the files must not find the ports of an earlier run.
+  for (const std::string& file : {options.portFile, options.opsPortFile}) {
+    if (!file.empty()) std::remove(file.c_str());
+  }
   Counters counters;
+  ops::Health health(counters);
+  Expected<std::unique_ptr<ops::Endpoint>> early = openOps(options, health);
+  if (!early) return fail(early.status());
   Timers timers;
   WorkerPool pool(std::max(2U, std::thread::hardware_concurrency()));
   Expected<std::unique_ptr<Engine>> engine = startEngine(options.choice);
   if (!engine) return fail(engine.status());
-  Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool);
+  Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool, counters);
   if (!opened) return fail(opened.status());
   api::StoreJournal journal(**opened);
   Access access(journal, timers);
   if (const Status status = access.open(); !status.ok()) return fail(status);
   if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
-  const Workshop workshop{options.limits, engine->get(), &pool, &timers, &counters, api::meshHash, &journal, &access};
+  const Workshop workshop{options.limits, engine->get(), &pool,   &timers, &counters,
+                          api::meshHash,  &journal,      &access, tell};
   Registry registry(workshop, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context{&registry,      &pool,
@@ -118,16 +169,21 @@ int serve(const Options& options, const sigset_t& signals) {
       door::Door::open(context, {options.listen, options.tls, options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   door::Door& door = **entrance;
-  if (const Status status = writePortFile(options.portFile, door.port()); !status.ok()) return fail(status);
+  health.serve(journal);
+  const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // goes before what it tells of
+  if (endpoint) publish(*endpoint, context, workshop, **opened);
+  if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
+    return fail(status);
   if (options.insecure) spdlog::warn("--insecure: anybody who reaches {} can use this server", options.listen);
   spdlog::info("lpvd {} on {} (port {}), {} [{}{}]", kVersion, options.listen, door.port(), context.device.name,
                context.device.platform, context.device.software ? ", software" : "");
-  int signal = 0;
-  sigwait(&signals, &signal);
+  const int signal = signals.waitForEnd([&] {
+    const Status read = readAdminToken(options, access);
+    if (!read.ok()) return spdlog::error("SIGHUP: {}; what was read before is kept", read.message());
+    spdlog::info("SIGHUP: --admin-token-file {}", options.adminTokenFile.empty() ? "is not given" : "was read again");
+  });
   spdlog::info("signal {}: draining", signal);
-  door.stopServing();
-  registry.drain();
-  door.shutdown(kShutdownPatience);
+  drain(registry, door, health);
   // Nothing may run that could still reach the registry or the engine when they go.
   timers.stop();
   pool.stop();
@@ -142,7 +198,7 @@ int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, app::kMappedFrom);
   const app::Parsed parsed = app::parse(argc, argv);
   if (!parsed.run) return parsed.exitStatus;
-  if (const Status status = ops::startLog(parsed.options.logLevel); !status.ok()) {
+  if (const Status status = ops::startLog(parsed.options.logLevel, parsed.options.logFormat); !status.ok()) {
     std::cerr << "lpvd: " << status.message() << "\n";
     return 2;
   }
@@ -150,6 +206,6 @@ int main(int argc, char** argv) {
     for (const std::string& line : describeDevices(parsed.options.choice)) std::cout << line << "\n";
     return 0;
   }
-  const sigset_t signals = app::blockSignals();
+  app::Signals signals;
   return app::serve(parsed.options, signals);
 }

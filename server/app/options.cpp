@@ -11,7 +11,7 @@ namespace lpv::app {
 namespace {
 
 /// Options of the contract whose feature is not in this version: named, so that a refusal can say so.
-constexpr const char* kLater[] = {"--web", "--ops-listen"};
+constexpr const char* kLater[] = {"--web"};
 
 void addLimits(CLI::App& app, Limits& limits) {
   const auto limit = [&app](const char* flag, auto& value, const char* what, double low, double high) {
@@ -81,13 +81,39 @@ void addSecurity(CLI::App& app, Options& o) {
   app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens")->group("Security");
 }
 
+void addOps(CLI::App& app, Options& o) {
+  app.add_option(
+      "--ops-listen", o.opsListen,
+      "plain HTTP for monitoring, /live, /ready and /metrics: HOST:PORT or :PORT on the loopback; port 0 takes "
+      "a free one; off where not given");
+  app.add_option("--ops-port-file", o.opsPortFile, "write the --ops-listen port here once listening");
+  app.add_option("--log-level", o.logLevel, "trace, debug, info, warn, error, off; audit lines come at every level")
+      ->capture_default_str();
+  app.add_option("--log-format", o.logFormat, "text, or json: an object per line")->capture_default_str();
+}
+
 /// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
 bool isLoopback(const std::string& address) {
   const std::string host = address.substr(0, address.rfind(':'));
   return host == "localhost" || host == "[::1]" || host.starts_with("127.");
 }
 
+/// Metrics are told to whoever asks, without TLS and tokens.
+Status checkOps(Options& options) {
+  std::string& listen = options.opsListen;
+  if (listen.empty()) return {};
+  if (listen.rfind(':') == std::string::npos) {
+    return invalid("ops-listen", "--ops-listen is \"" + listen + "\", the form is HOST:PORT");
+  }
+  if (listen.starts_with(":")) listen = "127.0.0.1" + listen;
+  if (isLoopback(listen) || options.insecure) return {};
+  return invalid("ops-listen", "--ops-listen " + listen +
+                                   " is not a loopback address, and what it tells is neither encrypted nor asked for a "
+                                   "token; use 127.0.0.1, or --insecure on a network you trust");
+}
+
 Status check(Options& options) {
+  if (Status s = checkOps(options); !s.ok()) return s;
   if (options.listen.rfind(':') == std::string::npos) {
     return invalid("listen", "--listen is \"" + options.listen + "\", the form is HOST:PORT");
   }
@@ -117,7 +143,7 @@ Parsed parse(int argc, char** argv) {
   app.add_option("--port-file", o.portFile, "write the gRPC port here once listening");
   app.add_option("--device", o.device, "auto, software, or a number from --list-devices")->capture_default_str();
   addState(app, o);
-  app.add_option("--log-level", o.logLevel, "trace, debug, info, warn, error, off")->capture_default_str();
+  addOps(app, o);
   addSecurity(app, o);
   app.add_flag("--list-devices", o.listDevices, "print what --device would use and why, then exit")
       ->configurable(false);

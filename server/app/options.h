@@ -13,10 +13,13 @@ namespace lpv::app {
 struct Options {
   std::string listen = "127.0.0.1:50051";
   std::string portFile;
+  std::string opsListen;  ///< empty: no endpoint
+  std::string opsPortFile;
   std::string stateDir;                    ///< empty: sessions live in memory
   std::chrono::seconds retain{30 * 86400};  ///< of expired sessions in stateDir
   std::string device = "auto";
   std::string logLevel = "info";
+  std::string logFormat = "text";
   bool listDevices = false;
   bool printConfig = false;
   bool version = false;

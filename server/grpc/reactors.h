@@ -19,7 +19,7 @@
 #include "api/services.h"
 #include "api/stream.h"
 #include "grpc/admission.h"
-#include "grpc/status.h"
+#include "grpc/record.h"
 
 namespace lpv::door {
 
@@ -30,9 +30,9 @@ using api::StreamPtr;
 template <typename Base, typename Request, typename Response>
 class StreamReactor final : public Base {
  public:
-  static Base* start(const api::Context& context, StreamPtr<Request, Response> stream, const Request* request,
-                     Response* response) {
-    auto* reactor = new StreamReactor(*context.pool, std::move(stream), response);
+  static Base* start(const api::Context& context, grpc::CallbackServerContext* call,
+                     StreamPtr<Request, Response> stream, const Request* request, Response* response) {
+    auto* reactor = new StreamReactor(context, contextOf(*call, {}), std::move(stream), response);
     reactor->self_.reset(reactor);
     reactor->ward_ =
         context.access->watch(context.caller, [weak = std::weak_ptr<StreamReactor>(reactor->self_)](const Status& why) {
@@ -93,8 +93,12 @@ class StreamReactor final : public Base {
   static constexpr bool kReads = requires(Base& base, Request* request) { base.StartRead(request); };
   static constexpr bool kWrites = requires(Base& base, const Response* response) { base.StartWrite(response); };
 
-  StreamReactor(WorkerPool& pool, StreamPtr<Request, Response> stream, Response* response)
-      : pool_(pool), stream_(std::move(stream)), response_(response ? response : &ownResponse_) {}
+  StreamReactor(const api::Context& context, ops::LogContext who, StreamPtr<Request, Response> stream,
+                Response* response)
+      : context_(context),
+        who_(std::move(who)),
+        stream_(std::move(stream)),
+        response_(response ? response : &ownResponse_) {}
 
   /// Hands the first message to a worker.
   void open(Request request) {
@@ -102,8 +106,10 @@ class StreamReactor final : public Base {
     {
       const std::lock_guard lock(mutex_);
       opening_ = true;
+      who_.session = shortId(sessionIn(request));
     }
-    pool_.post([self = self_, request = std::move(request)]() mutable {
+    context_.pool->post([self = self_, who = who_, request = std::move(request)]() mutable {
+      const ops::LogScope scope(std::move(who));
       self->stream_->receive(std::move(request));
       bool cancelled = false;
       {
@@ -136,7 +142,8 @@ class StreamReactor final : public Base {
     if (!writing_) {
       if (const std::optional<Status> end = ending()) {
         finished_ = true;
-        this->Finish(toGrpc(*end));
+        const ops::LogScope scope(who_);
+        this->Finish(recorded<Request>(context_, *response_, *end, written_));
         return;
       }
     }
@@ -151,7 +158,7 @@ class StreamReactor final : public Base {
     response_->Clear();
     if (!stream_->next(response_)) return;
     if constexpr (kWrites) {
-      writing_ = true;
+      writing_ = written_ = true;
       this->StartWrite(response_);
     } else {
       answered_ = true;
@@ -165,7 +172,8 @@ class StreamReactor final : public Base {
     return stream_->ended();
   }
 
-  WorkerPool& pool_;
+  const api::Context context_;
+  ops::LogContext who_;
   StreamPtr<Request, Response> stream_;
   std::shared_ptr<StreamReactor> self_;
   std::mutex mutex_;
@@ -176,6 +184,7 @@ class StreamReactor final : public Base {
   bool opening_ = false;  ///< a worker has it
   bool reading_ = false;
   bool writing_ = false;
+  bool written_ = false;  ///< something
   bool inputEnded_ = false;
   bool broken_ = false;
   bool answered_ = false;  ///< the one response is in its place
@@ -188,9 +197,15 @@ class StreamReactor final : public Base {
 template <typename Base>
 class Refusal final : public Base {
  public:
-  explicit Refusal(const Status& why) { this->Finish(toGrpc(why)); }
+  explicit Refusal(const grpc::Status& why) { this->Finish(why); }
   void OnDone() override { delete this; }
 };
+
+template <typename Base, typename Request, typename Response>
+Base* refuse(const api::Context& context, const grpc::CallbackServerContext& call, const Status& why) {
+  const ops::LogScope scope(contextOf(call, {}));
+  return new Refusal<Base>(recorded<Request>(context, Response(), why));
+}
 
 /// What makes a stream of the service for a caller.
 template <typename Request, typename Response>
@@ -200,8 +215,8 @@ template <typename Base, typename Request, typename Response>
 Base* admit(const api::Context& context, grpc::CallbackServerContext* call, MakeStream<Request, Response> make,
             const Request* request, Response* response) {
   const Expected<api::Context> admitted = admit(context, *call);
-  if (!admitted) return new Refusal<Base>(admitted.status());
-  return StreamReactor<Base, Request, Response>::start(*admitted, make(*admitted), request, response);
+  if (!admitted) return refuse<Base, Request, Response>(context, *call, admitted.status());
+  return StreamReactor<Base, Request, Response>::start(*admitted, call, make(*admitted), request, response);
 }
 
 /// Both sides stream.
@@ -238,10 +253,11 @@ grpc::ServerUnaryReactor* answer(const api::Context& context, grpc::CallbackServ
                                  Response* response,
                                  Status (*function)(const api::Context&, const Request&, Response*)) {
   Expected<api::Context> admitted = admit(context, *call);
-  if (!admitted) return new Refusal<grpc::ServerUnaryReactor>(admitted.status());
+  if (!admitted) return refuse<grpc::ServerUnaryReactor, Request, Response>(context, *call, admitted.status());
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context.pool->post([own = std::move(*admitted), request, response, reactor, function] {
-    reactor->Finish(toGrpc(function(own, *request, response)));
+  context.pool->post([own = std::move(*admitted), call, request, response, reactor, function] {
+    const ops::LogScope scope(contextOf(*call, sessionIn(*request)));
+    reactor->Finish(recorded<Request>(own, *response, function(own, *request, response)));
   });
   return reactor;
 }
@@ -252,10 +268,15 @@ grpc::ServerUnaryReactor* answer(const api::Context& context, grpc::CallbackServ
                                  Response* response,
                                  void (*function)(const api::Context&, const Request&, Response*, api::Done)) {
   Expected<api::Context> admitted = admit(context, *call);
-  if (!admitted) return new Refusal<grpc::ServerUnaryReactor>(admitted.status());
+  if (!admitted) return refuse<grpc::ServerUnaryReactor, Request, Response>(context, *call, admitted.status());
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context.pool->post([own = std::move(*admitted), request, response, reactor, function] {
-    function(own, *request, response, [reactor](const Status& status) { reactor->Finish(toGrpc(status)); });
+  context.pool->post([&context, own = std::move(*admitted), call, request, response, reactor, function] {
+    const ops::LogContext who = contextOf(*call, sessionIn(*request));
+    const ops::LogScope scope(who);
+    function(own, *request, response, [&context, who, response, reactor](const Status& status) {
+      const ops::LogScope ending(who);
+      reactor->Finish(recorded<Request>(context, *response, status));
+    });
   });
   return reactor;
 }

@@ -123,14 +123,16 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
       return Status(Code::kNotFound,
                     "there is no session \"" + id.substr(0, 80) + "\" on this server; it may have expired", "session");
     }
-    if (draining_) return Status(Code::kUnavailable, "the server is draining");
+    if (draining_) return Status(Code::kUnavailable, "draining: this server ends; ask another");
     if (Status s = checkRoom(); !s.ok()) return s;
     moving_.insert(id);
   }
-  const Expected<SessionPtr> session = restore(id);
+  Expected<SessionPtr> session = restore(id);
   {
     const std::lock_guard lock(mutex_);
     moving_.erase(id);
+    // Nobody would freeze it any more.
+    if (session && draining_) session = Status(Code::kUnavailable, "draining: this server ends; ask another");
     if (session) sessions_[id] = *session;
   }
   moved_.notify_all();
@@ -193,6 +195,11 @@ std::vector<SessionPtr> Registry::all() const {
   return out;
 }
 
+std::size_t Registry::keptCount() const {
+  const std::lock_guard lock(mutex_);
+  return kept_.size();
+}
+
 std::vector<SessionSummary> Registry::summaries() {
   std::map<std::string, SessionSummary> out;
   std::vector<std::string> kept;
@@ -211,11 +218,17 @@ std::vector<SessionSummary> Registry::summaries() {
   return list;
 }
 
-void Registry::drain() {
+Status Registry::freeze() {
   {
     const std::lock_guard lock(mutex_);
     draining_ = true;
   }
+  for (const SessionPtr& session : all()) session->freeze(Closing::kDraining);
+  return workshop_.journal->flush();
+}
+
+void Registry::drain() {
+  (void)freeze();
   for (const SessionPtr& session : all()) session->close(Closing::kDraining);
 }
 
@@ -223,6 +236,7 @@ void Registry::sweepLater() {
   workshop_.timers->at(Clock::now() + kSweepInterval, [this, alive = std::weak_ptr<bool>(alive_)] {
     if (alive.expired()) return;
     sweep();
+    workshop_.counters->lastSweep = Clock::now();
     sweepLater();
   });
 }
@@ -237,10 +251,13 @@ void Registry::sweep() {
 }
 
 void Registry::retire(std::chrono::system_clock::time_point now) {
+  std::vector<std::string> putAway;
   for (const SessionPtr& session : all()) {
     const std::string& id = session->id();
     if (session->durability() == Durability::kMemory) {
-      if (session->expired(now)) remove(id, [](const Status&) {});
+      if (!session->expired(now)) continue;
+      remove(id, [](const Status&) {});
+      tell(Incident::kExpired, id);
       continue;
     }
     const std::lock_guard lock(mutex_);  // nobody finds the session while it is decided whether it goes
@@ -248,6 +265,7 @@ void Registry::retire(std::chrono::system_clock::time_point now) {
     if (const auto last = session->retire(now)) {
       used = last;
       sessions_.erase(id);
+      putAway.push_back(id);
     }
     const auto kept = kept_.find(id);
     if (!used || kept == kept_.end()) continue;
@@ -255,9 +273,15 @@ void Registry::retire(std::chrono::system_clock::time_point now) {
     kept->second.ttl = session->summary().ttl;
     (void)workshop_.journal->touch(id, *used);
   }
+  for (const std::string& id : putAway) tell(Incident::kPutAway, id);
+}
+
+void Registry::tell(Incident incident, const std::string& id) const {
+  if (workshop_.tell) workshop_.tell(incident, id, {});
 }
 
 void Registry::forgetKept(std::chrono::system_clock::time_point now) {
+  if (!workshop_.journal->writable().ok()) return;
   std::vector<std::string> over;
   {
     const std::lock_guard lock(mutex_);
@@ -266,7 +290,10 @@ void Registry::forgetKept(std::chrono::system_clock::time_point now) {
       if (idle && kept.ttl.count() > 0 && now - kept.lastUsed > kept.ttl + retain_) over.push_back(id);
     }
   }
-  for (const std::string& id : over) remove(id, [](const Status&) {});
+  for (const std::string& id : over) {
+    remove(id, [](const Status&) {});
+    tell(Incident::kForgotten, id);
+  }
 }
 
 }  // namespace lpv

@@ -38,6 +38,8 @@ class Registry {
   void remove(const std::string& id, std::function<void(const Status&)> done);
   /// Those in memory, in order of id.
   std::vector<SessionPtr> all() const;
+  /// Those that the journal keeps, in memory or not; 0 where it keeps nothing.
+  std::size_t keptCount() const;
   /// All of them, in order of id. What cannot be read now is left out.
   std::vector<SessionSummary> summaries();
 
@@ -47,7 +49,10 @@ class Registry {
   }
   Durability durability() const { return workshop_.journal->durability(); }
 
-  /// Refuses new sessions and ends every stream with a notice.
+  /// Refuses new sessions, and every change to those that are there; streams stay. Returns when what was accepted
+  /// before is kept, or why it is not.
+  Status freeze();
+  /// Freezes, and ends every stream with a notice.
   void drain();
   /// Expired sessions go, or go to where they are kept; unused blobs go; old request ids are forgotten. Runs by itself
   /// once a second.
@@ -61,6 +66,7 @@ class Registry {
   void retire(std::chrono::system_clock::time_point now);
   void forgetKept(std::chrono::system_clock::time_point now);
   void sweepLater();
+  void tell(Incident incident, const std::string& id) const;
 
   const Workshop workshop_;
   const std::chrono::seconds retain_;

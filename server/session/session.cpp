@@ -116,13 +116,17 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
     const std::lock_guard lock(mutex_);
     outcome = applyLocked(client, edit);
   }
-  ++(outcome.status.ok() ? workshop_.counters->editsAccepted : workshop_.counters->editsRejected);
-  if (outcome.status.ok()) tellWatchers();
+  if (outcome.status.ok()) {
+    ++workshop_.counters->editsAccepted;
+    tellWatchers();
+  } else {
+    workshop_.counters->editsRejected.add(outcome.status);
+  }
   return outcome;
 }
 
 EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why) {
-  ++workshop_.counters->editsRejected;
+  workshop_.counters->editsRejected.add(why);
   const std::lock_guard lock(mutex_);
   EditOutcome outcome;
   outcome.sequence = sequence;
@@ -138,7 +142,8 @@ EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence
 }
 
 Status Session::closedStatus(const char* field) const {
-  if (closed_ == Closing::kDraining) return {Code::kUnavailable, "the server is draining"};
+  if (closed_ == Closing::kDraining)
+    return {Code::kUnavailable, "draining: this server ends; ask another, or this one again later"};
   if (closed_ == Closing::kRetired) {
     return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
   }
@@ -362,15 +367,21 @@ void Session::dropUnusedBlobs() {
   keep(std::move(step));
 }
 
+void Session::freeze(Closing why) {
+  const std::lock_guard lock(mutex_);
+  if (!closed_) closed_ = why;
+}
+
 void Session::close(Closing why) {
+  freeze(why);
   std::vector<std::shared_ptr<ResultSink>> sinks;
   std::map<std::uint64_t, Watcher> watchers;
   std::list<std::shared_ptr<WaitingCall>> calls;
   Status gone;
   {
     const std::lock_guard lock(mutex_);
-    if (closed_) return;
-    closed_ = why;
+    if (std::exchange(closeTold_, true)) return;
+    why = *closed_;
     for (const auto& [id, subscriber] : subscribers_) {
       if (auto sink = subscriber->sink.lock()) sinks.push_back(std::move(sink));
     }

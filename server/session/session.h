@@ -2,7 +2,6 @@
 // One session: a document, its members, its readers. Every public method is thread-safe, takes the session's lock for
 // microseconds and never waits for the GPU.
 
-#include <atomic>
 #include <functional>
 #include <list>
 #include <map>
@@ -17,6 +16,7 @@
 #include "scene/default_view.h"
 #include "session/blobs.h"
 #include "session/clients.h"
+#include "session/counters.h"
 #include "session/document.h"
 #include "session/journal.h"
 #include "session/limits.h"
@@ -29,14 +29,12 @@ namespace lpv {
 
 class Access;
 
-/// Counters of the whole server, for stats and metrics.
-struct Counters {
-  std::atomic<std::int64_t> ticks{0};
-  std::atomic<std::int64_t> resultsSent{0};
-  std::atomic<std::int64_t> resultBytesSent{0};
-  std::atomic<std::int64_t> volumesEncoded{0};
-  std::atomic<std::int64_t> editsAccepted{0};
-  std::atomic<std::int64_t> editsRejected{0};
+/// What happens to a session without a call, for logs.
+enum class Incident {
+  kExpired,    ///< idle, and gone with what it held
+  kPutAway,    ///< idle: on disk only
+  kForgotten,  ///< put away for longer than it is retained
+  kTickFailed,
 };
 
 /// What sessions share. Outlives them.
@@ -49,6 +47,8 @@ struct Workshop {
   MeshHasher hasher;
   Journal* journal = nullptr;
   Access* access = nullptr;  ///< told of sessions that are gone; may be null
+  /// Told of incidents with the session's id, and why where a reason is known; may be empty. Any thread.
+  std::function<void(Incident, const std::string& session, const std::string& why)> tell;
 };
 
 /// A session that shows frames alone has a volume made for its check this many times less often.
@@ -138,7 +138,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Without members: what a copy of the session is made from.
   SavedSession state() const;
   void dropUnusedBlobs();
-  /// Ends every stream and call; afterwards nothing is accepted.
+  /// From now on nothing is accepted and nothing ticks; streams stay, and say nothing of it yet.
+  void freeze(Closing why);
+  /// Freezes the session and ends every stream and call.
   void close(Closing why);
 
  private:
@@ -202,6 +204,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void markSent(Subscriber& subscriber, const Result& result, Clock::time_point now);
   std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
   void deliver(std::vector<Delivery> deliveries);
+  void countCoalesced(std::uint64_t revision, Clock::time_point now);
   void checkLater(const ScenePtr& scene, const VolumePtr& volume);
 
   const std::string id_;
@@ -226,6 +229,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t nextResult_ = 1;
   bool tickUnderWay_ = false;
   std::optional<Closing> closed_;  ///< why, once it is
+  bool closeTold_ = false;  ///< to streams and calls
   Position kept_ = 0;  ///< of the last step that was given to the journal
   Clock::time_point nextTick_{};
   Clock::time_point nextCheck_{};  ///< of a volume that is there

@@ -17,6 +17,15 @@ Clock::duration interval(double rate) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate));
 }
 
+/// On the GL thread.
+void countTick(Counters& counters, Clock::time_point begun, const Expected<TickResult>& result) {
+  const Clock::time_point now = Clock::now();
+  counters.tickWatch.ended(now, result.status());
+  if (!result) return;
+  counters.tickSeconds.observe(std::chrono::duration<double>(now - begun).count());
+  for (const StageTime& stage : result->report.stages) counters.countStage(stage.stage, stage.seconds);
+}
+
 std::int64_t nowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
       .count();
@@ -68,6 +77,7 @@ void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::ui
   if (resultId > subscriber->basesAfter) subscriber->baseId = resultId;
   const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
   subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
+  workshop_.counters->acknowledgeLag.observe(seconds);
   kick();
 }
 
@@ -147,11 +157,14 @@ void Session::kick() {
   std::optional<Planned> plan = planTick(Clock::now());
   if (!plan) return;
   tickUnderWay_ = true;
-  nextTick_ = Clock::now() + interval(workshop_.limits.maxTickRate);
+  const Clock::time_point now = Clock::now();
+  nextTick_ = now + interval(workshop_.limits.maxTickRate);
+  workshop_.counters->tickWatch.begun(now);
   TickRequest request = plan->request;
   workshop_.engine->submit(
-      std::move(request), [weak = weak_from_this(), pool = workshop_.pool,
+      std::move(request), [weak = weak_from_this(), pool = workshop_.pool, counters = workshop_.counters, now,
                            shared = std::make_shared<const Planned>(std::move(*plan))](Expected<TickResult> result) {
+        countTick(*counters, now, result);
         pool->post([weak, shared, moved = std::make_shared<Expected<TickResult>>(std::move(result))] {
           if (const SessionPtr self = weak.lock()) self->tickDone(*shared, std::move(*moved));
         });
@@ -266,6 +279,7 @@ std::vector<Session::Delivery> Session::settle(const Planned& plan, TickResult& 
   if (tick.transported) settleVolume(plan, meta, VolumeStage::kTransported, tick.transported, &out);
   if (tick.injected) settleVolume(plan, meta, VolumeStage::kInjected, tick.injected, &out);
   settleFrames(plan, meta, tick.frames, &out);
+  countCoalesced(tick.revision, Clock::now());
   if (tick.transported) checkLater(plan.request.scene, tick.transported);
   return out;
 }
@@ -327,6 +341,14 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   }
 }
 
+/// Readers whom the tick passed by, because they have not acknowledged what they were sent, or want fewer a second.
+void Session::countCoalesced(std::uint64_t revision, Clock::time_point now) {
+  for (const auto& [id, subscriber] : subscribers_) {
+    const bool lacks = !subscriber->shownAny || subscriber->shownRevision < revision;
+    if (lacks && (!hasCredit(*subscriber) || now < subscriber->notBefore)) ++workshop_.counters->resultsCoalesced;
+  }
+}
+
 void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
   subscriber.inFlight.push_back({result.meta.resultId, now});
   subscriber.lastSent = result.meta.resultId;
@@ -336,6 +358,7 @@ void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time
 }
 
 void Session::fail(const Planned& plan, const Status& status) {
+  if (workshop_.tell && status.code() != Code::kCancelled) workshop_.tell(Incident::kTickFailed, id_, status.message());
   for (const auto& call : plan.volumeCalls) call->done(status);
   for (const auto& call : plan.frameCalls) call->done(status);
   const std::lock_guard lock(mutex_);

@@ -41,6 +41,11 @@ Status SqliteStore::writable() const {
   return failure_;
 }
 
+std::int64_t SqliteStore::queued() const {
+  const std::lock_guard lock(mutex_);
+  return std::int64_t(given_ - kept_);
+}
+
 std::int64_t SqliteStore::commits() const {
   const std::lock_guard lock(mutex_);
   return commits_;
@@ -122,7 +127,9 @@ void SqliteStore::run() {
     queue_.clear();
     if (group_.empty()) return;  // stopping
     lock.unlock();
+    const auto begun = std::chrono::steady_clock::now();
     const Status status = commit(group_);
+    if (options_.onCommit) options_.onCommit(std::chrono::steady_clock::now() - begun, status.ok());
     settle(status);
     if (status.ok()) compactDue();
     lock.lock();

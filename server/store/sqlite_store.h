@@ -27,6 +27,9 @@ struct SqliteOptions {
   std::chrono::milliseconds retry{250};               ///< between attempts while the directory cannot be written
   /// Runs what whenKept was given, in order; unset: the store's thread does.
   std::function<void(std::function<void()>)> executor;
+  /// Called on the store's thread after every attempt at a transaction, compactions apart: how long it took, fsync
+  /// included, and whether it was committed.
+  std::function<void(std::chrono::duration<double> took, bool committed)> onCommit;
   /// Called on the store's thread when writing begins to fail (why) and when it has caught up (ok).
   std::function<void(const Status&)> onChange;
 };
@@ -54,6 +57,7 @@ class SqliteStore final : public Store {
   Expected<Loaded> load(const std::string& session, bool withContents) override;
   std::uint64_t highestEpoch() override { return highestEpoch_; }
 
+  std::int64_t queued() const override;
   /// Transactions committed so far, compactions apart.
   std::int64_t commits() const;
 

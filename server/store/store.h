@@ -90,6 +90,8 @@ class Store {
   virtual lpv::v1::Durability durability() const = 0;
   /// Ok, or why changes should not be made now.
   virtual Status writable() const = 0;
+  /// Changes that were given and are not kept yet.
+  virtual std::int64_t queued() const = 0;
 
   // Changes: they return at once.
   virtual Position create(const Head& head, MakeWhole whole) = 0;
@@ -120,6 +122,7 @@ class MemoryStore final : public Store {
  public:
   lpv::v1::Durability durability() const override { return lpv::v1::DURABILITY_MEMORY; }
   Status writable() const override { return {}; }
+  std::int64_t queued() const override { return 0; }
   Position create(const Head&, MakeWhole) override { return 0; }
   Position append(const std::string&, MakeStep) override { return 0; }
   Position setEpoch(const std::string&, std::uint64_t) override { return 0; }

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
-#include <future>
 
 #include "lpv/edits.h"
 #include "lpv/watch.h"
@@ -166,6 +166,20 @@ TEST_F(Tokens, RevocationAndExpiryEndStreams) {
   EXPECT_EQ(b->Finish().error_code(), StatusCode::UNAUTHENTICATED);
   EXPECT_EQ(codeOf(as(revoked.token()).session("lit")), Code::kUnauthenticated);
   EXPECT_EQ(codeOf(as(brief.token()).session("lit")), Code::kUnauthenticated);
+}
+
+// Broken by reading the file at the start only.
+TEST_F(Tokens, AHangupReadsTheAdminTokenAgain) {
+  authority().write("admin", "the next admin's token, for a test\n");
+  server_.process().signal(SIGHUP);
+  client::Client next = as("the next admin's token, for a test");
+  EXPECT_TRUE(eventually([&] { return next.sessions().ok(); }));
+  EXPECT_EQ(codeOf(admin_.sessions()), Code::kUnauthenticated);
+  EXPECT_TRUE(as(ownerToken_).session("lit").ok());
+  authority().write("admin", "short\n");
+  server_.process().signal(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return server_.log().find("what was read before is kept") != std::string::npos; }));
+  EXPECT_TRUE(next.sessions().ok());
 }
 
 TEST(KeptTokens, AreGoodAfterAKill) {

@@ -1,0 +1,69 @@
+#include "ops/audit.h"
+
+#include <spdlog/logger.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace lpv::ops {
+namespace {
+
+constexpr const char* kLogger = "audit";
+
+/// How many refusals may be written.
+class Allowance {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// How many were left out since the last one that was written; nothing: leave this one out too.
+  std::optional<std::int64_t> take() {
+    const std::lock_guard lock(mutex_);
+    const Clock::time_point now = Clock::now();
+    if (now - since_ >= std::chrono::seconds(1)) {
+      since_ = now;
+      written_ = 0;
+    }
+    if (written_ == kMostRefusals) {
+      ++leftOut_;
+      return std::nullopt;
+    }
+    ++written_;
+    return std::exchange(leftOut_, 0);
+  }
+
+ private:
+  std::mutex mutex_;
+  Clock::time_point since_{};
+  int written_ = 0;
+  std::int64_t leftOut_ = 0;
+};
+
+}  // namespace
+
+void startAudit(const std::vector<spdlog::sink_ptr>& sinks) {
+  const auto logger = std::make_shared<spdlog::logger>(kLogger, sinks.begin(), sinks.end());
+  logger->set_level(spdlog::level::info);
+  spdlog::drop(kLogger);
+  spdlog::register_logger(logger);
+}
+
+void audit(const std::string& event, const LogFields& fields) {
+  const std::shared_ptr<spdlog::logger> logger = spdlog::get(kLogger);
+  if (!logger) return;
+  const EventScope scope(fields);
+  logger->info("{}", event);
+}
+
+void auditRefusal(LogFields fields) {
+  static Allowance allowance;
+  const std::optional<std::int64_t> leftOut = allowance.take();
+  if (!leftOut) return;
+  if (*leftOut > 0) fields.emplace_back("left_out", std::to_string(*leftOut));
+  audit("refusal", fields);
+}
+
+}  // namespace lpv::ops

@@ -1,0 +1,106 @@
+#include "ops/endpoint.h"
+
+#include <CivetServer.h>
+
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace lpv::ops {
+namespace {
+
+struct Answer {
+  int status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  std::string body;
+};
+
+Answer answerOf(const Status& status) {
+  if (status.ok()) return {200, "text/plain; charset=utf-8", "ok\n"};
+  return {503, "text/plain; charset=utf-8", status.message() + "\n"};
+}
+
+/// One page, made anew for every GET.
+class Page final : public CivetHandler {
+ public:
+  using CivetHandler::handleGet;
+  explicit Page(std::function<Answer()> make) : make_(std::move(make)) {}
+
+  bool handleGet(CivetServer*, mg_connection* connection) override {
+    const Answer answer = make_();
+    const std::string all = "HTTP/1.1 " + std::to_string(answer.status) +
+                            (answer.status == 200 ? " OK" : " Unavailable") + "\r\nContent-Type: " + answer.type +
+                            "\r\nContent-Length: " + std::to_string(answer.body.size()) +
+                            "\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n" + answer.body;
+    mg_write(connection, all.data(), all.size());
+    return true;
+  }
+
+ private:
+  std::function<Answer()> make_;
+};
+
+/// Without it mg_start() initialises the library by itself, and nobody ends that.
+struct Library {
+  Library() { mg_init_library(MG_FEATURES_DEFAULT); }
+  ~Library() { mg_exit_library(); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+};
+
+/// "localhost" may be an address of either family, and civetweb resolves no names.
+std::string numeric(const std::string& address) {
+  const std::string name = "localhost:";
+  return address.starts_with(name) ? "127.0.0.1:" + address.substr(name.size()) : address;
+}
+
+}  // namespace
+
+struct Endpoint::Parts {
+  explicit Parts(const Health& health)
+      : live([&health] { return answerOf(health.live()); }), ready([&health] { return answerOf(health.ready()); }) {}
+
+  Answer metricsPage() {
+    const std::lock_guard lock(mutex);
+    if (!render) return answerOf(Status(Code::kUnavailable, "starting"));
+    return {200, "text/plain; version=0.0.4; charset=utf-8", render()};
+  }
+
+  Page live;
+  Page ready;
+  std::mutex mutex;
+  std::function<std::string()> render;
+  Page metrics{[this] { return metricsPage(); }};
+  Library library;
+  std::unique_ptr<CivetServer> server;  ///< goes first: it ends its threads
+};
+
+Endpoint::Endpoint(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Endpoint::~Endpoint() = default;
+
+Expected<std::unique_ptr<Endpoint>> Endpoint::open(const std::string& address, const Health& health) {
+  auto parts = std::make_unique<Parts>(health);
+  // Threads, so that one who asks slowly keeps nobody else from asking; nobody may take longer than 5 s to ask.
+  const std::vector<std::string> options{
+      "listening_ports", numeric(address), "num_threads", "4", "request_timeout_ms", "5000"};
+  try {
+    parts->server = std::make_unique<CivetServer>(options);
+  } catch (const CivetException&) {
+    return Status(Code::kUnavailable,
+                  "cannot listen on " + address + " (--ops-listen): in use, or not an address of this machine",
+                  "ops-listen");
+  }
+  parts->server->addHandler("/live$", parts->live);
+  parts->server->addHandler("/ready$", parts->ready);
+  parts->server->addHandler("/metrics$", parts->metrics);
+  return std::unique_ptr<Endpoint>(new Endpoint(std::move(parts)));
+}
+
+int Endpoint::port() const { return parts_->server->getListeningPorts().front(); }
+
+void Endpoint::publish(std::function<std::string()> metrics) {
+  const std::lock_guard lock(parts_->mutex);
+  parts_->render = std::move(metrics);
+}
+
+}  // namespace lpv::ops

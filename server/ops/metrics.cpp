@@ -1,0 +1,181 @@
+#include "ops/metrics.h"
+
+#include <prometheus/metric_family.h>
+#include <prometheus/text_serializer.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "ops/process.h"
+
+namespace lpv::ops {
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Labels = std::vector<ClientMetric::Label>;
+
+/// Families in the order in which they are written.
+class Scrape {
+ public:
+  /// Begins a family; what follows goes into it.
+  void family(MetricType type, const char* name, const char* help) {
+    MetricFamily& begun = families_.emplace_back();
+    begun.name = name;
+    begun.help = help;
+    begun.type = type;
+  }
+  void add(double value, Labels labels = {}) {
+    ClientMetric& metric = families_.back().metric.emplace_back();
+    metric.label = std::move(labels);
+    metric.gauge.value = value;
+    metric.counter.value = value;
+  }
+  void add(const DurationHistogram& durations, Labels labels = {}) {
+    ClientMetric& metric = families_.back().metric.emplace_back();
+    metric.label = std::move(labels);
+    std::int64_t below = 0;
+    for (std::size_t i = 0; i < DurationHistogram::kBuckets; ++i) {
+      below += durations.count(i);
+      const bool last = i == DurationHistogram::kBounds.size();
+      const double bound = last ? std::numeric_limits<double>::infinity() : DurationHistogram::kBounds[i];
+      metric.histogram.bucket.push_back({std::uint64_t(below), bound});
+    }
+    metric.histogram.sample_count = std::uint64_t(below);
+    metric.histogram.sample_sum = durations.sum();
+  }
+
+  void gauge(const char* name, const char* help, double value) {
+    family(MetricType::Gauge, name, help);
+    add(value);
+  }
+  void counter(const char* name, const char* help, double value) {
+    family(MetricType::Counter, name, help);
+    add(value);
+  }
+  void histogram(const char* name, const char* help, const DurationHistogram& durations) {
+    family(MetricType::Histogram, name, help);
+    add(durations);
+  }
+  /// One series per reason, from the first scrape on: an alert sees the first refusal.
+  void reasons(const char* name, const char* help, const ReasonCounter& counter) {
+    family(MetricType::Counter, name, help);
+    for (std::size_t i = 1; i < kReasons.size(); ++i) add(double(counter.count(i)), {{"reason", kReasons[i]}});
+  }
+
+  std::string text() const {
+    std::ostringstream out;
+    prometheus::TextSerializer().Serialize(out, families_);
+    return out.str();
+  }
+
+ private:
+  std::vector<MetricFamily> families_;
+};
+
+void addServer(const MetricSources& s, Scrape& out) {
+  out.family(MetricType::Gauge, "lpv_build_info", "Always 1; the version is its label.");
+  out.add(1.0, {{"version", s.version}});
+  out.family(MetricType::Gauge, "lpv_device_info", "Always 1; the device that lights is in its labels.");
+  out.add(1.0, {{"name", s.device.name},
+                {"vendor", s.device.vendor},
+                {"version", s.device.version},
+                {"platform", s.device.platform},
+                {"software", s.device.software ? "true" : "false"}});
+}
+
+void addSessions(const MetricSources& s, Scrape& out) {
+  std::int64_t clients = 0;
+  std::int64_t subscribers = 0;
+  std::int64_t blobBytes = 0;
+  std::optional<double> worst;
+  const std::vector<SessionPtr> sessions = s.registry->all();
+  for (const SessionPtr& session : sessions) {
+    const SessionSummary summary = session->summary();
+    clients += std::int64_t(summary.clients);
+    subscribers += std::int64_t(summary.subscribers);
+    blobBytes += summary.blobBytes;
+    if (summary.measured) worst = std::max(worst.value_or(0.0), summary.measured->error);
+  }
+  out.gauge("lpv_sessions", "Sessions in memory.", double(sessions.size()));
+  out.gauge("lpv_sessions_kept", "Sessions in the state directory, in memory or not.", double(s.registry->keptCount()));
+  out.gauge("lpv_clients", "Joined clients of the sessions in memory.", double(clients));
+  out.gauge("lpv_subscribers", "Open result streams.", double(subscribers));
+  out.gauge("lpv_blob_bytes", "Uploaded meshes and textures of the sessions in memory, bytes.", double(blobBytes));
+  out.family(MetricType::Gauge, "lpv_measured_error_worst",
+             "Largest measured error among sessions, relative; absent where none was measured.");
+  if (worst) out.add(*worst);
+}
+
+void addTicks(const Counters& c, Scrape& out) {
+  out.histogram("lpv_tick_seconds", "From asking for a tick to having it, other sessions' turns included.",
+                c.tickSeconds);
+  out.family(MetricType::Histogram, "lpv_stage_seconds", "A stage of a tick, without other sessions' turns.");
+  for (std::size_t i = 0; i < kStages; ++i) out.add(c.stageSeconds[i], {{"stage", kStageNames[i]}});
+  out.reasons("lpv_tick_failures_total", "Ticks that failed.", c.tickWatch.failures());
+  out.counter("lpv_context_losses_total", "Times the graphics context was found lost.",
+              double(c.tickWatch.contextLosses()));
+}
+
+void addResults(const Counters& c, Scrape& out) {
+  out.family(MetricType::Counter, "lpv_results_total", "Results encoded for readers.");
+  for (std::size_t i = 0; i < kSentNames.size(); ++i)
+    out.add(double(c.sent[i].results), {{"kind", kSentNames[i].kind}, {"format", kSentNames[i].format}});
+  out.family(MetricType::Counter, "lpv_result_bytes_total", "Payload bytes of results for readers.");
+  for (std::size_t i = 0; i < kSentNames.size(); ++i)
+    out.add(double(c.sent[i].bytes), {{"kind", kSentNames[i].kind}, {"format", kSentNames[i].format}});
+  out.counter("lpv_results_coalesced_total",
+              "Results that a subscriber was not sent because a later one replaces them.", double(c.resultsCoalesced));
+  out.counter("lpv_volumes_encoded_total", "Volumes encoded, once for all who need the same.",
+              double(c.volumesEncoded));
+  out.histogram("lpv_acknowledge_lag_seconds", "From giving a subscriber a result to its acknowledgement.",
+                c.acknowledgeLag);
+}
+
+void addCalls(const Counters& c, Scrape& out) {
+  out.counter("lpv_edits_accepted_total", "Edits that were applied.", double(c.editsAccepted));
+  out.reasons("lpv_edits_rejected_total", "Edits that changed nothing, by the limit that was met or the code.",
+              c.editsRejected);
+  out.reasons("lpv_calls_refused_total", "Calls that ended with an error before anything was answered.",
+              c.callsRefused);
+}
+
+void addStore(const MetricSources& s, Scrape& out) {
+  out.gauge("lpv_store_writable", "1 while changes can be kept, else 0: edits are refused.",
+            s.journal->writable().ok() ? 1.0 : 0.0);
+  out.gauge("lpv_store_queued_changes", "Changes that wait for the disk.", double(s.storeQueue()));
+  out.histogram("lpv_store_commit_seconds", "A transaction of the state directory, fsync included.",
+                s.counters->storeCommitSeconds);
+  out.counter("lpv_store_failures_total", "Transactions that could not be committed; they are tried again.",
+              double(s.counters->storeFailures));
+}
+
+void addProcess(const MetricSources& s, Scrape& out) {
+  const ProcessUse use = processUse();
+  out.counter("process_cpu_seconds_total", "CPU time of all threads, user and system.", use.cpuSeconds);
+  out.gauge("process_resident_memory_bytes", "Resident memory.", double(use.residentBytes));
+  out.gauge("process_open_fds", "Open files and sockets.", double(use.openFiles));
+  out.gauge("process_start_time_seconds", "When the server started, seconds since 1970.",
+            std::chrono::duration<double>(s.started.time_since_epoch()).count());
+}
+
+}  // namespace
+
+std::string renderMetrics(const MetricSources& sources) {
+  Scrape out;
+  addServer(sources, out);
+  addSessions(sources, out);
+  addTicks(*sources.counters, out);
+  addResults(*sources.counters, out);
+  addCalls(*sources.counters, out);
+  addStore(sources, out);
+  addProcess(sources, out);
+  return out.text();
+}
+
+}  // namespace lpv::ops

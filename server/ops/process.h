@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace lpv::ops {
+
+/// What this process uses. 0 where the system does not tell.
+struct ProcessUse {
+  double cpuSeconds = 0.0;  ///< user and system, of all threads so far
+  std::int64_t residentBytes = 0;
+  std::int64_t openFiles = 0;
+};
+ProcessUse processUse();
+
+}  // namespace lpv::ops

@@ -1,0 +1,84 @@
+#include "session/counters.h"
+
+#include <algorithm>
+#include <string_view>
+
+namespace lpv {
+namespace {
+
+/// Reasons before this one are the canonical codes.
+constexpr std::size_t kFirstNamed = 17;
+static_assert(std::string_view(kReasons[kFirstNamed - 1]) == "unauthenticated");
+
+}  // namespace
+
+void DurationHistogram::observe(double seconds) {
+  const auto bucket = std::lower_bound(kBounds.begin(), kBounds.end(), seconds) - kBounds.begin();
+  ++counts_[std::size_t(bucket)];
+  sum_ += seconds;
+}
+
+std::size_t reasonOf(const Status& status) {
+  const std::string_view word = std::string_view(status.message()).substr(0, status.message().find(':'));
+  for (std::size_t i = kFirstNamed; i < kReasons.size(); ++i) {
+    if (word == kReasons[i]) return i;
+  }
+  return std::size_t(status.code());
+}
+
+std::int64_t ReasonCounter::total() const {
+  std::int64_t sum = 0;
+  for (const auto& count : counts_) sum += count;
+  return sum;
+}
+
+void TickWatch::begun(Clock::time_point now) {
+  if (underWay_ == 0) lastEvent_ = now;
+  ++underWay_;
+}
+
+void TickWatch::ended(Clock::time_point now, const Status& status) {
+  lastEvent_ = now;
+  --underWay_;
+  if (status.code() == Code::kCancelled) return;
+  if (status.ok()) {
+    failedInARow_ = 0;
+    contextLost_ = false;
+    return;
+  }
+  ++failedInARow_;
+  failures_.add(status);
+  if (status.code() == Code::kUnavailable && !contextLost_.exchange(true)) ++contextLosses_;
+  const std::lock_guard lock(mutex_);
+  lastFailure_ = status.message();
+}
+
+std::chrono::seconds TickWatch::stalledFor(Clock::time_point now) const {
+  if (underWay_ == 0) return std::chrono::seconds(0);
+  return std::chrono::duration_cast<std::chrono::seconds>(now - lastEvent_.load());
+}
+
+std::string TickWatch::lastFailure() const {
+  const std::lock_guard lock(mutex_);
+  return lastFailure_;
+}
+
+void Counters::countSent(SentAs as, std::int64_t bytes) {
+  Sent& counter = sent[std::size_t(as)];
+  ++counter.results;
+  counter.bytes += bytes;
+}
+
+std::int64_t Counters::resultBytesSent() const {
+  std::int64_t sum = 0;
+  for (const Sent& each : sent) sum += each.bytes;
+  return sum;
+}
+
+void Counters::countStage(const std::string& stage, double seconds) {
+  for (std::size_t i = 0; i < kStages; ++i) {
+    if (stage == kStageNames[i]) return stageSeconds[i].observe(seconds);
+  }
+}
+
+}  // namespace lpv
