@@ -11,12 +11,14 @@ namespace lpv::api {
 namespace {
 
 constexpr const char* kFeatures[] = {
-    "injection.count",  "injection.flux", "injection.textures",  "injection.directions", "method.compute",
-    "method.raster",    "method.dense",   "transport.propagate", "transport.gather",     "transport.direct",
-    "quality.accurate", "max_error",      "grid.automatic",      "lookup.sh2",           "lookup.cap",
-    "lookup.nearest",   "lights.groups",  "frames.jpeg",         "frames.png",           "frames.exr",
-    "volume.half",      "volume.float",   "volume.compact",      "volume.deltas",        "volume.regions",
-    "sessions.files",   "self_check"};
+    "injection.count",  "injection.flux",   "injection.textures", "injection.directions",
+    "method.compute",   "method.raster",    "method.dense",       "transport.propagate",
+    "transport.gather", "transport.direct", "quality.accurate",   "max_error",
+    "grid.automatic",   "lookup.sh2",       "lookup.cap",         "lookup.nearest",
+    "lights.groups",    "frames.jpeg",      "frames.png",         "frames.exr",
+    "volume.half",      "volume.float",     "volume.compact",     "volume.deltas",
+    "volume.regions",   "sessions.files",   "self_check",         "edits.undo",
+    "presence"};
 
 void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);
@@ -34,6 +36,9 @@ void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_frame_edge(in.maxFrameEdge);
   out->set_max_probe_points(in.maxProbePoints);
   out->set_max_groups(kMaxGroups);
+  out->set_max_undo_steps(in.maxUndoSteps);
+  out->set_max_presence_updates_per_second(in.maxPresenceUpdatesPerSecond);
+  out->mutable_presence_idle()->set_seconds(in.presenceIdle.count());
   out->mutable_upload_idle()->set_seconds(in.uploadIdle.count());
 }
 

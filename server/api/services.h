@@ -36,6 +36,7 @@ void deleteSession(Context&, const pb::DeleteSessionRequest&, pb::DeleteSessionR
 void fitSession(Context&, const pb::FitSessionRequest&, pb::FitSessionResponse*, Done);
 void joinSession(Context&, const pb::JoinSessionRequest&, pb::JoinSessionResponse*, Done);
 void leaveSession(Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*, Done);
+Status updatePresence(Context&, const pb::UpdatePresenceRequest&, pb::UpdatePresenceResponse*);
 
 StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(Context&);
 StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(Context&);
@@ -47,6 +48,8 @@ StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context&);
 
 // SceneService.
 void applyEdit(Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
+void undo(Context&, const pb::UndoRequest&, pb::UndoResponse*, Done);
+void redo(Context&, const pb::RedoRequest&, pb::RedoResponse*, Done);
 Status listLights(Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
 Status listSurfaces(Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
 Status listCameras(Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);

@@ -1,3 +1,4 @@
+#include "api/convert_presence.h"
 #include "api/convert_session.h"
 #include "api/paging.h"
 #include "api/services.h"
@@ -80,7 +81,7 @@ void joinSession(Context& context, const pb::JoinSessionRequest& request, pb::Jo
                  Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
-  const Expected<ClientIdentity> client = (*session)->join();
+  const Expected<ClientIdentity> client = (*session)->join(fromProto(request));
   if (!client) return done(client.status());
   response->mutable_client()->set_client_id(client->id);
   response->mutable_client()->set_secret(client->secret);
@@ -93,6 +94,14 @@ void leaveSession(Context& context, const pb::LeaveSessionRequest& request, pb::
   if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return done(s);
   (*session)->leave(fromProto(request.client()));
   (*session)->whenKept(std::move(done));
+}
+
+Status updatePresence(Context& context, const pb::UpdatePresenceRequest& request, pb::UpdatePresenceResponse*) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  const Expected<PresenceUpdate> update = fromProto(request.presence());
+  if (!update) return update.status().within("presence");
+  return (*session)->present(fromProto(request.client()), *update);
 }
 
 }  // namespace lpv::api
