@@ -4,6 +4,8 @@
 
 #include "command.h"
 #include "lpv/convert.h"
+#include "lpv/editor.h"
+#include "membership.h"
 #include "output.h"
 #include "scene_flags.h"
 #include "values.h"
@@ -11,23 +13,23 @@
 namespace lpv::cli {
 namespace {
 
-/// `call` is Client::undo or Client::redo.
-template <typename Request, typename Response>
+/// `call` is Editor::undo or Editor::redo.
+template <typename Response>
 void addStep(CLI::App& parent, Commands& commands, const std::string& name, const std::string& about,
-             Expected<Response> (client::Client::*call)(const Request&)) {
+             Expected<Response> (client::Editor::*call)()) {
   auto id = std::make_shared<std::string>();
   CLI::App& app = commands.add(parent, name, about, [id, call](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
-    Request request;
-    request.set_session(client::sessionName(*id));
-    const Expected<Response> done = ((*client).*call)(request);
-    if (!done) return done.status();
-    if (context.json()) print(toJson(*done));
-    for (const std::string& field : done->skipped_fields()) {
-      if (!context.json()) print("left as somebody else has set it: " + field);
-    }
-    return Status();
+    return asMember(*client, *id, [&](client::Editor& editor) -> Status {
+      const Expected<Response> done = (editor.*call)();
+      if (!done) return done.status();
+      if (context.json()) print(toJson(*done));
+      for (const std::string& field : done->skipped_fields()) {
+        if (!context.json()) print("left as somebody else has set it: " + field);
+      }
+      return {};
+    });
   });
   addSession(app, *id);
 }
@@ -54,8 +56,9 @@ void printPick(const Context& context, const v1::PickResponse& pick) {
 }  // namespace
 
 void addHistoryCommands(CLI::App& app, Commands& commands) {
-  addStep(app, commands, "undo", "Takes the last edit back", &client::Client::undo);
-  addStep(app, commands, "redo", "Makes an edit again that was taken back", &client::Client::redo);
+  addStep(app, commands, "undo", "Takes back the last edit that this user's lpvctl has made in the session",
+          &client::Editor::undo);
+  addStep(app, commands, "redo", "Makes an edit again that was taken back", &client::Editor::redo);
 }
 
 void addPickCommand(CLI::App& app, Commands& commands) {

@@ -9,6 +9,7 @@
 #include "import/image.h"
 #include "import/names.h"
 #include "lpv/blobs.h"
+#include "membership.h"
 #include "output.h"
 #include "progress.h"
 
@@ -100,14 +101,16 @@ Action applying(const std::shared_ptr<ObjectFlags>& flags, MakeOperation operati
 
 Status applyAndPrint(Context& context, client::Client& client, const std::string& session, const v1::Edit& edit,
                      bool printName) {
-  const Expected<v1::EditAck> ack = client.applyEdit(session, edit);
-  if (!ack) return ack.status();
-  if (context.json()) {
-    print(toJson(*ack));
-  } else if (printName && ack->names_size() > 0) {
-    print(ack->names(0));
-  }
-  return {};
+  return asMember(client, session, [&](client::Editor& editor) -> Status {
+    const Expected<v1::EditAck> ack = editor.apply(edit);
+    if (!ack) return ack.status();
+    if (context.json()) {
+      print(toJson(*ack));
+    } else if (printName && ack->names_size() > 0) {
+      print(ack->names(0));
+    }
+    return {};
+  });
 }
 
 void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind) {

@@ -71,7 +71,9 @@ Status render(Context& context, const RenderOptions& options) {
   const auto created = client->createSession(request);
   if (!created) return created.status();
   const TemporarySession session(context, created->session().name());
-  const auto uploaded = uploadScene(*client, session.name(), *scene);
+  Expected<client::Editor> editor = client::Editor::join(*client, session.name(), "");
+  if (!editor) return editor.status();
+  const auto uploaded = uploadScene(*editor, *scene);
   if (!uploaded) return uploaded.status();
 
   Expected<client::FrameResult> frame = Status(Code::kInternal, "no frame");

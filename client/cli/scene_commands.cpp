@@ -5,6 +5,7 @@
 #include "command.h"
 #include "import/scene_file.h"
 #include "lpv/convert.h"
+#include "membership.h"
 #include "output.h"
 #include "progress.h"
 #include "scene_flags.h"
@@ -59,11 +60,14 @@ void addSceneLoad(CLI::App& group, Commands& commands) {
     for (const std::string& warning : scene->warnings) warn(warning);
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
-    const Expected<UploadedScene> made = uploadScene(*client, given->id, *scene);
-    if (!made) return made.status();
-    if (made->lights.empty()) warn("the file has no emissive material, so nothing lights it yet: see lpvctl light add");
-    printMade(context, *scene, *made);
-    return Status();
+    return asMember(*client, given->id, [&](client::Editor& editor) -> Status {
+      const Expected<UploadedScene> made = uploadScene(editor, *scene);
+      if (!made) return made.status();
+      if (made->lights.empty())
+        warn("the file has no emissive material, so nothing lights it yet: see lpvctl light add");
+      printMade(context, *scene, *made);
+      return {};
+    });
   });
   addSession(app, given->id);
   app.add_option("file", given->file, "glb, gltf, obj, ply or stl")->required()->type_name("FILE");

@@ -105,7 +105,7 @@ void collect(const v1::Edit& edit, const v1::EditAck& ack, UploadedScene& made) 
   }
 }
 
-void takeBack(client::Editor& editor, const UploadedScene& made) {
+void takeBack(client::Editor& editor, const UploadedScene& made, const std::string& step) {
   std::vector<v1::Operation> operations;
   for (const std::string& name : made.lights) operations.push_back(client::deleteLight(name));
   for (const std::string& name : made.surfaces) operations.push_back(client::deleteSurface(name));
@@ -113,16 +113,21 @@ void takeBack(client::Editor& editor, const UploadedScene& made) {
   for (std::size_t at = 0; at < operations.size(); at += kMaxOperations) {
     const std::size_t end = std::min(operations.size(), at + kMaxOperations);
     const auto first = operations.begin() + std::ptrdiff_t(at);
-    (void)editor.apply(client::editOf({first, operations.begin() + std::ptrdiff_t(end)}));
+    v1::Edit edit = client::editOf({first, operations.begin() + std::ptrdiff_t(end)});
+    edit.set_undo_group(step);
+    (void)editor.apply(std::move(edit));
   }
 }
 
-Expected<UploadedScene> applyAll(client::Editor& editor, const std::vector<v1::Edit>& edits) {
+/// All of them are one undo step.
+Expected<UploadedScene> applyAll(client::Editor& editor, std::vector<v1::Edit> edits) {
+  const std::string step = "load " + std::to_string(editor.sequence());
   UploadedScene made;
-  for (const v1::Edit& edit : edits) {
+  for (v1::Edit& edit : edits) {
+    edit.set_undo_group(step);
     const Expected<v1::EditAck> ack = editor.apply(edit);
     if (!ack) {
-      takeBack(editor, made);
+      takeBack(editor, made, step);
       return ack.status();
     }
     collect(edit, *ack, made);
@@ -132,19 +137,16 @@ Expected<UploadedScene> applyAll(client::Editor& editor, const std::vector<v1::E
 
 }  // namespace
 
-Expected<UploadedScene> uploadScene(client::Client& client, const std::string& session, const ImportedScene& scene) {
-  Expected<client::Editor> editor = client::Editor::join(client, session, "lpvctl");
-  if (!editor) return editor.status();
+Expected<UploadedScene> uploadScene(client::Editor& editor, const ImportedScene& scene) {
   const SceneBlobs blobs(scene);
-  Status sent;
   {
+    client::Client client = editor.client();
     ProgressBar bar("uploading");
-    sent = client::uploadMissing(client, session, blobs.all(), [&](auto done, auto total) { bar.show(done, total); });
+    const Status sent = client::uploadMissing(client, editor.session(), blobs.all(),
+                                              [&](auto done, auto total) { bar.show(done, total); });
+    if (!sent.ok()) return sent;
   }
-  Expected<UploadedScene> made(sent);
-  if (sent.ok()) made = applyAll(*editor, editsFor(scene, blobs));
-  (void)editor->leave();
-  return made;
+  return applyAll(editor, editsFor(scene, blobs));
 }
 
 }  // namespace lpv::cli

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "import/scene_file.h"
-#include "lpv/client.h"
+#include "lpv/editor.h"
 
 namespace lpv::cli {
 
@@ -17,7 +17,7 @@ struct UploadedScene {
   std::uint64_t revision = 0;
 };
 
-/// All or nothing: where an edit is refused, what earlier ones made is removed again.
-Expected<UploadedScene> uploadScene(client::Client& client, const std::string& session, const ImportedScene& scene);
+/// All or nothing: where an edit is refused, what earlier ones made is removed again. One undo step.
+Expected<UploadedScene> uploadScene(client::Editor& editor, const ImportedScene& scene);
 
 }  // namespace lpv::cli

@@ -9,6 +9,7 @@
 namespace lpv::api {
 namespace {
 
+constexpr std::size_t kMaxUndoGroupBytes = 100;
 constexpr std::size_t kObjectsPerPart = 1000;  // an object is a few hundred bytes: a part stays far below 1 MiB
 
 /// Which fields of an object a message names: those of a mask, or those that are set in a new object.
@@ -194,6 +195,10 @@ Expected<Edit> fromProto(const pb::Edit& in, const Limits& limits) {
     return invalid("edit.operations", "operations has " + std::to_string(in.operations_size()) +
                                           " entries, allowed are 1 to " + std::to_string(limits.maxOperationsPerEdit));
   }
+  if (in.undo_group().size() > kMaxUndoGroupBytes) {
+    return invalid("edit.undo_group", "undo_group has " + std::to_string(in.undo_group().size()) +
+                                          " bytes, allowed are " + std::to_string(kMaxUndoGroupBytes));
+  }
   Edit out;
   out.sequence = in.sequence();
   if (in.has_expected_revision()) out.expectedRevision = in.expected_revision();
@@ -260,6 +265,7 @@ void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* ou
   out->set_epoch(session.epoch());
   out->set_durability(toProto(session.durability()));
   for (const std::string& name : outcome.names) out->add_names(name);
+  for (const std::string& field : outcome.skipped) out->add_skipped_fields(field);
 }
 
 namespace {

@@ -44,10 +44,15 @@ void writeOutcome(const EditOutcome& in, pb::EditAck* out) {
   if (!in.status.ok()) toProto(in.status, out->mutable_status());
   out->set_revision(in.revision);
   for (const std::string& name : in.names) out->add_names(name);
+  for (const std::string& field : in.skipped) out->add_skipped_fields(field);
 }
 
 EditOutcome readOutcome(const pb::EditAck& in) {
-  return {in.sequence(), fromProto(in.status()), in.revision(), {in.names().begin(), in.names().end()}};
+  return {in.sequence(),
+          fromProto(in.status()),
+          in.revision(),
+          {in.names().begin(), in.names().end()},
+          {in.skipped_fields().begin(), in.skipped_fields().end()}};
 }
 
 /// Meshes that came in no upload: with an edit, or deformed by one.

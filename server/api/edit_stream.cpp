@@ -85,10 +85,10 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     client_ = fromProto(request.client());
     if (Status s = (*session)->verify(client_); !s.ok()) return s;
     const auto weak = std::weak_ptr<EditStream>(me());
-    watcher_ = (*session)->watch([] {},
-                                 [weak](Closing why) {
-                                   if (const auto self = weak.lock()) self->pulse_.close(why);
-                                 });
+    const auto close = [weak](Closing why) {
+      if (const auto self = weak.lock()) self->pulse_.close(why);
+    };
+    watcher_ = (*session)->watch([] {}, close, client_.id);
     {
       const std::lock_guard lock(mutex_);
       session_ = *session;

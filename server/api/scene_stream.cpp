@@ -5,6 +5,7 @@
 
 #include "api/convert_scene.h"
 #include "api/convert_session.h"
+#include "api/presence_feed.h"
 #include "api/pulse.h"
 #include "api/services.h"
 
@@ -28,7 +29,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
       return false;
     }
     if (parts_.empty()) refill();
-    if (parts_.empty()) return pulse_.next(*session_, response);
+    if (parts_.empty()) return nextNotice(response);
     response->Swap(&parts_.front());
     parts_.pop_front();
     pulse_.quiet();
@@ -59,9 +60,11 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     const auto wakeUp = [weak] {
       if (const auto self = weak.lock()) self->wake();
     };
-    watcher_ = session_->watch(wakeUp, [weak](Closing why) {
+    const auto close = [weak](Closing why) {
       if (const auto self = weak.lock()) self->pulse_.close(why);
-    });
+    };
+    presence_.start(request.client().client_id());
+    watcher_ = session_->watch(wakeUp, close, request.client().client_id());
     pulse_.start(wakeUp);
     return {};
   }
@@ -78,6 +81,15 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     snapshotDue_ = false;
   }
 
+  /// What is no change of the scene. Members are told where the reader has taken everything else.
+  bool nextNotice(pb::WatchSceneResponse* response) {
+    pb::Presence member;
+    if (!presence_.next(*session_, &member)) return pulse_.next(*session_, response);
+    *response->mutable_presence() = std::move(member);
+    pulse_.quiet();
+    return true;
+  }
+
   const Context context_;
   Pulse pulse_;
   std::mutex mutex_;
@@ -85,6 +97,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
   std::uint64_t watcher_ = 0;
   std::uint64_t sent_ = 0;
   bool snapshotDue_ = false;
+  PresenceFeed presence_;
   std::deque<pb::WatchSceneResponse> parts_;
 };
 

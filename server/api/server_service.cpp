@@ -38,6 +38,8 @@ constexpr const char* kFeatures[] = {
     "self_check",
     "access.tokens",
     "tls",
+    "edits.undo",
+    "presence",
 };
 
 void limitsToProto(const Limits& in, pb::Limits* out) {
@@ -56,6 +58,9 @@ void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_frame_edge(in.maxFrameEdge);
   out->set_max_probe_points(in.maxProbePoints);
   out->set_max_groups(kMaxGroups);
+  out->set_max_undo_steps(in.maxUndoSteps);
+  out->set_max_presence_updates_per_second(in.maxPresenceUpdatesPerSecond);
+  out->mutable_presence_idle()->set_seconds(in.presenceIdle.count());
   out->mutable_upload_idle()->set_seconds(in.uploadIdle.count());
 }
 

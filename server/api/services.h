@@ -38,6 +38,7 @@ void joinSession(const Context&, const pb::JoinSessionRequest&, pb::JoinSessionR
 void leaveSession(const Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*, Done);
 void createToken(const Context&, const pb::CreateTokenRequest&, pb::CreateTokenResponse*, Done);
 void revokeToken(const Context&, const pb::RevokeTokenRequest&, pb::RevokeTokenResponse*, Done);
+Status updatePresence(const Context&, const pb::UpdatePresenceRequest&, pb::UpdatePresenceResponse*);
 
 StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(const Context&);
 StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(const Context&);
@@ -49,6 +50,8 @@ StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(const Context&);
 
 // SceneService.
 void applyEdit(const Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
+void undo(const Context&, const pb::UndoRequest&, pb::UndoResponse*, Done);
+void redo(const Context&, const pb::RedoRequest&, pb::RedoResponse*, Done);
 Status listLights(const Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
 Status listSurfaces(const Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
 Status listCameras(const Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);

@@ -1,3 +1,4 @@
+#include "api/convert_presence.h"
 #include "api/convert_session.h"
 #include "api/paging.h"
 #include "api/services.h"
@@ -93,7 +94,7 @@ void joinSession(const Context& context, const pb::JoinSessionRequest& request, 
                  Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return done(session.status());
-  const Expected<ClientIdentity> client = (*session)->join();
+  const Expected<ClientIdentity> client = (*session)->join(fromProto(request));
   if (!client) return done(client.status());
   response->mutable_client()->set_client_id(client->id);
   response->mutable_client()->set_secret(client->secret);
@@ -107,6 +108,14 @@ void leaveSession(const Context& context, const pb::LeaveSessionRequest& request
   if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return done(s);
   (*session)->leave(fromProto(request.client()));
   (*session)->whenKept(std::move(done));
+}
+
+Status updatePresence(const Context& context, const pb::UpdatePresenceRequest& request, pb::UpdatePresenceResponse*) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  if (!session) return session.status();
+  const Expected<PresenceUpdate> update = fromProto(request.presence());
+  if (!update) return update.status().within("presence");
+  return (*session)->present(fromProto(request.client()), *update);
 }
 
 }  // namespace lpv::api

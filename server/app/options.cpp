@@ -26,6 +26,8 @@ void addLimits(CLI::App& app, Limits& limits) {
   limit("--max-texels", limits.maxTexels, "texels of a session's textures", 1, 1e10);
   limit("--max-blob-bytes", limits.maxBlobBytes, "bytes of one blob", 1, 1e9);
   limit("--max-edits-per-second", limits.maxEditsPerSecond, "edits of one client", 1, 100000);
+  limit("--max-presence-updates-per-second", limits.maxPresenceUpdatesPerSecond, "presence updates of one client", 0.1,
+        1000);
   limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
   const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what, int least) {
     app.add_option_function<int>(
@@ -36,6 +38,7 @@ void addLimits(CLI::App& app, Limits& limits) {
   };
   seconds("--upload-idle", limits.uploadIdle, "seconds without a part after which an upload is given up", 1);
   seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take", 1);
+  seconds("--presence-idle", limits.presenceIdle, "seconds of silence after which the others see a member no more", 1);
   seconds("--self-check", limits.selfCheck, "seconds between comparisons of a session's light with the truth; 0 = none",
           0);
 }

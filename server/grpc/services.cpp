@@ -75,9 +75,9 @@ class SessionDoor final : public pb::SessionService::CallbackService {
                                          pb::LeaveSessionResponse* response) override {
     return answer(context_, call, request, response, api::leaveSession);
   }
-  grpc::ServerUnaryReactor* UpdatePresence(Call* call, const pb::UpdatePresenceRequest*,
-                                           pb::UpdatePresenceResponse*) override {
-    return later(call, "presence");
+  grpc::ServerUnaryReactor* UpdatePresence(Call* call, const pb::UpdatePresenceRequest* request,
+                                           pb::UpdatePresenceResponse* response) override {
+    return answer(context_, call, request, response, api::updatePresence);
   }
   grpc::ServerUnaryReactor* CreateToken(Call* call, const pb::CreateTokenRequest* request,
                                         pb::CreateTokenResponse* response) override {
@@ -146,11 +146,11 @@ class SceneDoor final : public pb::SceneService::CallbackService {
                                                                const pb::WatchSceneRequest* request) override {
     return serve(context_, call, api::watchScene, request);
   }
-  grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest*, pb::UndoResponse*) override {
-    return later(call, "undo");
+  grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest* request, pb::UndoResponse* response) override {
+    return answer(context_, call, request, response, api::undo);
   }
-  grpc::ServerUnaryReactor* Redo(Call* call, const pb::RedoRequest*, pb::RedoResponse*) override {
-    return later(call, "redo");
+  grpc::ServerUnaryReactor* Redo(Call* call, const pb::RedoRequest* request, pb::RedoResponse* response) override {
+    return answer(context_, call, request, response, api::redo);
   }
 
  private:

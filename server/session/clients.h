@@ -19,6 +19,7 @@ struct EditOutcome {
   Status status;
   std::uint64_t revision = 0;  ///< made, or current where rejected
   std::vector<std::string> names;
+  std::vector<std::string> skipped = {};  ///< of an undo or redo: what was left as somebody else has written it
 };
 
 /// Who a client says it is.

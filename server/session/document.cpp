@@ -8,7 +8,7 @@ namespace lpv {
 namespace {
 
 template <typename Map, typename Before>
-void restore(Map& objects, Before& before) {
+void putBack(Map& objects, Before& before) {
   for (auto& [name, entry] : before) {
     if (entry) {
       objects[name] = *entry;
@@ -48,15 +48,31 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
                       std::to_string(revision_) + "; read the scene again and repeat",
                   "expected_revision");
   }
+  std::vector<std::string> names;
+  Status status = change([&](Undo& undo) { return applyAll(edit, blobs, undo, &names); });
+  if (!status.ok()) return status;
+  return names;
+}
+
+Status Document::restore(const std::vector<NamedState>& objects) {
+  return change([&](Undo& undo) {
+    for (const NamedState& each : objects) restoreOne(each, undo);
+    return Status();
+  });
+}
+
+/// One revision, or nothing where `make` or the limits say no.
+Status Document::change(const std::function<Status(Undo&)>& make) {
   Undo undo;
   undo.tombstones = tombstones_.size();
   undo.grid = grid_;
   undo.gridRevision = gridRevision_;
   ++revision_;
-  Expected<std::vector<std::string>> names = applyAll(edit, blobs, undo);
-  if (!names) {
+  Status status = make(undo);
+  if (status.ok()) status = checkAll(undo);
+  if (!status.ok()) {
     takeBack(undo);
-    return names;
+    return status;
   }
   noteChange(undo);
   restage(undo);
@@ -64,30 +80,31 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
     forgottenUpTo_ = tombstones_.front().revision;
     tombstones_.pop_front();
   }
-  return names;
+  replaced_ = std::move(undo);
+  return {};
 }
 
-Expected<std::vector<std::string>> Document::applyAll(const Edit& edit, const Blobs& blobs, Undo& undo) {
-  std::vector<std::string> names;
+Status Document::applyAll(const Edit& edit, const Blobs& blobs, Undo& undo, std::vector<std::string>* names) {
   for (std::size_t i = 0; i < edit.operations.size(); ++i) {
     Expected<std::string> name =
         std::visit([&](const auto& op) { return applyOne(op, blobs, undo); }, edit.operations[i]);
     if (!name) return name.status().within("operations[" + std::to_string(i) + "]");
-    names.push_back(std::move(*name));
+    names->push_back(std::move(*name));
   }
+  return {};
+}
+
+Status Document::checkAll(const Undo& undo) {
   recount();
   if (Status s = checkTotals(); !s.ok()) return s;
   if (Status s = checkGroups(undo); !s.ok()) return s;
-  if (undo.contentAdded) {
-    if (Status s = refit(false); !s.ok()) return s;
-  }
-  return names;
+  return undo.contentAdded ? refit(false) : Status();
 }
 
 void Document::takeBack(Undo& undo) {
-  restore(lights_, undo.lights);
-  restore(surfaces_, undo.surfaces);
-  restore(cameras_, undo.cameras);
+  putBack(lights_, undo.lights);
+  putBack(surfaces_, undo.surfaces);
+  putBack(cameras_, undo.cameras);
   tombstones_.resize(undo.tombstones, Deleted{});
   grid_ = undo.grid;
   gridRevision_ = undo.gridRevision;

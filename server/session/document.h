@@ -17,6 +17,7 @@
 #include "scene/scene.h"
 #include "session/blobs.h"
 #include "session/limits.h"
+#include "session/object_state.h"
 
 namespace lpv {
 
@@ -97,8 +98,15 @@ class Document {
   /// are returned, one per operation. Errors name the operation ("operations[3].create_light.radiance").
   Expected<std::vector<std::string>> apply(const Edit& edit, const Blobs& blobs);
 
+  /// Sets objects to what they once were: one revision, also where there are none. RESOURCE_EXHAUSTED, by name, where
+  /// the session would exceed its limits.
+  Status restore(const std::vector<NamedState>& objects);
+
   /// What the last revision changed; every deletion of it, of names given again too.
   const Changes& lastChange() const { return lastChange_; }
+  /// What stands under a name, and what stood there before the last edit.
+  ObjectState object(const ObjectKey& key) const;
+  ObjectState objectBefore(const ObjectKey& key) const;
 
   /// New settings: a revision where they differ.
   Status setOptions(const SessionOptions& options);
@@ -186,8 +194,13 @@ class Document {
   template <typename T>
   void deform(const std::string& name, const MeshPtr& mesh, Undo& undo);
 
-  Expected<std::vector<std::string>> applyAll(const Edit& edit, const Blobs& blobs, Undo& undo);
+  Status change(const std::function<Status(Undo&)>& make);
+  Status applyAll(const Edit& edit, const Blobs& blobs, Undo& undo, std::vector<std::string>* names);
+  Status checkAll(const Undo& undo);
   void takeBack(Undo& undo);
+  void restoreOne(const NamedState& wanted, Undo& undo);
+  template <typename T>
+  void restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Undo& undo);
   Status checkGroups(const Undo& undo) const;
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
@@ -211,6 +224,7 @@ class Document {
   std::deque<Deleted> tombstones_;
   std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
   Changes lastChange_;
+  Undo replaced_;  ///< by the last edit
   std::int64_t triangles_ = 0;
   ScenePtr snapshot_;
   ScenePtr staged_;

@@ -231,6 +231,34 @@ Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Undo& und
   return std::string();
 }
 
+template <typename T>
+void Document::restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Undo& undo) {
+  const bool stands = objects<T>().contains(name);
+  if (object) {
+    put<T>(name, object, undo);
+    undo.contentAdded = undo.contentAdded || !stands;
+  } else if (stands) {
+    (void)remove<T>(name, undo);
+  }
+}
+
+/// What stands under the name, of whatever kind, gives way.
+void Document::restoreOne(const NamedState& wanted, Undo& undo) {
+  const auto& [key, object] = wanted;
+  if (!key.camera) {
+    restoreOne<Light>(key.name, object.light, undo);
+    restoreOne<Surface>(key.name, object.surface, undo);
+  } else if (object.camera || cameras_.contains(key.name)) {
+    remember(cameras_, key.name, undo.cameras);
+    if (object.camera) {
+      cameras_[key.name] = {*object.camera, revision_};
+    } else {
+      cameras_.erase(key.name);
+      tombstones_.push_back({ObjectKind::kCamera, key.name, revision_});
+    }
+  }
+}
+
 std::string Document::freeName(const std::string& wanted) const {
   std::string name = wanted;
   for (int n = 1; lights_.contains(name) || surfaces_.contains(name); ++n) {

@@ -49,6 +49,43 @@ DocumentState Document::state() const {
   return out;
 }
 
+namespace {
+
+/// The object of an entry, where there is one.
+template <typename Map>
+auto objectIn(const Map& objects, const std::string& name) {
+  const auto found = objects.find(name);
+  return found == objects.end() ? nullptr : found->second.object;
+}
+
+/// The same of what was before an edit.
+template <typename Before>
+auto objectOf(const Before& before) {
+  return before ? before->object : nullptr;
+}
+
+}  // namespace
+
+ObjectState Document::object(const ObjectKey& key) const {
+  if (key.camera) return {nullptr, nullptr, camera(key.name)};
+  return {objectIn(lights_, key.name), objectIn(surfaces_, key.name), std::nullopt};
+}
+
+ObjectState Document::objectBefore(const ObjectKey& key) const {
+  ObjectState out = object(key);
+  if (key.camera) {
+    const auto was = replaced_.cameras.find(key.name);
+    if (was == replaced_.cameras.end()) return out;
+    out.camera = was->second ? std::optional(was->second->camera) : std::nullopt;
+    return out;
+  }
+  const auto light = replaced_.lights.find(key.name);
+  if (light != replaced_.lights.end()) out.light = objectOf(light->second);
+  const auto surface = replaced_.surfaces.find(key.name);
+  if (surface != replaced_.surfaces.end()) out.surface = objectOf(surface->second);
+  return out;
+}
+
 /// In time of the edit's size, not the scene's.
 void Document::noteChange(const Undo& undo) {
   lastChange_ = Changes();

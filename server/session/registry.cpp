@@ -243,7 +243,10 @@ void Registry::sweepLater() {
 
 void Registry::sweep() {
   const auto now = std::chrono::system_clock::now();
-  for (const SessionPtr& session : all()) session->dropUnusedBlobs();
+  for (const SessionPtr& session : all()) {
+    session->dropUnusedBlobs();
+    session->dropSilentMembers(Clock::now());
+  }
   retire(now);
   forgetKept(now);
   const std::lock_guard lock(mutex_);

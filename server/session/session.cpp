@@ -15,6 +15,8 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Sess
       document_(options, workshop.limits, workshop.hasher),
       blobs_(workshop.limits),
       clients_(workshop.limits),
+      history_(workshop.limits),
+      presence_(workshop.limits),
       lastUsed_(created_),
       keptUse_(created_) {}
 
@@ -28,6 +30,8 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state,
       document_(state.document, workshop.limits, workshop.hasher),
       blobs_(workshop.limits),
       clients_(workshop.limits),
+      history_(workshop.limits),
+      presence_(workshop.limits),
       lastUsed_(std::chrono::system_clock::now()) {
   for (const ClientState& client : state.clients) clients_.restore(client);
   // What was accepted once stays, where limits have become lower since too; new uploads meet them.
@@ -71,27 +75,6 @@ SessionSummary Session::summary() const {
 std::uint64_t Session::revision() const {
   const std::lock_guard lock(mutex_);
   return document_.revision();
-}
-
-Expected<ClientIdentity> Session::join() {
-  const std::lock_guard lock(mutex_);
-  if (closed_) return closedStatus("session");
-  if (Status s = workshop_.journal->writable(); !s.ok()) return s;
-  Expected<ClientIdentity> client = clients_.join();
-  if (!client) return client;
-  JournalStep step = nextStep();
-  step.joined = clients_.state(client->id);
-  keep(std::move(step));
-  return client;
-}
-
-void Session::leave(const ClientIdentity& client) {
-  const std::lock_guard lock(mutex_);
-  if (closed_ || client.id.empty() || !clients_.verify(client).ok()) return;
-  clients_.leave(client.id);
-  JournalStep step = nextStep();
-  step.left = client.id;
-  keep(std::move(step));
 }
 
 Status Session::verify(const ClientIdentity& client) const {
@@ -151,30 +134,15 @@ Status Session::closedStatus(const char* field) const {
 }
 
 EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit) {
-  lastUsed_ = std::chrono::system_clock::now();
   EditOutcome outcome;
-  outcome.sequence = edit.sequence;
-  outcome.revision = document_.revision();
-  if (closed_) {
-    outcome.status = closedStatus("session");
-    return outcome;
-  }
-  outcome.status = clients_.verify(client);
-  if (!outcome.status.ok()) return outcome;
-  const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, edit.sequence);
-  if (!before) {
-    outcome.status = before.status().within("edit");
-    return outcome;
-  }
-  if (*before) return **before;
-  outcome.status = workshop_.journal->writable();
-  if (!outcome.status.ok()) return outcome;
-  outcome.status = clients_.admit(client.id, Clock::now());
-  if (!outcome.status.ok()) return outcome;
+  if (!admit(client, edit.sequence, &outcome)) return outcome;
   const Expected<std::vector<std::string>> names = document_.apply(edit, blobs_);
   outcome.status = names.status().within("edit");
   outcome.revision = document_.revision();
-  if (names) outcome.names = *names;
+  if (names) {
+    outcome.names = *names;
+    history_.note(client.id, edit, *names, document_);
+  }
   record(client, outcome);
   if (names) kick();
   return outcome;
@@ -291,20 +259,24 @@ std::vector<std::pair<std::string, Camera>> Session::cameras() const {
   return document_.cameras();
 }
 
-std::uint64_t Session::watch(std::function<void()> changed, std::function<void(Closing)> closed) {
+std::uint64_t Session::watch(std::function<void()> changed, std::function<void(Closing)> closed,
+                             const std::string& client) {
   const std::lock_guard lock(mutex_);
   const std::uint64_t key = nextKey_++;
   if (closed_) {
     workshop_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
   } else {
-    watchers_[key] = {std::move(changed), std::move(closed)};
+    watchers_[key] = {std::move(changed), std::move(closed), client};
   }
   return key;
 }
 
 void Session::unwatch(std::uint64_t watcher) {
   const std::lock_guard lock(mutex_);
-  watchers_.erase(watcher);
+  const auto found = watchers_.find(watcher);
+  if (found == watchers_.end()) return;
+  presence_.hear(found->second.client, Clock::now());
+  watchers_.erase(found);
   lastUsed_ = std::chrono::system_clock::now();
 }
 
@@ -360,7 +332,9 @@ SavedSession Session::state() const {
 void Session::dropUnusedBlobs() {
   const std::lock_guard lock(mutex_);
   if (closed_ || !workshop_.journal->writable().ok()) return;
-  std::vector<BlobHash> dropped = blobs_.dropUnused(document_.hashesInUse(), Clock::now());
+  std::set<BlobHash> used = document_.hashesInUse();
+  history_.addHashesInUse(used);
+  std::vector<BlobHash> dropped = blobs_.dropUnused(used, Clock::now());
   if (dropped.empty()) return;
   JournalStep step = nextStep();
   step.dropped = std::move(dropped);

@@ -18,8 +18,10 @@
 #include "session/clients.h"
 #include "session/counters.h"
 #include "session/document.h"
+#include "session/history.h"
 #include "session/journal.h"
 #include "session/limits.h"
+#include "session/presence.h"
 #include "session/results.h"
 #include "session/state.h"
 #include "session/timers.h"
@@ -72,13 +74,16 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t revision() const;
 
   // Members and edits.
-  Expected<ClientIdentity> join();
+  Expected<ClientIdentity> join(const PresenceUpdate& seenAs = {});
   void leave(const ClientIdentity& client);
   Status verify(const ClientIdentity& client) const;
   /// The whole life of an edit: prepared outside the lock, then applied, recorded, told to readers.
   EditOutcome apply(const ClientIdentity& client, Edit edit);
   /// The outcome of an edit that could not even be read: recorded under its sequence like any other.
   EditOutcome refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
+  /// Takes back the member's newest step, or makes one again that was taken back (session/history.h): an edit in every
+  /// other respect. FAILED_PRECONDITION where there is none; INVALID_ARGUMENT for nobody.
+  EditOutcome takeStep(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
   Status setOptions(const SessionOptions& options, const std::optional<SessionManners>& manners);
   /// Calls `kept` once, when everything that was done to the session so far is kept (any thread, no locks), or with why
   /// that is not known. Nobody is told of a change before.
@@ -103,8 +108,18 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<Versioned<Surface>> surfaces() const;
   std::vector<std::pair<std::string, Camera>> cameras() const;
   /// Calls `changed` (any thread, no locks) after every revision, and `closed` once when the session ends.
-  std::uint64_t watch(std::function<void()> changed, std::function<void(Closing)> closed);
+  /// `client`, where it says so, is there for as long as it watches.
+  std::uint64_t watch(std::function<void()> changed, std::function<void(Closing)> closed,
+                      const std::string& client = {});
   void unwatch(std::uint64_t watcher);
+
+  // Presence. Watchers are told when it changes.
+  Status present(const ClientIdentity& client, const PresenceUpdate& update);
+  /// Another number after every change.
+  std::uint64_t presenceChanges() const;
+  PresentMembers presentMembers() const;
+  /// Those who were not heard of for long are gone.
+  void dropSilentMembers(Clock::time_point now);
 
   // Results.
   Expected<std::shared_ptr<Subscriber>> subscribe(const Wish& wish, const std::shared_ptr<ResultSink>& sink);
@@ -164,13 +179,17 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Watcher {
     std::function<void()> changed;
     std::function<void(Closing)> closed;
+    std::string client;
   };
   struct Delivery {
     std::shared_ptr<Subscriber> subscriber;
     Result result;
   };
 
+  Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs);
   EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
+  EditOutcome takeStepLocked(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
+  bool admit(const ClientIdentity& client, std::uint64_t sequence, EditOutcome* outcome);
   void record(const ClientIdentity& client, const EditOutcome& outcome);
   void keep(JournalStep step);
   JournalStep nextStep() const;
@@ -218,6 +237,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Document document_;
   Blobs blobs_;
   Clients clients_;
+  History history_;
+  PresentOnes presence_;
   std::map<std::uint64_t, Watcher> watchers_;
   std::map<std::string, std::shared_ptr<Subscriber>> subscribers_;
   std::list<std::shared_ptr<WaitingCall>> calls_;

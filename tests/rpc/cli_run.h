@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "rpc/cli_files.h"
 #include "rpc/server_process.h"
 
 namespace lpv::cli {
@@ -20,6 +21,9 @@ struct Outcome {
 };
 
 inline Outcome runLpvctl(std::vector<std::string> arguments) {
+  // Who lpvctl is in which session is kept with the test, not with the user who runs it.
+  static const TemporaryFolder kState;
+  setenv("XDG_STATE_HOME", kState.path("state").c_str(), 1);
   // Assimp and the image libraries leak on broken files; leaks of ours are looked for where the library is linked.
   if (rpc::kSanitized) setenv("LSAN_OPTIONS", "detect_leaks=0", 0);
   rpc::ChildProcess child(LPVCTL_PATH, arguments);

@@ -210,8 +210,37 @@ TEST_F(Cli, ResultCommands) {
   EXPECT_EQ(
       lpvctl({"pick", id_, "--pixel", "320,180", "--eye", "1,5,1", "--target", "1,0,1", "--up-vector", "0,0,1"}).exit,
       0);
-  EXPECT_EQ(lpvctl({"undo", id_}).exit, 1);
-  EXPECT_EQ(lpvctl({"redo", id_}).exit, 1);
+}
+
+TEST_F(Cli, UndoAndRedoWhatEarlierRunsDid) {
+  const Outcome nothing = lpvctl({"undo", id_});
+  EXPECT_EQ(nothing.exit, 1);
+  EXPECT_THAT(nothing.err, HasSubstr("nothing to undo"));
+  (void)lpvctlOut({"scene", "load", id_, room_});
+  const std::string room = lpvctlOut({"scene", "list", id_});
+  const std::string lamp = room.substr(room.find("light") + 5);
+  std::string name;
+  ASSERT_TRUE(std::istringstream(lamp) >> name);
+  const std::string before = lpvctlOut({"light", "list", id_});
+  (void)lpvctlOut({"light", "move", id_, name, "--translate", "1,2,3"});
+  EXPECT_NE(lpvctlOut({"light", "list", id_}), before);
+  EXPECT_EQ(lpvctlOut({"undo", id_}), "");
+  EXPECT_EQ(lpvctlOut({"light", "list", id_}), before);
+  EXPECT_EQ(lpvctlOut({"undo", id_}), "") << "the whole file, however many edits it took";
+  EXPECT_EQ(lpvctlOut({"scene", "list", id_}), "");
+  EXPECT_EQ(lpvctlOut({"redo", id_}), "");
+  EXPECT_EQ(lpvctlOut({"scene", "list", id_}), room);
+  EXPECT_THAT(lpvctlOut({"undo", id_, "--json"}), HasSubstr("\"revision\""));
+}
+
+TEST_F(Cli, JoinsAgainWhereTheSessionDoesNotKnowIt) {
+  (void)lpvctlOut({"light", "add", id_, lamp_, "--name", "Old"});
+  for (const auto& file : std::filesystem::recursive_directory_iterator(std::getenv("XDG_STATE_HOME"))) {
+    if (file.is_regular_file()) std::ofstream(file.path()) << "c-nobody\nsecret\n";
+  }
+  EXPECT_EQ(lpvctlOut({"light", "add", id_, lamp_, "--name", "New"}), "New");
+  EXPECT_EQ(lpvctlOut({"undo", id_}), "");
+  EXPECT_THAT(lpvctlOut({"light", "list", id_}), AllOf(HasSubstr("Old"), Not(HasSubstr("New"))));
 }
 
 TEST_F(Cli, ProbeOnePointAndMany) {

@@ -262,18 +262,6 @@ TEST(SessionLimits, AreNamed) {
 
 TEST_F(Sessions, CallsOfLaterVersionsAreRefusedByName) {
   const std::string name = makeLitSession(stubs_);
-  pb::UndoRequest undo;
-  undo.set_session(name);
-  pb::UndoResponse undone;
-  const grpc::Status undoStatus = stubs_.scene->Undo(Call(), undo, &undone);
-  EXPECT_THAT(undoStatus, HasCode(StatusCode::UNIMPLEMENTED));
-  EXPECT_THAT(undoStatus.error_message(), HasSubstr("undo"));
-  pb::RedoRequest redo;
-  redo.set_session(name);
-  pb::RedoResponse redone;
-  const grpc::Status redoStatus = stubs_.scene->Redo(Call(), redo, &redone);
-  EXPECT_THAT(redoStatus, HasCode(StatusCode::UNIMPLEMENTED));
-  EXPECT_THAT(redoStatus.error_message(), HasSubstr("redo"));
   pb::CreateTokenRequest token;
   token.set_session(name);
   pb::CreateTokenResponse minted;

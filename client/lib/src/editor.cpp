@@ -18,6 +18,19 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMaxUnanswered = 256;
 constexpr int kAttempts = 4;
 
+/// Repeats a call whose answer was lost: its sequence sees to it that it is done once.
+template <typename Request, typename Response>
+Expected<Response> persistent(Connection& connection,
+                              grpc::Status (v1::SceneService::Stub::*method)(grpc::ClientContext*, const Request&,
+                                                                             Response*),
+                              const Request& request) {
+  for (int attempt = 1;; ++attempt) {
+    auto response = unary(connection, *connection.scene, method, request);
+    if (response || response.status().code() != Code::kUnavailable || attempt == kAttempts) return response;
+    std::this_thread::sleep_for(100ms * attempt);
+  }
+}
+
 }  // namespace
 
 Editor::Editor(Client client, std::string session, v1::ClientIdentity identity)
@@ -36,19 +49,48 @@ Expected<Editor> Editor::join(Client client, const std::string& session, const s
   return Editor(std::move(client), request.session(), response->client());
 }
 
+Editor Editor::resume(Client client, const std::string& session, v1::ClientIdentity identity,
+                      std::uint64_t lastSequence) {
+  Editor out(std::move(client), sessionName(session), std::move(identity));
+  *out.sequence_ = lastSequence;
+  return out;
+}
+
 Expected<v1::EditAck> Editor::apply(v1::Edit edit) {
+  if (identity_.client_id().empty()) return client_.applyEdit(session_, edit);
   edit.set_sequence(++*sequence_);
   v1::ApplyEditRequest request;
   request.set_session(session_);
   *request.mutable_client() = identity_;
   *request.mutable_edit() = std::move(edit);
+  const auto response = persistent(*client_.connection(), &v1::SceneService::Stub::ApplyEdit, request);
+  if (!response) return response.status();
+  return response->ack();
+}
+
+Expected<v1::UndoResponse> Editor::undo() {
+  v1::UndoRequest request;
+  request.set_session(session_);
+  *request.mutable_client() = identity_;
+  request.set_sequence(++*sequence_);
+  return persistent(*client_.connection(), &v1::SceneService::Stub::Undo, request);
+}
+
+Expected<v1::RedoResponse> Editor::redo() {
+  v1::RedoRequest request;
+  request.set_session(session_);
+  *request.mutable_client() = identity_;
+  request.set_sequence(++*sequence_);
+  return persistent(*client_.connection(), &v1::SceneService::Stub::Redo, request);
+}
+
+Status Editor::present(const v1::Presence& presence) {
+  v1::UpdatePresenceRequest request;
+  request.set_session(session_);
+  *request.mutable_client() = identity_;
+  *request.mutable_presence() = presence;
   Connection& connection = *client_.connection();
-  for (int attempt = 1;; ++attempt) {
-    auto response = unary(connection, *connection.scene, &v1::SceneService::Stub::ApplyEdit, request);
-    if (response) return response->ack();
-    if (response.status().code() != Code::kUnavailable || attempt == kAttempts) return response.status();
-    std::this_thread::sleep_for(100ms * attempt);
-  }
+  return unary(connection, *connection.sessions, &v1::SessionService::Stub::UpdatePresence, request).status();
 }
 
 Status Editor::leave() {

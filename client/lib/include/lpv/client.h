@@ -105,6 +105,7 @@ class Client {
   Expected<Listing<v1::Light>> lights(const std::string& session);
   Expected<Listing<v1::Surface>> surfaces(const std::string& session);
   Expected<Listing<v1::Camera>> cameras(const std::string& session);
+  /// For a request with an identity; Editor::undo and redo make them.
   Expected<v1::UndoResponse> undo(const v1::UndoRequest& request);
   Expected<v1::RedoResponse> redo(const v1::RedoRequest& request);
 

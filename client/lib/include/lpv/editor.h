@@ -15,11 +15,26 @@ namespace lpv::client {
 /// One thread at a time edits through an Editor and the EditStream made from it.
 class Editor {
  public:
+  /// With a display name the other members see this one at once (Presence).
   static Expected<Editor> join(Client client, const std::string& session, const std::string& displayName);
+  /// A member that joined before, perhaps in another process. `lastSequence`: at least that of its last edit. An empty
+  /// identity edits as nobody: nothing is repeated, nothing can be undone.
+  static Editor resume(Client client, const std::string& session, v1::ClientIdentity identity,
+                       std::uint64_t lastSequence);
 
   /// One edit, answered. Where the connection breaks before the answer, the same sequence is sent again until the
   /// client's timeout: it is applied once. A refused edit is the error and changes nothing.
   Expected<v1::EditAck> apply(v1::Edit edit);
+
+  /// Takes back this member's newest step, or makes one again. With an EditStream, drain() it first: undo does not wait
+  /// for what is on its way there. FAILED_PRECONDITION where there is nothing. What somebody else has written since
+  /// stays, and is named in skipped_fields. The same retries as apply().
+  Expected<v1::UndoResponse> undo();
+  Expected<v1::RedoResponse> redo();
+
+  /// Tells the other members where this one looks and what it has selected. RESOURCE_EXHAUSTED
+  /// (max_presence_updates_per_second) where that comes too often: send the newest a little later.
+  Status present(const v1::Presence& presence);
 
   Status leave();
 

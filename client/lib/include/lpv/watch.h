@@ -75,7 +75,8 @@ class FrameWatcher {
 /// The scene as it changes: a snapshot first, then every change in order, also across reconnections.
 class SceneWatcher {
  public:
-  /// Snapshot, change or presence, as sent; parts with `more` are followed by the rest.
+  /// Snapshot, change or presence, as sent; parts with `more` are followed by the rest. Presence is of all members, and
+  /// starts anew when the stream was opened again.
   using OnEvent = std::function<void(const v1::WatchSceneResponse&)>;
   SceneWatcher(const Client& client, std::string session, std::uint64_t sinceRevision, OnEvent onEvent,
                WatchHooks hooks = {});

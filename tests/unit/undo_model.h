@@ -1,0 +1,235 @@
+#pragma once
+// Undo as PROTOCOL.md says it, without objects, pointers or cleverness: every field is a cell with a number and the id
+// of the write that put it there, every name a cell that says which object it stands for. A step is the list of its
+// writes.
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace lpv::test {
+
+class UndoModel {
+ public:
+  explicit UndoModel(int depth) : depth_(depth) {}
+
+  /// Lights and surfaces are called by their names, cameras "camera:NAME".
+  struct Object {
+    std::string kind;
+    std::map<std::string, int> values;   ///< by field
+    std::map<std::string, int> writers;
+  };
+
+  // An edit is begun, described write by write, and ended.
+  void begin() {
+    ++write_;
+    writes_.clear();
+  }
+  void create(const std::string& name, const std::string& kind, const std::map<std::string, int>& values) {
+    Object object{kind, values, {}};
+    for (const auto& [field, value] : values) object.writers[field] = write_;
+    objects_.push_back(object);
+    setName(name, int(objects_.size()) - 1);
+  }
+  void remove(const std::string& name) { setName(name, kNothing); }
+  void set(const std::string& name, const std::string& field, int value) {
+    const int id = names_[name].object;
+    Object& object = objects_[std::size_t(id)];
+    writes_.push_back({name, id, field, {object.values[field], object.writers[field]}, {value, write_}});
+    object.values[field] = value;
+    object.writers[field] = write_;
+  }
+  void end(const std::string& client, const std::string& group) {
+    if (client.empty()) return;
+    Member& member = members_[client];
+    member.redo.clear();
+    const bool joins = member.open && !group.empty() && !member.undo.empty() && member.undo.back().group == group;
+    member.open = joins || !writes_.empty();
+    if (!joins && writes_.empty()) return;
+    if (!joins) member.undo.push_back({group, {}, {}});
+    std::vector<Write>& step = member.undo.back().writes;
+    step.insert(step.end(), writes_.begin(), writes_.end());
+    if (int(member.undo.size()) > depth_) member.undo.pop_front();
+  }
+  void leave(const std::string& client) { members_.erase(client); }
+
+  bool canUndo(const std::string& client) { return !members_[client].undo.empty(); }
+  bool canRedo(const std::string& client) { return !members_[client].redo.empty(); }
+  /// What is skipped.
+  std::set<std::string> undo(const std::string& client) {
+    Member& member = members_[client];
+    return move(member, member.undo, member.redo, true);
+  }
+  std::set<std::string> redo(const std::string& client) {
+    Member& member = members_[client];
+    return move(member, member.redo, member.undo, false);
+  }
+
+  std::map<std::string, const Object*> scene() const {
+    std::map<std::string, const Object*> out;
+    for (const auto& [name, cell] : names_) {
+      if (cell.object != kNothing) out[name] = &objects_[std::size_t(cell.object)];
+    }
+    return out;
+  }
+
+ private:
+  static constexpr int kNothing = -1;
+  struct Side {
+    int value = 0;
+    int writer = 0;
+  };
+  /// Of a field, or of a name (`field` empty), whose value is an object.
+  struct Write {
+    std::string name;
+    int object = kNothing;
+    std::string field;
+    Side before;
+    Side after;
+  };
+  struct Step {
+    std::string group;
+    std::vector<Write> writes;
+    std::map<int, std::map<std::string, int>> left;  ///< writers of objects that the step's undo has brought back
+  };
+  struct Member {
+    std::deque<Step> undo;
+    std::deque<Step> redo;
+    bool open = false;
+  };
+  struct Name {
+    int object = kNothing;
+    int writer = 0;
+  };
+
+  void setName(const std::string& name, int object) {
+    Name& cell = names_[name];
+    // What the edit has set before it removed the object comes back with the object.
+    for (auto write = writes_.rbegin(); write != writes_.rend(); ++write) {
+      if (write->name != name || write->field.empty()) continue;
+      objects_[std::size_t(write->object)].values[write->field] = write->before.value;
+      objects_[std::size_t(write->object)].writers[write->field] = write->before.writer;
+    }
+    std::erase_if(writes_, [&](const Write& write) { return write.name == name && !write.field.empty(); });
+    // Several in one edit: only what the edit found and what it left can be seen.
+    const auto same =
+        std::find_if(writes_.begin(), writes_.end(), [&](const Write& write) { return write.name == name; });
+    if (same != writes_.end()) {
+      same->after = {object, write_};
+    } else {
+      writes_.push_back({name, kNothing, "", {cell.object, cell.writer}, {object, write_}});
+    }
+    cell = {object, write_};
+  }
+
+  /// One write per cell: from what the step found first to what it left last.
+  static std::vector<Write> collapsed(const Step& step) {
+    std::vector<Write> out;
+    for (const Write& write : step.writes) {
+      const auto same = std::find_if(out.begin(), out.end(), [&](const Write& each) {
+        return each.name == write.name && each.object == write.object && each.field == write.field;
+      });
+      if (same == out.end()) {
+        out.push_back(write);
+      } else {
+        same->after = write.after;
+      }
+    }
+    return out;
+  }
+
+  /// Writers that the step knows an object to have had: its own writes, and what was there when it was brought back.
+  bool untouched(const Step& step, int object, const std::string& field) const {
+    const int writer = objects_[std::size_t(object)].writers.at(field);
+    const auto left = step.left.find(object);
+    if (left != step.left.end() && left->second.at(field) == writer) return true;
+    for (const Write& write : step.writes) {
+      if (write.field.empty() && write.after.value == object && write.after.writer == writer) return true;
+      if (write.object == object && write.field == field && write.after.writer == writer) return true;
+    }
+    return false;
+  }
+
+  std::string called(const std::string& name, const std::string& field) const {
+    const bool camera = name.starts_with("camera:");
+    return camera ? name.substr(7) : field.empty() ? name : name + "." + field;
+  }
+
+  std::set<std::string> move(Member& member, std::deque<Step>& from, std::deque<Step>& to, bool back) {
+    member.open = false;
+    const Step step = from.back();
+    from.pop_back();
+    std::set<std::string> skipped;
+    Step moved;
+    std::set<int> made;  // objects that the step has made: their fields come and go with them
+    for (const Write& write : step.writes) {
+      if (write.field.empty() && write.after.value != kNothing) made.insert(write.after.value);
+    }
+    std::vector<Write> all = collapsed(step);
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Write& a, const Write& b) { return a.field.empty() && !b.field.empty(); });
+    std::set<int> gone;
+    for (const Write& write : all) {
+      const Side& now = back ? write.after : write.before;
+      const Side& then = back ? write.before : write.after;
+      if (write.field.empty()) {
+        Name& cell = names_[write.name];
+        if (cell.object != now.value || cell.writer != now.writer) {
+          skipped.insert(called(write.name, ""));
+          continue;
+        }
+        bool mine = true;
+        for (const auto& [field, writer] :
+             now.value == kNothing ? std::map<std::string, int>() : objects_[std::size_t(now.value)].writers) {
+          if (untouched(step, now.value, field)) continue;
+          mine = false;
+          skipped.insert(called(write.name, field));
+        }
+        if (!mine) continue;
+        if (now.value != kNothing) gone.insert(now.value);
+        cell = {then.value, then.writer};
+        moved.writes.push_back(write);
+        continue;
+      }
+      if (made.contains(write.object)) {
+        moved.writes.push_back(write);
+        continue;
+      }
+      Object& object = objects_[std::size_t(write.object)];
+      const bool stands = names_[write.name].object == write.object;
+      if ((!stands && !gone.contains(write.object)) || object.writers[write.field] != now.writer) {
+        skipped.insert(called(write.name, stands ? write.field : ""));
+        continue;
+      }
+      object.writers[write.field] = then.writer;
+      object.values[write.field] = then.value;
+      moved.writes.push_back(write);
+    }
+    // The fields of an object that is left standing are nothing to move the other way.
+    std::set<int> whole;
+    for (const Write& write : moved.writes) {
+      if (write.field.empty()) whole.insert(write.after.value);
+    }
+    std::erase_if(moved.writes, [&](const Write& write) {
+      return !write.field.empty() && made.contains(write.object) && !whole.contains(write.object);
+    });
+    for (const Write& write : moved.writes) {
+      const int object = (back ? write.before : write.after).value;
+      if (write.field.empty() && object != kNothing) moved.left[object] = objects_[std::size_t(object)].writers;
+    }
+    if (!moved.writes.empty()) to.push_back(moved);
+    return skipped;
+  }
+
+  const int depth_;
+  int write_ = 0;
+  std::vector<Write> writes_;
+  std::vector<Object> objects_;
+  std::map<std::string, Name> names_;
+  std::map<std::string, Member> members_;
+};
+
+}  // namespace lpv::test
