@@ -4,7 +4,13 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <set>
+#include <string>
+#include <vector>
+
+#include "rpc/faults/reader.h"
+#include "rpc/faults/writer.h"
 
 namespace lpv::rpc::faults {
 namespace {

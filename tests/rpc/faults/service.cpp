@@ -1,7 +1,10 @@
+#include "rpc/faults/service.h"
+
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "rpc/faults/run.h"
+#include <filesystem>
+#include <utility>
 
 namespace lpv::rpc::faults {
 
