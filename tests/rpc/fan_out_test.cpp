@@ -69,7 +69,7 @@ class FanOut : public ::testing::Test {
 };
 
 // The light moves on when everything that was sent has come: nothing of it depends on how fast this machine is. Seen to
-// fail with a chain per reader, and without the list of what was made.
+// fail without the list of what was made.
 TEST_F(FanOut, EncodesOncePerFormatAndBaseForFiftyReadersAtThreeSpeeds) {
   constexpr int kReaders = 50;
   constexpr int kMoves = 40;
