@@ -15,13 +15,6 @@ using Call = grpc::CallbackServerContext;
 
 namespace {
 
-/// A feature of a later version, by name.
-grpc::ServerUnaryReactor* later(Call* call, const char* what) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  reactor->Finish(grpc::Status(grpc::StatusCode::UNIMPLEMENTED, std::string(what) + " is not built in this version"));
-  return reactor;
-}
-
 class ServerDoor final : public pb::ServerService::CallbackService {
  public:
   explicit ServerDoor(api::Context& context) : context_(context) {}

@@ -22,13 +22,14 @@ std::vector<const ServerProcess*>& liveServers() {
 
 const std::vector<const ServerProcess*>& ServerProcess::live() { return liveServers(); }
 
-ServerProcess::ServerProcess(const std::vector<std::string>& arguments, const std::string& listen) {
+ServerProcess::ServerProcess(const std::vector<std::string>& arguments, const std::string& listen,
+                             const std::string& program) {
   // Freed memory that a sanitizer keeps aside would read as a leak of the server.
   if (kSanitized) setenv("ASAN_OPTIONS", "quarantine_size_mb=1:malloc_context_size=8", 0);
   portFile_ = makeDirectory() + "/port";
   std::vector<std::string> words{"--listen", listen, "--port-file", portFile_};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  process_ = std::make_unique<ChildProcess>(LPVD_PATH, words);
+  process_ = std::make_unique<ChildProcess>(program.empty() ? LPVD_PATH : program, words);
   const auto until = std::chrono::steady_clock::now() + kStartPatience;
   while (!(std::ifstream(portFile_) >> port_)) {
     if (!running() || std::chrono::steady_clock::now() > until) {

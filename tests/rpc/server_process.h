@@ -24,7 +24,9 @@ inline constexpr std::int64_t kMiB = 1024 * 1024;
 /// lpvd, listening. The constructor throws std::runtime_error with the log where it does not come up.
 class ServerProcess {
  public:
-  explicit ServerProcess(const std::vector<std::string>& arguments = {}, const std::string& listen = "127.0.0.1:0");
+  /// `program`: instead of the lpvd of this build.
+  explicit ServerProcess(const std::vector<std::string>& arguments = {}, const std::string& listen = "127.0.0.1:0",
+                         const std::string& program = {});
   ~ServerProcess();
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
