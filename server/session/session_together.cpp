@@ -46,8 +46,12 @@ EditOutcome Session::takeStep(const ClientIdentity& client, std::uint64_t sequen
     const std::lock_guard lock(mutex_);
     outcome = takeStepLocked(client, sequence, direction);
   }
-  ++(outcome.status.ok() ? workshop_.counters->editsAccepted : workshop_.counters->editsRejected);
-  if (outcome.status.ok()) tellWatchers();
+  if (outcome.status.ok()) {
+    ++workshop_.counters->editsAccepted;
+    tellWatchers();
+  } else {
+    workshop_.counters->editsRejected.add(outcome.status);
+  }
   return outcome;
 }
 
