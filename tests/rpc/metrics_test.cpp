@@ -46,6 +46,7 @@ TEST_F(Metrics, AreThoseOfTheTable) {
   std::map<std::string, std::string> documented;
   std::ifstream table(METRICS_TABLE);
   for (std::string line; std::getline(table, line);) {
+    if (line.starts_with("## ")) break;  // the tables behind are about the log
     if (!line.starts_with("| `")) continue;
     const std::size_t end = line.find('`', 3);
     const std::size_t type = line.find("| ", end) + 2;
