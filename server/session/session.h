@@ -50,7 +50,7 @@ struct Workshop {
   Journal* journal = nullptr;
   Access* access = nullptr;  ///< told of sessions that are gone; may be null
   /// Told of incidents with the session's id, and why where a reason is known; may be empty. Any thread.
-  std::function<void(Incident, const std::string& session, const std::string& why)> tell;
+  std::function<void(Incident, const std::string& session, const std::string& why)> tell = nullptr;
 };
 
 /// A session that shows frames alone has a volume made for its check this many times less often.

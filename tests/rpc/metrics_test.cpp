@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <regex>
+#include <sstream>
 
 #include "rpc/rpc.h"
 #include "rpc/seen.h"
@@ -44,6 +46,7 @@ TEST_F(Metrics, AreThoseOfTheTable) {
   std::map<std::string, std::string> documented;
   std::ifstream table(METRICS_TABLE);
   for (std::string line; std::getline(table, line);) {
+    if (line.starts_with("## ")) break;  // the tables behind are about the log
     if (!line.starts_with("| `")) continue;
     const std::size_t end = line.find('`', 3);
     const std::size_t type = line.find("| ", end) + 2;
@@ -61,6 +64,20 @@ TEST_F(Metrics, AreThoseOfTheTable) {
     if (hash == "#" && word == "TYPE") scraped[name] = type;
   }
   EXPECT_EQ(scraped, documented);
+}
+
+/// The dashboard asks for nothing that is not there.
+TEST_F(Metrics, OfTheDashboardAreThere) {
+  std::stringstream dashboard;
+  dashboard << std::ifstream(DASHBOARD).rdbuf();
+  const std::string text = dashboard.str();
+  const std::string scrape = watched_.get("/metrics").body;
+  const std::regex name("(lpv|process)_[a-z_]+");
+  int found = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), name), end; it != end; ++it, ++found) {
+    EXPECT_THAT(scrape, ::testing::ContainsRegex("\n(# TYPE )?" + it->str() + "[ {]"));
+  }
+  EXPECT_GT(found, 20) << DASHBOARD;
 }
 
 TEST_F(Metrics, NameNoSessionAndNoClient) {

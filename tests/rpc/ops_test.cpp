@@ -79,12 +79,13 @@ TEST(Readiness, EndsWhereTheDiskIsFullAndComesBack) {
   std::filesystem::remove_all(state, ignored);
 }
 
-/// A call that goes on as long as it likes, and keeps the server from ending until its patience is over.
+/// A call that goes on as long as it likes, and keeps the server from ending until its patience is over. What it writes
+/// is larger than the window of a stream that the server does not know yet: it is there.
 class OpenImport {
  public:
   explicit OpenImport(Stubs& stubs) : writer_(stubs.session->ImportSession(call_, &response_)) {
     pb::ImportSessionRequest part;
-    part.set_data("the beginning of a file");
+    part.set_data(std::string(1000 * 1000, 'x'));
     EXPECT_TRUE(writer_->Write(part));
   }
   ~OpenImport() {
