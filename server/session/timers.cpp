@@ -11,18 +11,27 @@ void Timers::stop() {
   }
   wake_.notify_all();
   if (thread_.joinable()) thread_.join();
-  std::multimap<Clock::time_point, std::function<void()>> dropped;
+  std::map<Key, std::function<void()>> dropped;
   const std::lock_guard lock(mutex_);
   dropped.swap(calls_);
 }
 
-void Timers::at(Clock::time_point when, std::function<void()> call) {
+Timers::Key Timers::at(Clock::time_point when, std::function<void()> call) {
+  Key key;
   {
     const std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    calls_.emplace(when, std::move(call));
+    if (stopping_) return key;
+    key = {when, ++last_};
+    calls_.emplace(key, std::move(call));
   }
   wake_.notify_all();
+  return key;
+}
+
+void Timers::cancel(const Key& key) {
+  std::map<Key, std::function<void()>>::node_type dropped;  // let go of without the lock
+  const std::lock_guard lock(mutex_);
+  dropped = calls_.extract(key);
 }
 
 void Timers::run() {
@@ -33,8 +42,8 @@ void Timers::run() {
       continue;
     }
     const auto first = calls_.begin();
-    if (Clock::now() < first->first) {
-      const Clock::time_point when = first->first;
+    if (Clock::now() < first->first.first) {
+      const Clock::time_point when = first->first.first;
       wake_.wait_until(lock, when);
       continue;
     }

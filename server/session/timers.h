@@ -2,10 +2,12 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace lpv {
 
@@ -21,14 +23,19 @@ class Timers {
 
   /// Drops what is not due and joins; later calls are dropped.
   void stop();
-  void at(Clock::time_point when, std::function<void()> call);
+  /// Names a call that was asked for.
+  using Key = std::pair<Clock::time_point, std::uint64_t>;
+  Key at(Clock::time_point when, std::function<void()> call);
+  /// Lets go of a call that has not begun, and of what it holds.
+  void cancel(const Key& key);
 
  private:
   void run();
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::multimap<Clock::time_point, std::function<void()>> calls_;
+  std::map<Key, std::function<void()>> calls_;
+  std::uint64_t last_ = 0;  ///< number in a key
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -243,8 +243,8 @@ class CancelRace : public ::testing::Test {
   Counts counts_;
 };
 
-// Seen to fail when a cancelled stream does not unsubscribe, when its watcher stays, and when a waiting call is not
-// taken back.
+// Seen to fail when a cancelled stream does not unsubscribe, when its watcher stays, when a waiting call is not taken
+// back, and when a reactor finishes twice.
 TEST_F(CancelRace, LeavesTheServerAsItWas) {
   raceInThreads(500, 1000);  // what the server allocates once for all is no leak
   const std::int64_t before = server().residentBytes();

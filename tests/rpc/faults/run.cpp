@@ -92,7 +92,8 @@ class Run {
   }
 
   Part part(int i) {
-    return {session_, options_.seed * 1000 + std::uint64_t(i) * 10, &moments_, proxies_[std::size_t(i)].get()};
+    return {session_, options_.seed * 1000 + std::uint64_t(i) * 10, options_.mostEdits, &moments_,
+            proxies_[std::size_t(i)].get()};
   }
   TcpProxy& anyProxy() { return *proxies_[std::size_t(dice_.between(0, kWriters + kReaders - 1))]; }
 

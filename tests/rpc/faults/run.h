@@ -14,6 +14,7 @@ struct RunOptions {
   std::uint64_t seed = 1;
   std::chrono::milliseconds length{10'000};  ///< of faults
   bool kills = true;  ///< else the server lives through it, and only connections and readers suffer
+  std::uint64_t mostEdits = 0;  ///< of each writer; 0: as many as it manages
 };
 
 /// What a run did, for people.

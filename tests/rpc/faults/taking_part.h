@@ -53,6 +53,7 @@ inline std::unique_ptr<grpc::ClientContext> contextFor(std::chrono::milliseconds
 struct Part {
   std::string session;
   std::uint64_t seed = 0;
+  std::uint64_t mostEdits = 0;  ///< of a writer; 0: until it is told to finish
   Moments* moments = nullptr;
   TcpProxy* proxy = nullptr;
 };

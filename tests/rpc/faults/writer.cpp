@@ -53,9 +53,9 @@ void Writer::run() {
 /// A new edit; none where the last has been made.
 std::optional<Writer::Pending> Writer::next() {
   if (lastMade_) return std::nullopt;
-  lastMade_ = finishing_;
   Pending out;
   out.id = {number_, ++sequence_};
+  lastMade_ = finishing_ || sequence_ == part_.mostEdits;
   out.givenUp = !lastMade_ && dice_.once(5);
   pb::Light lamp;
   lamp.set_name(kLamp);
