@@ -46,6 +46,14 @@ void redo(Context& context, const pb::RedoRequest& request, pb::RedoResponse* re
   takeStep(context, request, response, Direction::kRedo, std::move(done));
 }
 
+Status lockObjects(Context& context, const pb::LockObjectsRequest& request, pb::LockObjectsResponse*) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  if (request.ttl().nanos() != 0) return invalid("ttl", "ttl has a fraction of a second; give whole ones");
+  return (*session)->lockObjects(fromProto(request.client()), {request.objects().begin(), request.objects().end()},
+                                 std::chrono::seconds(request.ttl().seconds()));
+}
+
 Status listLights(Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();

@@ -10,15 +10,21 @@
 namespace lpv::api {
 namespace {
 
-constexpr const char* kFeatures[] = {
-    "injection.count",  "injection.flux",   "injection.textures", "injection.directions",
-    "method.compute",   "method.raster",    "method.dense",       "transport.propagate",
-    "transport.gather", "transport.direct", "quality.accurate",   "max_error",
-    "grid.automatic",   "lookup.sh2",       "lookup.cap",         "lookup.nearest",
-    "lights.groups",    "frames.jpeg",      "frames.png",         "frames.exr",
-    "volume.half",      "volume.float",     "volume.compact",     "volume.deltas",
-    "volume.regions",   "sessions.files",   "self_check",         "edits.undo",
-    "presence"};
+constexpr const char* kFeatures[] = {"injection.count",    "injection.flux",
+                                     "injection.textures", "injection.directions",
+                                     "method.compute",     "method.raster",
+                                     "method.dense",       "transport.propagate",
+                                     "transport.gather",   "transport.direct",
+                                     "quality.accurate",   "max_error",
+                                     "grid.automatic",     "lookup.sh2",
+                                     "lookup.cap",         "lookup.nearest",
+                                     "lights.groups",      "frames.jpeg",
+                                     "frames.png",         "frames.exr",
+                                     "volume.half",        "volume.float",
+                                     "volume.compact",     "volume.deltas",
+                                     "volume.regions",     "sessions.files",
+                                     "self_check",         "edits.undo",
+                                     "presence",           "locks"};
 
 void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_sessions(in.maxSessions);

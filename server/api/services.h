@@ -50,6 +50,7 @@ StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(Context&);
 void applyEdit(Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
 void undo(Context&, const pb::UndoRequest&, pb::UndoResponse*, Done);
 void redo(Context&, const pb::RedoRequest&, pb::RedoResponse*, Done);
+Status lockObjects(Context&, const pb::LockObjectsRequest&, pb::LockObjectsResponse*);
 Status listLights(Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
 Status listSurfaces(Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
 Status listCameras(Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);
