@@ -30,6 +30,7 @@ void toProto(const std::string& client, const Presence& presence, pb::Presence* 
   toProto(presence.colour, out->mutable_colour());
   if (presence.camera) toProto(std::string(), *presence.camera, out->mutable_camera());
   for (const std::string& name : presence.selection) out->add_selection(name);
+  for (const std::string& name : presence.locked) out->add_locked(name);
 }
 
 }  // namespace lpv::api

@@ -47,6 +47,14 @@ void redo(const Context& context, const pb::RedoRequest& request, pb::RedoRespon
   takeStep(context, request, response, Direction::kRedo, std::move(done));
 }
 
+Status lockObjects(const Context& context, const pb::LockObjectsRequest& request, pb::LockObjectsResponse*) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
+  if (!session) return session.status();
+  if (request.ttl().nanos() != 0) return invalid("ttl", "ttl has a fraction of a second; give whole ones");
+  return (*session)->lockObjects(fromProto(request.client()), {request.objects().begin(), request.objects().end()},
+                                 std::chrono::seconds(request.ttl().seconds()));
+}
+
 Status listLights(const Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();

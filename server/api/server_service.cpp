@@ -40,6 +40,7 @@ constexpr const char* kFeatures[] = {
     "tls",
     "edits.undo",
     "presence",
+    "locks",
 };
 
 void limitsToProto(const Limits& in, pb::Limits* out) {

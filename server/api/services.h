@@ -52,6 +52,7 @@ StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(const Context&);
 void applyEdit(const Context&, const pb::ApplyEditRequest&, pb::ApplyEditResponse*, Done);
 void undo(const Context&, const pb::UndoRequest&, pb::UndoResponse*, Done);
 void redo(const Context&, const pb::RedoRequest&, pb::RedoResponse*, Done);
+Status lockObjects(const Context&, const pb::LockObjectsRequest&, pb::LockObjectsResponse*);
 Status listLights(const Context&, const pb::ListLightsRequest&, pb::ListLightsResponse*);
 Status listSurfaces(const Context&, const pb::ListSurfacesRequest&, pb::ListSurfacesResponse*);
 Status listCameras(const Context&, const pb::ListCamerasRequest&, pb::ListCamerasResponse*);

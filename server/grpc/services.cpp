@@ -139,6 +139,10 @@ class SceneDoor final : public pb::SceneService::CallbackService {
                                                                const pb::WatchSceneRequest* request) override {
     return serve(context_, call, api::watchScene, request);
   }
+  grpc::ServerUnaryReactor* LockObjects(Call* call, const pb::LockObjectsRequest* request,
+                                        pb::LockObjectsResponse* response) override {
+    return answer(context_, call, request, response, api::lockObjects);
+  }
   grpc::ServerUnaryReactor* Undo(Call* call, const pb::UndoRequest* request, pb::UndoResponse* response) override {
     return answer(context_, call, request, response, api::undo);
   }

@@ -53,12 +53,22 @@ void PresentOnes::leave(const std::string& client) {
   if (members_.erase(client) != 0) ++changes_;
 }
 
-bool PresentOnes::dropSilent(const std::set<std::string>& connected, Clock::time_point now) {
+void PresentOnes::setLocked(const std::string& client, const std::vector<std::string>& names) {
+  const auto found = members_.find(client);
+  if (found == members_.end() && names.empty()) return;
+  if (found == members_.end()) heard_.try_emplace(client, Heard{Clock::now(), limits_.maxPresenceUpdatesPerSecond, {}});
+  PresentMember& member = members_[client];
+  if (member.presence.locked == names) return;
+  member.presence.locked = names;
+  member.change = ++changes_;
+}
+
+void PresentOnes::dropSilent(const std::set<std::string>& connected, Clock::time_point now) {
   for (const std::string& client : connected) hear(client, now);
-  const std::size_t gone = std::erase_if(
-      members_, [&](const auto& member) { return now - heard_.at(member.first).last > limits_.presenceIdle; });
+  const std::size_t gone = std::erase_if(members_, [&](const auto& member) {
+    return member.second.presence.locked.empty() && now - heard_.at(member.first).last > limits_.presenceIdle;
+  });
   if (gone != 0) ++changes_;
-  return gone != 0;
 }
 
 void PresentOnes::put(const std::string& client, const PresenceUpdate& update) {

@@ -24,6 +24,7 @@ struct Presence {
   glm::dvec3 colour{0.0};            ///< linear Rec.709, 0..1
   std::optional<Camera> camera;      ///< where it looks from
   std::vector<std::string> selection;  ///< names of objects, at most kMaxSelection
+  std::vector<std::string> locked;     ///< what it has locked (session/locks.h)
 };
 
 /// What a member says of itself: all of it, but for a name and a colour that it leaves out.
@@ -56,8 +57,10 @@ class PresentOnes {
   /// The member is there still.
   void hear(const std::string& client, Clock::time_point now);
   void leave(const std::string& client);
-  /// Those who are not in `connected` and were not heard of for limits.presenceIdle are gone; true where there are any.
-  bool dropSilent(const std::set<std::string>& connected, Clock::time_point now);
+  /// Who has something locked is seen.
+  void setLocked(const std::string& client, const std::vector<std::string>& names);
+  /// Those who are not in `connected` and were not heard of for limits.presenceIdle are gone.
+  void dropSilent(const std::set<std::string>& connected, Clock::time_point now);
 
   const PresentMembers& members() const { return members_; }
   /// Rises with every change, of whatever kind.

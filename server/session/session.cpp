@@ -136,7 +136,9 @@ Status Session::closedStatus(const char* field) const {
 EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit) {
   EditOutcome outcome;
   if (!admit(client, edit.sequence, &outcome)) return outcome;
-  const Expected<std::vector<std::string>> names = document_.apply(edit, blobs_);
+  const Status locked = locks_.check(client.id, edit, Clock::now());
+  const Expected<std::vector<std::string>> names =
+      locked.ok() ? document_.apply(edit, blobs_) : Expected<std::vector<std::string>>(locked);
   outcome.status = names.status().within("edit");
   outcome.revision = document_.revision();
   if (names) {

@@ -21,6 +21,7 @@
 #include "session/history.h"
 #include "session/journal.h"
 #include "session/limits.h"
+#include "session/locks.h"
 #include "session/presence.h"
 #include "session/results.h"
 #include "session/state.h"
@@ -118,7 +119,10 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Another number after every change.
   std::uint64_t presenceChanges() const;
   PresentMembers presentMembers() const;
-  /// Those who were not heard of for long are gone.
+  /// Locks lights and surfaces for the member, for 1 s to kMaxLockTime; 0 releases, all of the member's where none is
+  /// named. NOT_FOUND, ABORTED, RESOURCE_EXHAUSTED: none of them is locked.
+  Status lockObjects(const ClientIdentity& client, const std::vector<std::string>& names, std::chrono::seconds time);
+  /// Those who were not heard of for long are gone, and so are locks whose time is over.
   void dropSilentMembers(Clock::time_point now);
 
   // Results.
@@ -189,6 +193,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs);
   EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
   EditOutcome takeStepLocked(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
+  Status lockLocked(const std::string& client, const std::vector<std::string>& names, std::chrono::seconds time);
   bool admit(const ClientIdentity& client, std::uint64_t sequence, EditOutcome* outcome);
   void record(const ClientIdentity& client, const EditOutcome& outcome);
   void keep(JournalStep step);
@@ -239,6 +244,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Clients clients_;
   History history_;
   PresentOnes presence_;
+  Locks locks_;
   std::map<std::uint64_t, Watcher> watchers_;
   std::map<std::string, std::shared_ptr<Subscriber>> subscribers_;
   std::list<std::shared_ptr<WaitingCall>> calls_;

@@ -1,5 +1,6 @@
-// Members: who comes and goes, what they take back and make again, how the others see them.
+// Members: who comes and goes, what they take back and make again, how the others see them, what they lock.
 
+#include <algorithm>
 #include <utility>
 
 #include "session/session.h"
@@ -33,6 +34,7 @@ void Session::leave(const ClientIdentity& client) {
     clients_.leave(client.id);
     history_.leave(client.id);
     presence_.leave(client.id);
+    locks_.release(client.id, {});
     JournalStep step = nextStep();
     step.left = client.id;
     keep(std::move(step));
@@ -65,11 +67,20 @@ EditOutcome Session::takeStepLocked(const ClientIdentity& client, std::uint64_t 
     return outcome;
   }
   Expected<History::Plan> plan = history_.plan(client.id, direction, document_);
-  outcome.status = plan ? document_.restore(plan->objects) : plan.status();
+  outcome.status = plan.status();
+  for (std::size_t i = 0; outcome.status.ok() && i < plan->objects.size(); ++i) {
+    const ObjectKey& key = plan->objects[i].first;
+    if (!key.camera) outcome.status = locks_.check(client.id, key.name, Clock::now());
+  }
+  if (outcome.status.ok()) outcome.status = document_.restore(plan->objects);
   outcome.revision = document_.revision();
   if (outcome.status.ok()) {
-    for (const auto& [key, object] : plan->objects) outcome.names.push_back(key.name);
+    const auto most = std::size_t(workshop_.limits.maxOperationsPerEdit);  // a step of many edits may be of any size
+    for (const auto& [key, object] : plan->objects) {
+      if (outcome.names.size() < most) outcome.names.push_back(key.name);
+    }
     outcome.skipped = plan->skipped;
+    outcome.skipped.resize(std::min(outcome.skipped.size(), most));
     history_.done(client.id, direction, std::move(*plan));
   }
   record(client, outcome);
@@ -125,12 +136,51 @@ PresentMembers Session::presentMembers() const {
   return presence_.members();
 }
 
+Status Session::lockObjects(const ClientIdentity& client, const std::vector<std::string>& names,
+                            std::chrono::seconds time) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return closedStatus("session");
+    if (client.id.empty()) {
+      return invalid("client", "client is not set: only members lock; call JoinSession and send its identity");
+    }
+    if (Status s = clients_.verify(client); !s.ok()) return s;
+    if (Status s = lockLocked(client.id, names, time); !s.ok()) return s;
+    lastUsed_ = std::chrono::system_clock::now();
+    presence_.hear(client.id, Clock::now());
+    presence_.setLocked(client.id, locks_.heldBy(client.id));
+  }
+  tellWatchers();
+  return {};
+}
+
+Status Session::lockLocked(const std::string& client, const std::vector<std::string>& names,
+                           std::chrono::seconds time) {
+  if (time.count() < 0 || time > kMaxLockTime) {
+    return invalid("ttl", "ttl is " + std::to_string(time.count()) + " s, allowed are 1 to " +
+                              std::to_string(kMaxLockTime.count()) + ", and 0 to release");
+  }
+  if (time.count() == 0) {
+    locks_.release(client, names);
+    return {};
+  }
+  if (names.empty()) return invalid("objects", "objects is empty; say what shall be locked");
+  for (const std::string& name : names) {
+    if (document_.object({false, name}).stands()) continue;
+    return Status(Code::kNotFound, "there is no light or surface \"" + name + "\" in this session", "objects");
+  }
+  return locks_.lock(client, names, time, Clock::now());
+}
+
 void Session::dropSilentMembers(Clock::time_point now) {
   {
     const std::lock_guard lock(mutex_);
+    const std::uint64_t before = presence_.changes();
     std::set<std::string> connected;
     for (const auto& [key, watcher] : watchers_) connected.insert(watcher.client);
-    if (!presence_.dropSilent(connected, now)) return;
+    presence_.dropSilent(connected, now);
+    for (const std::string& client : locks_.expire(now)) presence_.setLocked(client, locks_.heldBy(client));
+    if (presence_.changes() == before) return;
   }
   tellWatchers();
 }

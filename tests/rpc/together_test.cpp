@@ -24,14 +24,19 @@ using ::testing::IsEmpty;
 /// What a SceneWatcher has seen: the lights, and who is there.
 class Seen {
  public:
-  Seen(const client::Client& client, const std::string& session)
-      : watcher_(client, session, 0, [this](const pb::WatchSceneResponse& event) { take(event); }) {}
+  Seen(const client::Client& client, const std::string& session, const pb::ClientIdentity& member = {})
+      : watcher_(
+            client, session, 0, [this](const pb::WatchSceneResponse& event) { take(event); }, {}, member) {}
 
   /// Waits until `true` of what was seen; the condition runs under the lock.
   template <typename Condition>
   bool until(Condition condition) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(20), condition);
+  }
+  bool sees(const std::string& member) {
+    const std::lock_guard lock(mutex_);
+    return members.contains(member);
   }
   std::map<std::string, pb::Light> lights;
   std::map<std::string, pb::Presence> members;
@@ -171,7 +176,8 @@ TEST_F(Together, UndoIsForMembers) {
 
 TEST_F(Together, EachSeesTheOtherUntilItLeaves) {
   client::Editor ann = member("Ann");
-  Seen bob(client_, session_);
+  client::Editor bobs = member("Bob");
+  Seen bob(client_, session_, bobs.identity());
   const std::string id = ann.identity().client_id();
   ASSERT_TRUE(bob.until([&] { return bob.members.contains(id); }));
   EXPECT_EQ(bob.members[id].display_name(), "Ann");
@@ -184,10 +190,29 @@ TEST_F(Together, EachSeesTheOtherUntilItLeaves) {
   EXPECT_EQ(bob.members[id].display_name(), "Ann") << "what is not said stays";
   EXPECT_EQ(bob.members[id].camera().eye().z(), 3.0);
   EXPECT_EQ(bob.members[id].colour().y(), 0.5);
+  EXPECT_FALSE(bob.sees(bobs.identity().client_id())) << "itself";
   EXPECT_EQ(getSession(stubs_, session_).revision(), 1U) << "no edit";
   ASSERT_TRUE(ann.leave().ok());
   ASSERT_TRUE(bob.until([&] { return bob.gone.contains(id); }));
   EXPECT_EQ(ann.present(looking).code(), Code::kPermissionDenied);
+}
+
+TEST_F(Together, ALockKeepsTheOthersAwayUntilItIsReleased) {
+  client::Editor ann = member("");
+  client::Editor bob = member("");
+  Seen watching(client_, session_);
+  const std::string id = ann.identity().client_id();
+  ASSERT_TRUE(ann.lock({"Lamp"}, std::chrono::seconds(60)).ok());
+  ASSERT_TRUE(watching.until([&] { return watching.members[id].locked_size() == 1; }));
+  const Status refused = bob.apply(client::editOf({client::setRadiance("Lamp", {5, 5, 5})})).status();
+  EXPECT_EQ(refused.code(), Code::kAborted);
+  EXPECT_EQ(refused.field(), "edit.operations[0]");
+  EXPECT_THAT(refused.message(), HasSubstr(id));
+  EXPECT_EQ(bob.lock({"Lamp"}, std::chrono::seconds(1)).code(), Code::kAborted);
+  apply(ann, client::setRadiance("Lamp", {3, 3, 3}));
+  ASSERT_TRUE(ann.lock({}, std::chrono::seconds(0)).ok());
+  ASSERT_TRUE(watching.until([&] { return watching.members[id].locked_size() == 0; }));
+  apply(bob, client::setRadiance("Lamp", {5, 5, 5}));
 }
 
 TEST_F(Together, SilentMembersAreGoneAndPresenceIsLimitedByName) {

@@ -158,70 +158,87 @@ class UndoModel {
     return camera ? name.substr(7) : field.empty() ? name : name + "." + field;
   }
 
+  /// A step on its way to the other stack.
+  struct Move {
+    const Step& step;
+    bool back = false;
+    std::set<int> made = {};  ///< objects that the step has made: their fields come and go with them
+    std::set<int> gone = {};  ///< that this move has removed
+    std::set<std::string> skipped = {};
+    Step moved = {};
+
+    const Side& now(const Write& write) const { return back ? write.after : write.before; }
+    const Side& then(const Write& write) const { return back ? write.before : write.after; }
+  };
+
+  void moveName(Move& move, const Write& write) {
+    Name& cell = names_[write.name];
+    const Side& now = move.now(write);
+    if (cell.object != now.value || cell.writer != now.writer) {
+      move.skipped.insert(called(write.name, ""));
+      return;
+    }
+    if (now.value != kNothing) {
+      bool mine = true;
+      for (const auto& [field, writer] : objects_[std::size_t(now.value)].writers) {
+        if (untouched(move.step, now.value, field)) continue;
+        mine = false;
+        move.skipped.insert(called(write.name, field));
+      }
+      if (!mine) return;
+      move.gone.insert(now.value);
+    }
+    cell = {move.then(write).value, move.then(write).writer};
+    move.moved.writes.push_back(write);
+  }
+
+  void moveField(Move& move, const Write& write) {
+    if (!move.made.contains(write.object)) {
+      Object& object = objects_[std::size_t(write.object)];
+      const bool stands = names_[write.name].object == write.object;
+      if ((!stands && !move.gone.contains(write.object)) || object.writers[write.field] != move.now(write).writer) {
+        move.skipped.insert(called(write.name, stands ? write.field : ""));
+        return;
+      }
+      object.writers[write.field] = move.then(write).writer;
+      object.values[write.field] = move.then(write).value;
+    }
+    move.moved.writes.push_back(write);
+  }
+
+  /// Names first: what they bring back can then be written.
   std::set<std::string> move(Member& member, std::deque<Step>& from, std::deque<Step>& to, bool back) {
     member.open = false;
     const Step step = from.back();
     from.pop_back();
-    std::set<std::string> skipped;
-    Step moved;
-    std::set<int> made;  // objects that the step has made: their fields come and go with them
+    Move move{step, back};
     for (const Write& write : step.writes) {
-      if (write.field.empty() && write.after.value != kNothing) made.insert(write.after.value);
+      if (write.field.empty() && write.after.value != kNothing) move.made.insert(write.after.value);
     }
-    std::vector<Write> all = collapsed(step);
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Write& a, const Write& b) { return a.field.empty() && !b.field.empty(); });
-    std::set<int> gone;
+    const std::vector<Write> all = collapsed(step);
     for (const Write& write : all) {
-      const Side& now = back ? write.after : write.before;
-      const Side& then = back ? write.before : write.after;
-      if (write.field.empty()) {
-        Name& cell = names_[write.name];
-        if (cell.object != now.value || cell.writer != now.writer) {
-          skipped.insert(called(write.name, ""));
-          continue;
-        }
-        bool mine = true;
-        for (const auto& [field, writer] :
-             now.value == kNothing ? std::map<std::string, int>() : objects_[std::size_t(now.value)].writers) {
-          if (untouched(step, now.value, field)) continue;
-          mine = false;
-          skipped.insert(called(write.name, field));
-        }
-        if (!mine) continue;
-        if (now.value != kNothing) gone.insert(now.value);
-        cell = {then.value, then.writer};
-        moved.writes.push_back(write);
-        continue;
-      }
-      if (made.contains(write.object)) {
-        moved.writes.push_back(write);
-        continue;
-      }
-      Object& object = objects_[std::size_t(write.object)];
-      const bool stands = names_[write.name].object == write.object;
-      if ((!stands && !gone.contains(write.object)) || object.writers[write.field] != now.writer) {
-        skipped.insert(called(write.name, stands ? write.field : ""));
-        continue;
-      }
-      object.writers[write.field] = then.writer;
-      object.values[write.field] = then.value;
-      moved.writes.push_back(write);
+      if (write.field.empty()) moveName(move, write);
     }
-    // The fields of an object that is left standing are nothing to move the other way.
+    for (const Write& write : all) {
+      if (!write.field.empty()) moveField(move, write);
+    }
+    finish(move);
+    if (!move.moved.writes.empty()) to.push_back(move.moved);
+    return move.skipped;
+  }
+
+  /// The fields of an object that is left standing are nothing to move the other way.
+  void finish(Move& move) {
     std::set<int> whole;
-    for (const Write& write : moved.writes) {
-      if (write.field.empty()) whole.insert(write.after.value);
+    for (const Write& write : move.moved.writes) {
+      if (!write.field.empty()) continue;
+      whole.insert(write.after.value);
+      const int object = move.then(write).value;
+      if (object != kNothing) move.moved.left[object] = objects_[std::size_t(object)].writers;
     }
-    std::erase_if(moved.writes, [&](const Write& write) {
-      return !write.field.empty() && made.contains(write.object) && !whole.contains(write.object);
+    std::erase_if(move.moved.writes, [&](const Write& write) {
+      return !write.field.empty() && move.made.contains(write.object) && !whole.contains(write.object);
     });
-    for (const Write& write : moved.writes) {
-      const int object = (back ? write.before : write.after).value;
-      if (write.field.empty() && object != kNothing) moved.left[object] = objects_[std::size_t(object)].writers;
-    }
-    if (!moved.writes.empty()) to.push_back(moved);
-    return skipped;
   }
 
   const int depth_;

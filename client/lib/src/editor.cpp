@@ -93,6 +93,16 @@ Status Editor::present(const v1::Presence& presence) {
   return unary(connection, *connection.sessions, &v1::SessionService::Stub::UpdatePresence, request).status();
 }
 
+Status Editor::lock(const std::vector<std::string>& objects, std::chrono::seconds time) {
+  v1::LockObjectsRequest request;
+  request.set_session(session_);
+  *request.mutable_client() = identity_;
+  for (const std::string& name : objects) request.add_objects(name);
+  request.mutable_ttl()->set_seconds(time.count());
+  Connection& connection = *client_.connection();
+  return unary(connection, *connection.scene, &v1::SceneService::Stub::LockObjects, request).status();
+}
+
 Status Editor::leave() {
   v1::LeaveSessionRequest request;
   request.set_session(session_);

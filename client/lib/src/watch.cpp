@@ -86,12 +86,14 @@ void FrameWatcher::setSize(int width, int height) {
 }
 
 struct SceneWatcher::State {
-  State(const Client& client, std::string name, std::uint64_t since, OnEvent handler, WatchHooks given)
+  State(const Client& client, std::string name, std::uint64_t since, OnEvent handler, WatchHooks given,
+        v1::ClientIdentity identity)
       : connection(client.connection()),
         session(sessionName(name)),
         revision(since),
         onEvent(std::move(handler)),
         hooks(std::move(given)),
+        member(std::move(identity)),
         loop(connection,
              {[this](grpc::ClientContext& context) { return attempt(context); }, hooks.reopening, hooks.ended}) {
     loop.start();
@@ -100,6 +102,7 @@ struct SceneWatcher::State {
   grpc::Status attempt(grpc::ClientContext& context) {
     v1::WatchSceneRequest request;
     request.set_session(session);
+    if (!member.client_id().empty()) *request.mutable_client() = member;
     request.set_since_revision(revision);
     request.set_since_epoch(epoch);
     const auto stream = connection->scene->WatchScene(&context, request);
@@ -133,13 +136,14 @@ struct SceneWatcher::State {
   std::uint64_t epoch = 0;  ///< of `revision`; 0 while that is the caller's
   OnEvent onEvent;
   WatchHooks hooks;
+  v1::ClientIdentity member;
   Reopening loop;
 };
 
 SceneWatcher::SceneWatcher(const Client& client, std::string session, std::uint64_t sinceRevision, OnEvent onEvent,
-                           WatchHooks hooks)
-    : state_(std::make_unique<State>(client, std::move(session), sinceRevision, std::move(onEvent), std::move(hooks))) {
-}
+                           WatchHooks hooks, v1::ClientIdentity member)
+    : state_(std::make_unique<State>(client, std::move(session), sinceRevision, std::move(onEvent), std::move(hooks),
+                                     std::move(member))) {}
 SceneWatcher::~SceneWatcher() = default;
 void SceneWatcher::stop() { state_->loop.stop(); }
 

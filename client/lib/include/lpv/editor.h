@@ -1,10 +1,12 @@
 #pragma once
 // Edits with an identity: each has a sequence, so a repeated one is applied once, and results say which they contain.
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lpv/client.h"
 #include "lpv/latency.h"
@@ -35,6 +37,10 @@ class Editor {
   /// Tells the other members where this one looks and what it has selected. RESOURCE_EXHAUSTED
   /// (max_presence_updates_per_second) where that comes too often: send the newest a little later.
   Status present(const v1::Presence& presence);
+
+  /// Keeps the others from changing lights and surfaces for 1 to 60 s, or as long again; 0 s releases them, all of this
+  /// member's where none is named. ABORTED where another member has one: none of them is locked then.
+  Status lock(const std::vector<std::string>& objects, std::chrono::seconds time);
 
   Status leave();
 

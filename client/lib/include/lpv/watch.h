@@ -75,11 +75,12 @@ class FrameWatcher {
 /// The scene as it changes: a snapshot first, then every change in order, also across reconnections.
 class SceneWatcher {
  public:
-  /// Snapshot, change or presence, as sent; parts with `more` are followed by the rest. Presence is of all members, and
-  /// starts anew when the stream was opened again.
+  /// Snapshot, change or presence, as sent; parts with `more` are followed by the rest. Presence starts anew
+  /// when the stream was opened again: whoever is not told of then is gone.
   using OnEvent = std::function<void(const v1::WatchSceneResponse&)>;
+  /// `member`: whose eyes these are (Editor::identity): it is present while it watches, and not told of itself.
   SceneWatcher(const Client& client, std::string session, std::uint64_t sinceRevision, OnEvent onEvent,
-               WatchHooks hooks = {});
+               WatchHooks hooks = {}, v1::ClientIdentity member = {});
   ~SceneWatcher();
   SceneWatcher(const SceneWatcher&) = delete;
   SceneWatcher& operator=(const SceneWatcher&) = delete;
