@@ -45,7 +45,7 @@ function(lpv_library name)
 endfunction()
 
 # lpv_mostly_headers(TARGETS...): targets whose sources take their compile time from gRPC's, GoogleTest's or CLI11's
-# headers. With LPV_UNITY eight sources are compiled as one; the other builds see that each compiles alone.
+# headers. With LPV_UNITY, as in CI, eight sources are compiled as one; the other builds see that each compiles alone.
 function(lpv_mostly_headers)
   if(LPV_UNITY)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)

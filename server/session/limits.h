@@ -22,10 +22,10 @@ struct Limits {
   double maxEditsPerSecond = 240.0;            ///< per client
   int maxUndoSteps = 100;                      ///< per client; older ones are forgotten
   std::int64_t maxUndoBytes = 256 * 1024 * 1024;  ///< of a session's steps with their meshes; the oldest are forgotten
-  double maxPresenceUpdatesPerSecond = 30.0;   ///< per client
-  std::chrono::seconds presenceIdle{15};       ///< a member without streams who says nothing for so long is gone
-  double maxTickRate = 30.0;                   ///< ticks of one session per second
-  int maxFrameEdge = 4096;                     ///< pixels
+  double maxPresenceUpdatesPerSecond = 30.0;  ///< per client
+  std::chrono::seconds presenceIdle{15};  ///< a member without streams who says nothing for so long is gone
+  double maxTickRate = 30.0;  ///< ticks of one session per second
+  int maxFrameEdge = 4096;  ///< pixels
   int minFrameEdge = 16;
   int maxProbePoints = 16384;
   std::chrono::seconds uploadIdle{60};
