@@ -22,17 +22,18 @@ bool isId(std::string_view text) { return isHex(text) && text.find_first_not_of(
 
 }  // namespace
 
-std::string traceIdOf(std::string_view header) {
-  if (header.size() < kLength) return {};
-  const std::string_view version = header.substr(0, 2);
+std::string traceIdOf(std::string_view traceparent) {
+  if (traceparent.size() < kLength) return {};
+  const std::string_view version = traceparent.substr(0, 2);
   if (!isHex(version) || version == "ff") return {};
   // Later versions may add fields behind the flags.
-  if (header.size() > kLength && (version == "00" || header[kLength] != '-')) return {};
+  if (traceparent.size() > kLength && (version == "00" || traceparent[kLength] != '-')) return {};
   for (const std::size_t dash : {kTraceAt - 1, kParentAt - 1, kFlagsAt - 1}) {
-    if (header[dash] != '-') return {};
+    if (traceparent[dash] != '-') return {};
   }
-  const std::string_view trace = header.substr(kTraceAt, kTraceDigits);
-  if (!isId(trace) || !isId(header.substr(kParentAt, kParentDigits)) || !isHex(header.substr(kFlagsAt, 2))) return {};
+  const std::string_view trace = traceparent.substr(kTraceAt, kTraceDigits);
+  if (!isId(trace) || !isId(traceparent.substr(kParentAt, kParentDigits)) || !isHex(traceparent.substr(kFlagsAt, 2)))
+    return {};
   return std::string(trace);
 }
 
