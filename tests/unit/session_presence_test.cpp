@@ -68,7 +68,7 @@ TEST_F(PresentOnesTest, AreLimitedByName) {
   EXPECT_THAT(tooFast.message(), HasSubstr("30"));
   EXPECT_TRUE(present_.update("b", {}, start_).ok()) << "each member has a rate of its own";
   int more = 0;
-  while (present_.update("a", {}, start_ + milliseconds(510)).ok()) ++more;
+  while (more < 100 && present_.update("a", {}, start_ + milliseconds(510)).ok()) ++more;
   EXPECT_EQ(more, 15);
 }
 
@@ -168,7 +168,6 @@ TEST_F(PresenceTest, AWatcherIsToldOfTheOthersAndNotOfItself) {
   EXPECT_EQ(told(anybody).size(), 2U);
 }
 
-// Seen to fail when a watcher is told of every update.
 TEST_F(PresenceTest, ASlowWatcherGetsTheNewestOfEach) {
   const ClientIdentity ann = join("Ann");
   const ClientIdentity bob = join("Bob");

@@ -208,7 +208,7 @@ class UndoBytesTest : public UndoTest {
   }
 };
 
-// Seen to fail when meshes are not counted, and when they are counted once more for each step.
+// Seen to fail when meshes are not counted.
 TEST_F(UndoBytesTest, StepsWithTheirMeshesAreBounded) {
   CreateLight op{"Lamp", {}};
   Mesh mesh;
