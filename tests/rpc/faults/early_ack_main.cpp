@@ -47,8 +47,12 @@ class EarlyAckStore final : public Store {
     return store_->touch(session, used);
   }
   Position remove(const std::string& session) override { return store_->remove(session); }
+  Position keepToken(const Token& token) override { return store_->keepToken(token); }
+  Position dropToken(const std::string& tokenId) override { return store_->dropToken(tokenId); }
   Status flush() override { return store_->flush(); }
+  std::int64_t queued() const override { return store_->queued(); }
   Expected<std::vector<Head>> heads() override { return store_->heads(); }
+  Expected<std::vector<Token>> tokens() override { return store_->tokens(); }
   Expected<Loaded> load(const std::string& session, bool withContents) override {
     return store_->load(session, withContents);
   }
