@@ -174,7 +174,11 @@ int serve(const Options& options, Signals& signals) {
   if (endpoint) publish(*endpoint, context, workshop, **opened);
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
-  if (options.insecure) spdlog::warn("--insecure: anybody who reaches {} can use this server", options.listen);
+  if (options.insecure && !access.required()) {
+    spdlog::warn("--insecure: anybody who reaches {} can use this server", options.listen);
+  } else if (options.insecure && !options.tls.given()) {
+    spdlog::warn("--insecure: access tokens come to {} in plain text", options.listen);
+  }
   spdlog::info("lpvd {} on {} (port {}), {} [{}{}]", kVersion, options.listen, door.port(), context.device.name,
                context.device.platform, context.device.software ? ", software" : "");
   const int signal = signals.waitForEnd([&] {
