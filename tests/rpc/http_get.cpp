@@ -16,7 +16,7 @@ namespace {
 constexpr timeval kPatience{20, 0};
 
 /// All that comes back; empty where nobody is there.
-std::string exchange(int port, const std::string& request) {
+std::string requestOn(int port, const std::string& request) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &kPatience, sizeof kPatience);
   sockaddr_in address{};
@@ -37,7 +37,7 @@ std::string exchange(int port, const std::string& request) {
 }  // namespace
 
 HttpAnswer httpGet(int port, const std::string& path) {
-  const std::string all = exchange(port, "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  const std::string all = requestOn(port, "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   HttpAnswer out;
   const std::string version = "HTTP/1.1 ";
   const std::size_t end = all.find("\r\n\r\n");
