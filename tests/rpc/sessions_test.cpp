@@ -260,14 +260,14 @@ TEST(SessionLimits, AreNamed) {
   EXPECT_THAT(stubs.session->JoinSession(Call(), joining, &joined), IsOk());
 }
 
-TEST_F(Sessions, CallsOfLaterVersionsAreRefusedByName) {
+TEST_F(Sessions, TokensAreRefusedWhereNobodyAsksForThem) {
   const std::string name = makeLitSession(stubs_);
   pb::CreateTokenRequest token;
   token.set_session(name);
   pb::CreateTokenResponse minted;
   const grpc::Status tokenStatus = stubs_.session->CreateToken(Call(), token, &minted);
-  EXPECT_THAT(tokenStatus, HasCode(StatusCode::UNIMPLEMENTED));
-  EXPECT_THAT(tokenStatus.error_message(), HasSubstr("token"));
+  EXPECT_THAT(tokenStatus, HasCode(StatusCode::FAILED_PRECONDITION));
+  EXPECT_THAT(tokenStatus.error_message(), HasSubstr("--admin-token-file"));
 }
 
 TEST_F(Sessions, SubscriptionsOutOfRangeAreRefusedByName) {
