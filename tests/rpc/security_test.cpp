@@ -79,7 +79,6 @@ class Tokens : public testing::Test {
   std::string ownerToken_;
 };
 
-// Broken by admitting calls without looking at their token.
 TEST_F(Tokens, MissingWrongAndForeignTokensAreRefusedEverywhere) {
   for (const std::string& token : {std::string(), std::string("lpv_0123456789abcdef_0123456789abcdef0123456789abcdef"),
                                    std::string(kAdmin) + "?", std::string("Bearer")}) {
