@@ -11,10 +11,10 @@ namespace lpv::door {
 
 /// Files in PEM form; all empty: plain text.
 struct TlsFiles {
-  std::string certificate;       ///< the server's, with the chain that vouches for it
-  std::string key;               ///< its private key
-  std::string
-      clientAuthorities; ///< who vouches for clients; given: a client without a certificate of theirs is refused
+  std::string certificate;  ///< the server's, with the chain that vouches for it
+  std::string key;          ///< its private key
+  /// Who vouches for clients; given: a client without a certificate of theirs is refused.
+  std::string clientAuthorities;
 
   bool given() const { return !certificate.empty() || !key.empty() || !clientAuthorities.empty(); }
 };

@@ -23,6 +23,8 @@ Status unknownToken() {
   return unauthenticated("authorization: the access token is not known here: mistyped, revoked, or another server's");
 }
 
+Status revokedToken() { return unauthenticated("authorization: the access token has been revoked"); }
+
 Status expiredToken() {
   return unauthenticated("authorization: the access token has expired; ask an owner for another");
 }
@@ -129,7 +131,7 @@ Expected<Position> Access::revoke(const std::string& session, const std::string&
     gone = journal_.dropToken(tokenId);
     ended = takeWatchers(tokenId);
   }
-  for (const auto& tell : ended) tell(unauthenticated("authorization: the access token has been revoked"));
+  for (const auto& tell : ended) tell(revokedToken());
   return gone;
 }
 
@@ -140,7 +142,12 @@ void Access::forget(const std::string& session) {
 
 std::shared_ptr<void> Access::watch(const Grant& grant, std::function<void(const Status&)> ended) {
   if (grant.tokenId.empty()) return nullptr;
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  if (!tokens_.contains(grant.tokenId)) {  // went after it was verified
+    lock.unlock();
+    ended(revokedToken());
+    return nullptr;
+  }
   const std::uint64_t key = nextWatcher_++;
   watchers_[key] = {grant.tokenId, std::move(ended)};
   return std::shared_ptr<void>(nullptr, [this, key, alive = std::weak_ptr<bool>(alive_)](void*) {

@@ -65,7 +65,7 @@ class Access {
   void forget(const std::string& session);
 
   /// Calls `ended` once (any thread, no locks) when the grant's token is revoked or expires, unless what is returned
-  /// has gone before.
+  /// has gone before; at once where that has happened already.
   std::shared_ptr<void> watch(const Grant& grant, std::function<void(const Status&)> ended);
 
   /// Ends what expired tokens have opened, and drops those that expired a day ago. Runs by itself once a second.

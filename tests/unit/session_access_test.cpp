@@ -108,6 +108,17 @@ TEST_F(AccessTest, RevokedTokensEndWhatTheyOpenedAndNothingElse) {
   EXPECT_EQ(access_.revoke("a", id).status().code(), Code::kNotFound);
 }
 
+// Broken by watching whatever grant is given: a stream whose token went while it was opened never ended.
+TEST_F(AccessTest, WhatIsOpenedWhileItsTokenGoesEndsAtOnce) {
+  const Expected<Grant> grant = access_.verify(mint("a", Role::kViewer));
+  ASSERT_TRUE(grant.ok());
+  ASSERT_TRUE(access_.revoke("a", grant->tokenId).ok());
+  Status why;
+  const auto ward = access_.watch(*grant, [&why](const Status& status) { why = status; });
+  EXPECT_EQ(why.code(), Code::kUnauthenticated);
+  EXPECT_EQ(ward, nullptr);
+}
+
 TEST_F(AccessTest, SessionsTakeTheirTokensAlong) {
   const std::string token = mint("a", Role::kOwner);
   const std::string other = mint("b", Role::kOwner);
