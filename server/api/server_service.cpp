@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <optional>
 
 #include "api/convert_session.h"
 #include "api/services.h"
@@ -85,30 +83,19 @@ Status getServerInfo(const Context& context, const pb::GetServerInfoRequest&, pb
 
 Status getStats(const Context& context, const pb::GetStatsRequest&, pb::GetStatsResponse* response) {
   if (Status s = allowAdmin(context, "reading the server's statistics"); !s.ok()) return s;
-  std::int64_t blobs = 0;
-  std::int64_t blobBytes = 0;
-  std::size_t subscribers = 0;
-  std::optional<double> worst;
-  const std::vector<SessionPtr> sessions = context.registry->all();
-  for (const SessionPtr& session : sessions) {
-    const SessionSummary summary = session->summary();
-    blobs += std::int64_t(summary.blobs);
-    blobBytes += summary.blobBytes;
-    subscribers += summary.subscribers;
-    if (summary.measured) worst = std::max(worst.value_or(0.0), summary.measured->error);
-  }
-  response->set_sessions(int(sessions.size()));
-  response->set_subscribers(int(subscribers));
+  const SessionTotals totals = context.registry->totals();
+  response->set_sessions(int(totals.sessions));
+  response->set_subscribers(int(totals.subscribers));
   response->set_ticks(context.counters->ticks);
   response->set_results_sent(context.counters->resultsSent);
   response->set_result_bytes_sent(context.counters->resultBytesSent());
   response->set_volumes_encoded(context.counters->volumesEncoded);
   response->set_edits_accepted(context.counters->editsAccepted);
   response->set_edits_rejected(context.counters->editsRejected.total());
-  response->set_blobs(blobs);
-  response->set_blob_bytes(blobBytes);
+  response->set_blobs(std::int64_t(totals.blobs));
+  response->set_blob_bytes(totals.blobBytes);
   response->set_resident_bytes(ops::processUse().residentBytes);
-  if (worst) response->set_worst_measured_error(*worst);
+  if (totals.worstMeasuredError) response->set_worst_measured_error(*totals.worstMeasuredError);
   const auto uptime = std::chrono::system_clock::now() - context.started;
   response->mutable_uptime()->set_seconds(std::chrono::duration_cast<std::chrono::seconds>(uptime).count());
   return {};

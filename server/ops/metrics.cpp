@@ -3,9 +3,7 @@
 #include <prometheus/metric_family.h>
 #include <prometheus/text_serializer.h>
 
-#include <algorithm>
 #include <limits>
-#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -90,26 +88,16 @@ void addServer(const MetricSources& s, Scrape& out) {
 }
 
 void addSessions(const MetricSources& s, Scrape& out) {
-  std::int64_t clients = 0;
-  std::int64_t subscribers = 0;
-  std::int64_t blobBytes = 0;
-  std::optional<double> worst;
-  const std::vector<SessionPtr> sessions = s.registry->all();
-  for (const SessionPtr& session : sessions) {
-    const SessionSummary summary = session->summary();
-    clients += std::int64_t(summary.clients);
-    subscribers += std::int64_t(summary.subscribers);
-    blobBytes += summary.blobBytes;
-    if (summary.measured) worst = std::max(worst.value_or(0.0), summary.measured->error);
-  }
-  out.gauge("lpv_sessions", "Sessions in memory.", double(sessions.size()));
+  const SessionTotals totals = s.registry->totals();
+  out.gauge("lpv_sessions", "Sessions in memory.", double(totals.sessions));
   out.gauge("lpv_sessions_kept", "Sessions in the state directory, in memory or not.", double(s.registry->keptCount()));
-  out.gauge("lpv_clients", "Joined clients of the sessions in memory.", double(clients));
-  out.gauge("lpv_subscribers", "Open result streams.", double(subscribers));
-  out.gauge("lpv_blob_bytes", "Uploaded meshes and textures of the sessions in memory, bytes.", double(blobBytes));
+  out.gauge("lpv_clients", "Joined clients of the sessions in memory.", double(totals.clients));
+  out.gauge("lpv_subscribers", "Open result streams.", double(totals.subscribers));
+  out.gauge("lpv_blob_bytes", "Uploaded meshes and textures of the sessions in memory, bytes.",
+            double(totals.blobBytes));
   out.family(MetricType::Gauge, "lpv_measured_error_worst",
              "Largest measured error among sessions, relative; absent where none was measured.");
-  if (worst) out.add(*worst);
+  if (totals.worstMeasuredError) out.add(*totals.worstMeasuredError);
 }
 
 void addTicks(const Counters& c, Scrape& out) {

@@ -200,6 +200,22 @@ std::size_t Registry::keptCount() const {
   return kept_.size();
 }
 
+SessionTotals Registry::totals() const {
+  SessionTotals out;
+  for (const SessionPtr& session : all()) {
+    const SessionSummary summary = session->summary();
+    ++out.sessions;
+    out.clients += summary.clients;
+    out.subscribers += summary.subscribers;
+    out.blobs += summary.blobs;
+    out.blobBytes += summary.blobBytes;
+    if (summary.measured) {
+      out.worstMeasuredError = std::max(out.worstMeasuredError.value_or(0.0), summary.measured->error);
+    }
+  }
+  return out;
+}
+
 std::vector<SessionSummary> Registry::summaries() {
   std::map<std::string, SessionSummary> out;
   std::vector<std::string> kept;

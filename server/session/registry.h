@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -13,6 +14,16 @@
 #include "session/session.h"
 
 namespace lpv {
+
+/// Of the sessions in memory, all together.
+struct SessionTotals {
+  std::size_t sessions = 0;
+  std::size_t clients = 0;
+  std::size_t subscribers = 0;
+  std::size_t blobs = 0;
+  std::int64_t blobBytes = 0;
+  std::optional<double> worstMeasuredError;  ///< unset where none was measured
+};
 
 /// All sessions of this server: those in memory, and those that are kept by the journal alone until somebody asks for
 /// them. Thread-safe.
@@ -40,6 +51,7 @@ class Registry {
   std::vector<SessionPtr> all() const;
   /// Those that the journal keeps, in memory or not; 0 where it keeps nothing.
   std::size_t keptCount() const;
+  SessionTotals totals() const;
   /// All of them, in order of id. What cannot be read now is left out.
   std::vector<SessionSummary> summaries();
 

@@ -99,12 +99,7 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
     const std::lock_guard lock(mutex_);
     outcome = applyLocked(client, edit);
   }
-  if (outcome.status.ok()) {
-    ++workshop_.counters->editsAccepted;
-    tellWatchers();
-  } else {
-    workshop_.counters->editsRejected.add(outcome.status);
-  }
+  countAndTell(outcome);
   return outcome;
 }
 
@@ -280,6 +275,16 @@ void Session::unwatch(std::uint64_t watcher) {
   presence_.hear(found->second.client, Clock::now());
   watchers_.erase(found);
   lastUsed_ = std::chrono::system_clock::now();
+}
+
+/// Of an edit, or of a step back or forth. Without the lock.
+void Session::countAndTell(const EditOutcome& outcome) {
+  if (outcome.status.ok()) {
+    ++workshop_.counters->editsAccepted;
+    tellWatchers();
+  } else {
+    workshop_.counters->editsRejected.add(outcome.status);
+  }
 }
 
 void Session::tellWatchers() {

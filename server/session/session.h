@@ -201,6 +201,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool busy() const;
   Status closedStatus(const char* field) const;
   void tellWatchers();
+  void countAndTell(const EditOutcome& outcome);
 
   // Cameras (session_views.cpp).
   std::optional<Camera> chosenCamera(const CameraChoice& choice) const;

@@ -48,12 +48,7 @@ EditOutcome Session::takeStep(const ClientIdentity& client, std::uint64_t sequen
     const std::lock_guard lock(mutex_);
     outcome = takeStepLocked(client, sequence, direction);
   }
-  if (outcome.status.ok()) {
-    ++workshop_.counters->editsAccepted;
-    tellWatchers();
-  } else {
-    workshop_.counters->editsRejected.add(outcome.status);
-  }
+  countAndTell(outcome);
   return outcome;
 }
 
