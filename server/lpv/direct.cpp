@@ -37,15 +37,28 @@ std::size_t recordTexels(const LightVoxels& voxels) {
 
 }  // namespace
 
-bool arePolygons(const EmittingLight& light) {
-  return light.texture == nullptr && light.mesh->directions.empty() && light.mesh->triangles.size() <= kMostPolygons;
+void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k) {
+  const bool accurate = transport == Transport::kDirect && k >= kAccurateRule;
+  const std::size_t most = accurate ? kMostPolygons : kFewPolygons;
+  std::vector<EmittingLight*> candidates;
+  for (EmittingLight& light : lights) {
+    light.polygons = false;
+    if (light.texture == nullptr && light.mesh->directions.empty() && light.mesh->triangles.size() <= most)
+      candidates.push_back(&light);
+  }
+  std::ranges::stable_sort(candidates, {}, [](const EmittingLight* l) { return l->mesh->triangles.size(); });
+  std::size_t all = 0;
+  for (EmittingLight* light : candidates) {
+    all += light->mesh->triangles.size();
+    light->polygons = all <= kMostPolygonsOfAll;
+  }
 }
 
 void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels, double k) {
   std::vector<glm::vec4> head(1 + 2 * lights.size());
   head[0] = {float(lights.size()), float(std::min(k, 1e15)), 0.0F, 0.0F};
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (!arePolygons(lights[i])) continue;
+    if (!lights[i].polygons) continue;
     const std::size_t first = head.size();
     addPolygons(lights[i], head);
     head[1 + 2 * i] = glm::vec4(lights[i].radiance, 0.0);
@@ -53,7 +66,7 @@ void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vec
   }
   count = head.size();
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (arePolygons(lights[i])) continue;
+    if (lights[i].polygons) continue;
     head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->brightest, 1.0);
     head[2 + 2 * i] = {float(count), float(voxels[i]->tree->recordCount), lights[i].twoSided ? 2.0F : 1.0F,
                        float(texelsPerRecord(*voxels[i]))};
@@ -67,7 +80,7 @@ void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vec
   }
   texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(head)));
   for (std::size_t i = 0, at = head.size(); i < lights.size(); ++i) {
-    if (arePolygons(lights[i]) || voxels[i]->tree->recordCount == 0) continue;
+    if (lights[i].polygons || voxels[i]->tree->recordCount == 0) continue;
     const std::size_t records = recordTexels(*voxels[i]);
     glCopyNamedBufferSubData(voxels[i]->tree->records.id(), texels.id(), 0, GLintptr(at * sizeof(glm::vec4)),
                              GLsizeiptr(records * sizeof(glm::vec4)));

@@ -11,10 +11,17 @@
 
 namespace lpv {
 
-/// Up to so many triangles of constant radiance, without directions, are polygons; other lights are their trees.
-inline constexpr std::size_t kMostPolygons = 32;
+/// A light of constant radiance without directions is looked at as polygons, which is exact, while it has no more
+/// triangles than this; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
+/// kAccurateRule, where time counts;
+inline constexpr std::size_t kFewPolygons = 32;
+/// DIRECT with kAccurateRule or above: a sphere of 720 costs a receiver two to three times what its tree does.
+inline constexpr std::size_t kMostPolygons = 1024;
+/// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
+inline constexpr std::size_t kMostPolygonsOfAll = 4096;
 
-bool arePolygons(const EmittingLight& light);
+/// Which lights are polygons. `k`: the distance rule of the trees.
+void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k);
 
 struct DirectBuffer {
   gpu::Buffer texels;  ///< as shaders/direct.glsl has them

@@ -21,6 +21,7 @@ struct EmittingLight {
   bool mirrored = false;  ///< the transform turns the mesh inside out; it emits from the object-space front
   TexturePtr texture;     ///< radiance factor, or null; null for a mesh without texture coordinates
   int group = 0;          ///< of the scene's groups of lights, which one
+  bool polygons = false;  ///< receivers look at its triangles, not at its VPLs (lpv/direct.h)
 
   /// Whether both put the same VPLs into the grid.
   bool emitsLike(const EmittingLight& other) const;

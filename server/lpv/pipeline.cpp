@@ -41,10 +41,10 @@ const char* transportName(Transport transport) {
   return "propagate";
 }
 
-/// DIRECT looks at a few polygons as they are: they are put into the grid for those who look at volumes only.
+/// DIRECT looks at polygons as they are: they are put into the grid for those who look at volumes only.
 bool needsVoxels(const EmittingLight& light, const SessionState& session, const TickRequest& request) {
   const bool direct = session.field->transport == Transport::kDirect;
-  return !direct || !arePolygons(light) || request.transported || request.injected;
+  return !direct || !light.polygons || request.transported || request.injected;
 }
 
 /// Compiled variants that the lights needed.

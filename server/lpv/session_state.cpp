@@ -37,6 +37,7 @@ void SessionState::adopt(const Scene& scene) {
     k = options.distanceRule();
     forgetTransported();
   }
+  choosePolygons(lights, options.transport, k);
   if (blockSurfaces != scene.surfaces || !sameField) {
     blockSurfaces = scene.surfaces;
     surfaceBlocks.clear();

@@ -22,7 +22,8 @@ constexpr std::array kGather = {
 };
 constexpr double kTwoBands = 0.25;     ///< SH2 of any field, and more so of the nearest cell
 constexpr double kPropagated = 1.0;    ///< of PROPAGATE, whatever the grid: 37 to 99 %
-constexpr double kLookedAt = 0.004;    ///< DIRECT through trees of VPLs; polygons are exact
+/// DIRECT through trees of VPLs; polygons are exact. With the rule kAccurateRule and above, and below it.
+constexpr double kLookedAt = 0.003, kGlancedAt = 0.0045;
 constexpr double kNoGrid = 1.0;        ///< below the smallest grid measured
 constexpr double kLeastForGroups = 0.002;
 
@@ -44,7 +45,7 @@ int cellsOf(const GridOptions& grid) {
 
 /// Least work first: the grid's cells weigh more than how far nodes are opened.
 SessionOptions withRuleFor(SessionOptions o) {
-  if (o.k > 0.0 || o.transport != Transport::kGather) return o;
+  if (o.k > 0.0 || o.transport == Transport::kPropagate) return o;
   for (const double k : kRules) {
     o.k = k;
     if (expectedError(o, cellsOf(o.grid)) <= o.maxError) break;
@@ -69,7 +70,7 @@ double best() {
 
 double expectedError(const SessionOptions& o, int longestCells) {
   if (o.transport == Transport::kPropagate) return kPropagated;
-  if (o.transport == Transport::kDirect) return kLookedAt;
+  if (o.transport == Transport::kDirect) return o.distanceRule() < kAccurateRule ? kGlancedAt : kLookedAt;
   const double volume = gathered(longestCells, o.distanceRule());
   return o.lookup == Lookup::kCap ? volume : std::max(volume, kTwoBands);
 }
