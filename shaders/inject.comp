@@ -3,7 +3,9 @@
 //
 // LPV_RETIRE: what an earlier tick put into these cells goes out.
 // LPV_ADD:    this light goes in, its lobes (pairs) to N.
-// LPV_DIVIDE: COUNT, after every light: eq. 1 of the paper with i = 1..N.
+// LPV_DIVIDE: COUNT, after every light: eq. 1 of the paper with i = 1..N. With LPV_ADD: the only light, at once.
+#extension GL_ARB_shader_ballot : enable
+#extension GL_ARB_gpu_shader_int64 : enable
 #include "layout.h"
 #include "field.glsl"
 #include "sh.glsl"
@@ -29,7 +31,20 @@ vec4 lobesOf(vec4 moment) {
   return vec4(kLobe0 * params.lobe.x * moment.x, kLobe1 * params.lobe.y * moment.zwy);
 }
 
+/// Threads that run in step count together: all of them come here at once and wait for one number.
+void countTouched(bool first) {
+#if defined(GL_ARB_shader_ballot) && defined(GL_ARB_gpu_shader_int64)
+  const uint64_t together = ballotARB(first);
+  const uvec2 askers = unpackUint2x32(together), before = unpackUint2x32(together & gl_SubGroupLtMaskARB);
+  if (!first || (before.x | before.y) != 0u) return;
+  atomicAdd(counters.touched, uint(bitCount(askers.x) + bitCount(askers.y)));
+#else
+  if (first) atomicAdd(counters.touched, 1u);
+#endif
+}
+
 void addLight(uint slot, int cell, ivec3 position) {
+  const float lobes = params.lobe.x * float(voxels[slot].y);
   for (int k = 0; k < LPV_CHANNELS; ++k) {
     if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
 #if LPV_TEXTURED
@@ -37,10 +52,20 @@ void addLight(uint slot, int cell, ivec3 position) {
 #else
     const vec4 moment = moments[slot];
 #endif
-    field[haloIndex(position, params.dims.xyz, firstChannel() + k)] += params.weight[k] * lobesOf(moment);
+    const int at = haloIndex(position, params.dims.xyz, firstChannel() + k);
+#ifdef LPV_DIVIDE
+    field[at] = params.weight[k] * lobesOf(moment) / lobes;
+#else
+    field[at] += params.weight[k] * lobesOf(moment);
+#endif
   }
-  if (lobeCounts[countOf(cell)] == 0.0) atomicAdd(counters.touched, 1u);
-  lobeCounts[countOf(cell)] += params.lobe.x * float(voxels[slot].y);
+#ifdef LPV_DIVIDE
+  countTouched(true);
+  lobeCounts[countOf(cell)] = -lobes;
+#else
+  countTouched(lobeCounts[countOf(cell)] == 0.0);
+  lobeCounts[countOf(cell)] += lobes;
+#endif
 }
 #endif
 

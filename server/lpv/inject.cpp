@@ -28,7 +28,7 @@ layout::InjectParams paramsOf(const LightField& field, const EmittingLight& ligh
 
 Injector::Injector() : params_("inject params", sizeof(layout::InjectParams), gpu::BufferUse::kDynamic) {}
 
-void Injector::dispatch(LightField& field, const LightVoxels& voxels, const char* pass) {
+void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Passes& passes) {
   params_.bindUniform(layout::kParams);
   field.injected.buffer.bindStorage(layout::kFieldOut);
   field.lobeCounts.bindStorage(layout::kLobeCounts);
@@ -36,18 +36,17 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const char
   voxels.cells.bindStorage(layout::kVoxelCells);
   voxels.moments.bindStorage(layout::kVoxelMoments);
   voxels.cells.bindAsDispatchArguments();
-  programs_
-      .get({{"LPV_CHANNELS", std::to_string(field.channels)},
-            {"LPV_TEXTURED", voxels.sets > 1 ? "1" : "0"},
-            {pass, "1"}})
-      .dispatchIndirect(0);
+  gpu::Defines variant = {{"LPV_CHANNELS", std::to_string(field.channels)},
+                          {"LPV_TEXTURED", voxels.sets > 1 ? "1" : "0"}};
+  for (const char* pass : passes) variant.emplace_back(pass, "1");
+  programs_.get(variant).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
 Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels) {
   for (const LightVoxelsPtr& light : voxels) {
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
-    dispatch(field, *light, "LPV_RETIRE");
+    dispatch(field, *light, {"LPV_RETIRE"});
   }
   co_yield piece(Stage::kInject);
 }
@@ -56,16 +55,17 @@ Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights
                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette) {
   field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
   int queued = 0;
+  const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     voxels[i]->group = lights[i].group;
     params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
-    dispatch(field, *voxels[i], "LPV_ADD");
+    dispatch(field, *voxels[i], only ? Passes{"LPV_ADD", "LPV_DIVIDE"} : Passes{"LPV_ADD"});
     if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
   }
   for (const LightVoxelsPtr& light : voxels) {
-    if (light->source.method.injection != Injection::kCount) continue;
+    if (only || light->source.method.injection != Injection::kCount) continue;
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
-    dispatch(field, *light, "LPV_DIVIDE");
+    dispatch(field, *light, {"LPV_DIVIDE"});
     if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
   }
   co_yield piece(Stage::kInject);

@@ -24,7 +24,8 @@ class Injector {
               const Palette& palette);
 
  private:
-  void dispatch(LightField& field, const LightVoxels& voxels, const char* pass);
+  using Passes = std::vector<const char*>;  ///< of shaders/inject.comp
+  void dispatch(LightField& field, const LightVoxels& voxels, const Passes& passes);
 
   gpu::ProgramVariants programs_{{"inject.comp"}};
   gpu::ProgramVariants vplPrograms_{{"inject_vpls.comp"}};

@@ -4,6 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "gpu/light_rig.h"
 #include "gpu/stage_rig.h"
 #include "reference/compare.h"
 #include "reference/meshes.h"
@@ -103,6 +104,21 @@ TEST_F(InjectTest, LightsOfSeveralColoursShareCells) {
     const test::InjectRig rig(grid, lights);
     EXPECT_EQ(rig.palette.channels, (std::array{1, 1, 2, 3, 3})[i]);
     EXPECT_LE(error(grid, rig, 4.0), rig.roundingError() + 1e-6) << i + 1 << " lights";
+  }
+}
+
+// A light that is the only one is divided as it goes in: the same bits, and as many touched cells, as beside a dark
+// one. Broken by: no division there; a light's cells counted once per thread group.
+TEST_F(InjectTest, TheOnlyLightIsTheSameBesideAnother) {
+  const Grid grid = test::unitGrid({12, 12, 12});
+  for (const MeshPtr& mesh : {reference::quad(), reference::sphere()}) {
+    const EmittingLight light = placed(mesh, glm::dvec3(6.1, 5.3, 5.9), 5.0, {3.0, 2.0, 1.0});
+    const test::InjectRig alone(grid, {light}),
+        beside(grid, {light, placed(mesh, glm::dvec3(90, 0, 0), 5.0, {3.0, 2.0, 1.0})});
+    EXPECT_EQ(test::fieldOf(alone.field.injected, alone.field, alone.palette).cells,
+              test::fieldOf(beside.field.injected, beside.field, beside.palette).cells);
+    EXPECT_EQ(alone.touched(), beside.touched());
+    EXPECT_EQ(alone.touched(), test::voxelsOf(*alone.voxels[0]).size());
   }
 }
 
