@@ -41,13 +41,18 @@ void printSession(const Context& context, const v1::Session& session) {
               {"settings", toJson(session.settings())}});
 }
 
-/// Written for its owner's eyes only.
+/// Written for its owner's eyes only; nothing where no file was asked for.
 Status saveToken(const std::string& path, const std::string& token) {
+  if (path.empty()) return {};
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const std::string line = token + "\n";
   const bool written = file >= 0 && ::write(file, line.data(), line.size()) == ssize_t(line.size());
   if (file >= 0) ::close(file);
   return written ? Status() : invalid("save-token", "cannot write " + path);
+}
+
+void addSaveToken(CLI::App& app, std::string& file) {
+  app.add_option("--save-token", file, "Where to write the owner's access token")->type_name("FILE");
 }
 
 void addCreate(CLI::App& group, Commands& commands) {
@@ -65,14 +70,12 @@ void addCreate(CLI::App& group, Commands& commands) {
     given->flags.apply(*request.mutable_settings());
     const auto made = client->createSession(request);
     if (!made) return made.status();
-    if (!given->tokenFile.empty()) {
-      if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
-    }
+    if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
     print(context.json() ? toJson(*made) : client::sessionId(made->session().name()));
     return Status();
   });
   app.add_option("--id", given->id, "Wanted id (the server chooses)")->type_name("ID");
-  app.add_option("--save-token", given->tokenFile, "Where to write the owner's access token")->type_name("FILE");
+  addSaveToken(app, given->tokenFile);
   given->flags.addTo(app);
 }
 
@@ -234,6 +237,7 @@ void addLoad(CLI::App& group, Commands& commands) {
   struct Options {
     std::string file;
     std::string id;
+    std::string tokenFile;
   };
   auto given = std::make_shared<Options>();
   CLI::App& app = commands.add(group, "load", "Makes a session from a saved file, prints its id", [given](Context& c) {
@@ -243,12 +247,15 @@ void addLoad(CLI::App& group, Commands& commands) {
     Expected<client::Client> client = c.connect();
     if (!client) return client.status();
     ProgressBar bar("uploading");
-    const auto session = client->importSession(given->id, bytes, [&](auto done, auto total) { bar.show(done, total); });
-    if (session) print(c.json() ? toJson(*session) : client::sessionId(session->name()));
-    return session.status();
+    const auto made = client->importSession(given->id, bytes, [&](auto done, auto total) { bar.show(done, total); });
+    if (!made) return made.status();
+    if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
+    print(c.json() ? toJson(*made) : client::sessionId(made->session().name()));
+    return Status();
   });
   app.add_option("file", given->file, "File to read")->required()->type_name("FILE");
   app.add_option("--id", given->id, "Wanted id (the server chooses)")->type_name("ID");
+  addSaveToken(app, given->tokenFile);
 }
 
 }  // namespace

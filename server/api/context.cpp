@@ -24,4 +24,10 @@ Status allowAdmin(const Context& context, const char* what) {
           "authorization"};
 }
 
+Expected<std::string> ownerToken(const Context& context, const std::string& id) {
+  if (!context.access->required()) return std::string();
+  const Expected<MintedToken> minted = context.access->mint(id, Role::kOwner, kDefaultTokenLife);
+  return minted ? Expected<std::string>(minted->token) : Expected<std::string>(minted.status());
+}
+
 }  // namespace lpv::api

@@ -28,5 +28,7 @@ struct Context {
 Status allow(const Context& context, const std::string& id, Role needed);
 /// PERMISSION_DENIED unless the caller is an admin; `what` is what only admins do.
 Status allowAdmin(const Context& context, const char* what);
+/// The access token of a new session's owner; empty where tokens are off.
+Expected<std::string> ownerToken(const Context& context, const std::string& id);
 
 }  // namespace lpv::api

@@ -153,13 +153,16 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (!state) return end(state.status());
     const Expected<SessionPtr> session = context_.registry->create(wantedId_, std::move(*state));
     if (!session) return end(session.status());
+    const Expected<std::string> token = ownerToken(context_, (*session)->id());
+    if (!token) return end(token.status());
     const auto self = std::static_pointer_cast<Import>(shared_from_this());
-    (*session)->whenKept([self, session = *session](const Status& kept) {
+    (*session)->whenKept([self, session = *session, token = *token](const Status& kept) {
       if (!kept.ok()) return self->end(kept);
       {
         const std::lock_guard lock(self->mutex_);
         self->answer_.emplace();
         toProto(session->summary(), self->answer_->mutable_session());
+        self->answer_->set_owner_token(token);
       }
       self->end(Status());
     });

@@ -34,11 +34,9 @@ void createSession(const Context& context, const pb::CreateSessionRequest& reque
   const Expected<SessionPtr> session =
       context.registry->create(request.session_id(), settings->options, settings->manners, request.request_id());
   if (!session) return done(session.status());
-  if (context.access->required()) {
-    const Expected<MintedToken> token = context.access->mint((*session)->id(), Role::kOwner, kDefaultTokenLife);
-    if (!token) return done(token.status());
-    response->set_owner_token(token->token);
-  }
+  const Expected<std::string> token = ownerToken(context, (*session)->id());
+  if (!token) return done(token.status());
+  response->set_owner_token(*token);
   answerWhenKept(*session, response, std::move(done));
 }
 

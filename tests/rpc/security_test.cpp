@@ -138,6 +138,18 @@ TEST_F(Tokens, ATokenIsForItsSessionAlone) {
   EXPECT_EQ(admin_.sessions()->size(), 2U);
 }
 
+// Broken by: a session from a file that nobody owns.
+TEST_F(Tokens, WhoLoadsASessionGetsItsOwnersToken) {
+  std::string file;
+  ASSERT_TRUE(
+      as(ownerToken_).exportSession("lit", [&](const std::string& part) { return !(file += part).empty(); }).ok());
+  EXPECT_EQ(codeOf(as(ownerToken_).importSession("copy", file)), Code::kPermissionDenied);
+  const auto made = admin_.importSession("copy", file);
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  EXPECT_EQ(codeOf(as(ownerToken_).session("copy")), Code::kPermissionDenied);
+  EXPECT_TRUE(as(made->owner_token()).deleteSession("copy").ok());
+}
+
 // Broken by leaving streams alone where a token is revoked.
 TEST_F(Tokens, RevocationAndExpiryEndStreams) {
   const pb::CreateTokenResponse revoked = mint(pb::ROLE_VIEWER);

@@ -44,9 +44,10 @@ TEST_F(SessionFiles, ASavedSessionIsTheSameElsewhere) {
   client::Client there = clientOf(other.address());
   const auto loaded = there.importSession("copy", file);
   ASSERT_TRUE(loaded.ok()) << loaded.status().message();
-  EXPECT_EQ(loaded->name(), "sessions/copy");
-  EXPECT_EQ(loaded->revision(), 2U);
-  EXPECT_EQ(loaded->client_count(), 0);
+  EXPECT_EQ(loaded->session().name(), "sessions/copy");
+  EXPECT_EQ(loaded->session().revision(), 2U);
+  EXPECT_EQ(loaded->session().client_count(), 0);
+  EXPECT_EQ(loaded->owner_token(), "") << "no tokens here";
   EXPECT_EQ(volume(there, "sessions/copy").checksum(), volume(client_, session).checksum());
   const auto found = there.findBlobs("copy", {uploaded.hash()});
   ASSERT_TRUE(found.ok());

@@ -111,7 +111,8 @@ Status Client::exportSession(const std::string& session, const std::function<boo
   return statusFrom(reader->Finish(), address());
 }
 
-Expected<v1::Session> Client::importSession(const std::string& id, const std::string& file, const Progress& progress) {
+Expected<v1::ImportSessionResponse> Client::importSession(const std::string& id, const std::string& file,
+                                                          const Progress& progress) {
   Call call(*connection_, timeFor(file.size()));
   v1::ImportSessionResponse response;
   const auto writer = connection_->sessions->ImportSession(&call.context, &response);
@@ -128,7 +129,7 @@ Expected<v1::Session> Client::importSession(const std::string& id, const std::st
   writer->WritesDone();
   const grpc::Status status = writer->Finish();
   if (!status.ok()) return statusFrom(status, address());
-  return response.session();
+  return response;
 }
 
 }  // namespace lpv::client

@@ -89,7 +89,8 @@ class Client {
   /// Hands the session's snapshot file to `sink` piece by piece; `sink` returns false to stop.
   Status exportSession(const std::string& session, const std::function<bool(const std::string&)>& sink);
   /// A new session from a snapshot file; `id` empty: the server chooses.
-  Expected<v1::Session> importSession(const std::string& id, const std::string& file, const Progress& progress = {});
+  Expected<v1::ImportSessionResponse> importSession(const std::string& id, const std::string& file,
+                                                    const Progress& progress = {});
 
   // Blobs: meshes and textures by content.
   /// Which of `hashes` the session has.
