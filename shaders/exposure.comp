@@ -42,7 +42,8 @@ void main() {
 #if LPV_FINISH
   partial[gl_LocalInvocationID.x] = sumOfSums();
 #else
-  partial[gl_LocalInvocationID.x] = pixelSum(int(gl_WorkGroupID.x) * kExposurePixels);
+  const int group = int(frame.exposure.z) + int(gl_WorkGroupID.x);
+  partial[gl_LocalInvocationID.x] = pixelSum(group * kExposurePixels);
 #endif
   barrier();
   if (gl_LocalInvocationID.x != 0u) return;
@@ -53,6 +54,6 @@ void main() {
   exposure.y = automatic + log2(frame.exposure.x);
   exposure.x = exp2(exposure.y);
 #else
-  sums[gl_WorkGroupID.x] = vec4(sum, 0.0, 0.0);
+  sums[group] = vec4(sum, 0.0, 0.0);
 #endif
 }

@@ -143,7 +143,7 @@ struct TreeParams {
   ivec4 lower;             // first cell of the light's box; w: levels
   ivec4 upper;             // one past its last cell; w: the level of this pass
   uvec4 offsets[3];        // nodes before each level
-  vec4 scale;              // x: area that a moment of 1 stands for, cell^2
+  vec4 scale;              // x: area that a moment of 1 stands for, cell^2; y: threads before this dispatch's first
   dvec4 unit;              // x: what one fixed-point unit stands for, as a share of it
 };
 
@@ -184,7 +184,8 @@ struct FrameParams {
   vec4 eye;                // grid space
   vec4 depth;              // view depth = x / (stored depth + y), metres; z, w: 1 / size of the picture in pixels
   vec4 palette;            // rgb radiance of the one channel of a monochrome volume
-  vec4 exposure;           // x: 2^ev, applied to what automatic exposure finds too; y: key of automatic exposure
+  vec4 exposure;           // x: 2^ev, applied to what automatic exposure finds too; y: key of automatic exposure;
+                           // z: groups of pixels before this dispatch's first
   ivec4 dims;              // cells; w: pixels of the picture
 };
 

@@ -11,6 +11,9 @@
 
 layout(local_size_x = kNodeGroup) in;
 
+/// Of the whole pass: a large one comes in several dispatches.
+uint thread() { return uint(params.scale.y) + gl_GlobalInvocationID.x; }
+
 #if defined(LPV_DOWN) || defined(LPV_LEAVES) || defined(LPV_MERGE)
 layout(std430, binding = kTreeRecords) buffer Records { vec4 records[]; };
 
@@ -32,7 +35,7 @@ void storeVpl(uint record, Vpl v) {
 void main() {
   const int level = params.upper.w;
   ivec3 block;
-  if (!blockOf(level, int(gl_GlobalInvocationID.x), block)) return;
+  if (!blockOf(level, int(thread()), block)) return;
   const int self = nodeIndex(level, block);
   uvec2 bins = uvec2(0u);
   uint below = 0u, lit = 0u;
@@ -67,7 +70,7 @@ void storeHeader(int level, ivec3 block, Node node) {
 void main() {
   const int level = params.upper.w;
   ivec3 block;
-  if (!blockOf(level, int(gl_GlobalInvocationID.x), block)) return;
+  if (!blockOf(level, int(thread()), block)) return;
   const int self = nodeIndex(level, block);
   Node node = nodeAt(self);
   if (node.records == 0u) return;
@@ -109,8 +112,8 @@ float taken(int at) {
 vec3 taken3(int at) { return vec3(taken(at), taken(at + 2), taken(at + 4)); }
 
 void main() {
-  if (gl_GlobalInvocationID.x >= voxelHeader[3]) return;
-  const int base = int(voxels[gl_GlobalInvocationID.x].x) * kVplWords;
+  if (thread() >= voxelHeader[3]) return;
+  const int base = int(voxels[thread()].x) * kVplWords;
   const uint key = words[base] - 1u;
   words[base] = 0u;
   Vpl v;
@@ -213,7 +216,7 @@ uint childrenWithLight(int level, ivec3 block) {
 void main() {
   const int level = params.upper.w;
   ivec3 block;
-  if (!blockOf(level, int(gl_GlobalInvocationID.x), block)) return;
+  if (!blockOf(level, int(thread()), block)) return;
   const Node node = nodeAt(nodeIndex(level, block));
   if (node.records == 0u || passesOn(childrenWithLight(level, block))) return;
   uint record = node.first + 1u;

@@ -32,6 +32,9 @@ Buffer::Buffer(const std::string& label, std::size_t bytes, BufferUse use)
   clear();
 }
 
+Buffer::Buffer(const std::string& label, std::size_t bytes, BufferUse use, Undefined)
+    : id_(createStorage(label, bytes, nullptr, use)), size_(bytes) {}
+
 Buffer::Buffer(const std::string& label, std::span<const std::byte> data, BufferUse use)
     : id_(createStorage(label, data.size(), data.data(), use)), size_(data.size()) {}
 
@@ -55,8 +58,11 @@ void Buffer::update(std::size_t offset, std::span<const std::byte> data) {
 
 void Buffer::clear() { fill(0); }
 
-void Buffer::fill(std::uint32_t word) {
-  if (size_ >= 4) glClearNamedBufferData(id_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
+void Buffer::fill(std::uint32_t word) { fill(word, 0, size_ / 4 * 4); }
+
+void Buffer::fill(std::uint32_t word, std::size_t offset, std::size_t bytes) {
+  if (bytes == 0) return;
+  glClearNamedBufferSubData(id_, GL_R32UI, GLintptr(offset), GLsizeiptr(bytes), GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
 }
 
 void Buffer::bindStorage(std::uint32_t binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }

@@ -14,12 +14,17 @@ enum class BufferUse {
   kDynamic,  ///< written from the CPU with update()
 };
 
+/// Asks for storage whose content is whatever it is: for what is cleared in pieces, or written before it is read.
+struct Undefined {};
+
 /// An OpenGL buffer object of fixed size, labelled. Move-only; empty (id 0, size 0) after move.
 class Buffer {
  public:
   Buffer() = default;
-  /// `bytes` of zeros, or the content of `data`. Throws Failure (RESOURCE_EXHAUSTED) when there is no memory.
+  /// `bytes` of zeros, or of anything, or the content of `data`. Throws Failure (RESOURCE_EXHAUSTED) when there is no
+  /// memory.
   Buffer(const std::string& label, std::size_t bytes, BufferUse use = BufferUse::kDevice);
+  Buffer(const std::string& label, std::size_t bytes, BufferUse use, Undefined);
   Buffer(const std::string& label, std::span<const std::byte> data, BufferUse use = BufferUse::kDevice);
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
@@ -35,6 +40,8 @@ class Buffer {
   void clear();
   /// Fills the whole buffer with one 32-bit word on the GPU.
   void fill(std::uint32_t word);
+  /// The same for bytes [offset, offset + bytes), both multiples of 4.
+  void fill(std::uint32_t word, std::size_t offset, std::size_t bytes);
 
   void bindStorage(std::uint32_t binding) const;
   void bindUniform(std::uint32_t binding) const;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gpu/debug.h"
+#include "gpu/gl.h"
 
 namespace lpv::gpu {
 
@@ -89,10 +90,21 @@ Context& Context::operator=(Context&& other) noexcept {
   return *this;
 }
 
-Context::~Context() {
+Context::~Context() { abandon(); }
+
+void Context::abandon() {
   if (context_ == nullptr) return;
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
+  context_ = nullptr;
+}
+
+bool Context::lost() const {
+  if (context_ == nullptr) return true;
+  if (eglGetCurrentContext() != context_ &&
+      eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE)
+    return true;
+  return glGetGraphicsResetStatus() != GL_NO_ERROR;
 }
 
 void Context::makeCurrent() const { eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_); }

@@ -24,6 +24,12 @@ class Context {
   /// Makes it current on the calling thread again, after another one was.
   void makeCurrent() const;
 
+  /// Whether everything made in it is gone: the driver has reset it (KHR_robustness), or it cannot be made current
+  /// (EGL_CONTEXT_LOST). On the thread that owns it.
+  bool lost() const;
+  /// Destroys it behind the back of everything made in it, as a driver does that resets. For tests.
+  void abandon();
+
   const Device& device() const { return device_; }
   const Capabilities& capabilities() const { return capabilities_; }
 

@@ -44,12 +44,13 @@ void Readback::copyFrom(const Buffer& source, std::size_t sourceOffset, std::siz
   glCopyNamedBufferSubData(source.id(), id_, GLintptr(sourceOffset), GLintptr(offset), GLsizeiptr(bytes));
 }
 
-void Readback::copyPixels(const Framebuffer& source, std::uint32_t layout, std::uint32_t type, std::size_t offset) {
+void Readback::copyPixels(const Framebuffer& source, int row, int rows, std::uint32_t layout, std::uint32_t type,
+                          std::size_t offset) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, source.id());
   glNamedFramebufferReadBuffer(source.id(), GL_COLOR_ATTACHMENT0);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, id_);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, source.size().x, source.size().y, layout, type, reinterpret_cast<void*>(offset));
+  glReadPixels(0, row, source.size().x, rows, layout, type, reinterpret_cast<void*>(offset));
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
 }
 

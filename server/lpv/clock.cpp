@@ -1,8 +1,12 @@
 #include "lpv/clock.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace lpv {
+
+StageClock::StageClock(std::shared_ptr<CostModel> device)
+    : device_(device != nullptr ? std::move(device) : std::make_shared<CostModel>()) {}
 
 void StageClock::restart() {
   seconds_.fill(0.0);
@@ -19,29 +23,35 @@ void StageClock::add(Stage stage, double seconds, double units) {
   // little.
   constexpr double kMostSlowdown = 4.0;
   if (samples_[i]++ == 0) return;
+  device_->learn(stage, seconds, units);
   const double rate = seconds / units, known = secondsPerUnit_[i];
   secondsPerUnit_[i] =
       known == 0.0 ? rate : std::max(std::min(rate, kMostSlowdown * known), 0.75 * known + 0.25 * rate);
 }
 
-double StageClock::unitsFor(Stage stage, double target, double first) const {
-  const double perUnit = secondsPerUnit_[std::size_t(stage)];
-  return perUnit == 0.0 ? first : std::max(1.0, target / perUnit);
+double StageClock::secondsPerUnit(Stage stage) const {
+  const double own = secondsPerUnit_[std::size_t(stage)];
+  return own == 0.0 ? device_->secondsPerUnit(stage) : own;
 }
 
-void Timeline::add(const Pause& piece, Clock::time_point begin, std::shared_ptr<StageClock> owner) {
-  entries_.push_back({gpu::Fence::insert(), piece.stage, piece.units, begin, std::move(owner)});
+double StageClock::unitsFor(Stage stage, double target) const { return std::max(1.0, target / secondsPerUnit(stage)); }
+
+void Timeline::add(const Pause& piece, double predicted, Clock::time_point begin, std::shared_ptr<StageClock> owner) {
+  entries_.push_back({gpu::Fence::insert(), piece.stage, piece.units, predicted, begin, std::move(owner)});
 }
 
-void Timeline::poll() {
+std::vector<Timeline::Ended> Timeline::poll() {
+  std::vector<Ended> ended;
   while (!entries_.empty() && entries_.front().fence.signalled()) {
     const Clock::time_point now = Clock::now();
     const Entry& entry = entries_.front();
-    const Clock::time_point begin = std::max(entry.begin, lastEnd_);
-    entry.owner->add(entry.stage, std::chrono::duration<double>(now - begin).count(), entry.units);
+    const double seconds = std::chrono::duration<double>(now - std::max(entry.begin, lastEnd_)).count();
+    entry.owner->add(entry.stage, seconds, entry.units);
+    ended.push_back({entry.owner, entry.stage, seconds, entry.predicted});
     lastEnd_ = now;
     entries_.pop_front();
   }
+  return ended;
 }
 
 bool Timeline::holds(const StageClock& owner) const {

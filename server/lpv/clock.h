@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <vector>
 
 #include "gpu/fence.h"
+#include "lpv/cost_model.h"
 #include "lpv/pieces.h"
 #include "lpv/stage.h"
 
@@ -17,16 +19,23 @@ namespace lpv {
 /// predicted from. One per session; it outlives the pieces in flight.
 class StageClock {
  public:
+  /// `device`: what is known of it from all sessions; null where there is no other.
+  explicit StageClock(std::shared_ptr<CostModel> device);
+  StageClock() : StageClock(nullptr) {}
+
   /// Forgets the times, not the rates: a tick begins.
   void restart();
   void add(Stage stage, double seconds, double units);
 
   bool ran(Stage stage) const { return ran_[std::size_t(stage)]; }
   double seconds(Stage stage) const { return seconds_[std::size_t(stage)]; }
-  /// Units of `stage` that should take `target` seconds; `first` while nothing has been measured. At least 1.
-  double unitsFor(Stage stage, double target, double first) const;
+  /// What the session's last pieces took, or, while nothing has been measured, the device's.
+  double secondsPerUnit(Stage stage) const;
+  /// Units of `stage` that should take `target` seconds; at least 1.
+  double unitsFor(Stage stage, double target) const;
 
  private:
+  std::shared_ptr<CostModel> device_;
   std::array<double, kStages> seconds_{};
   std::array<bool, kStages> ran_{};
   std::array<double, kStages> secondsPerUnit_{};  ///< 0: not known
@@ -38,7 +47,7 @@ struct Pacing {
   const StageClock* clock = nullptr;
   double target = 0.003;  ///< seconds a piece should take
 
-  int unitsFor(Stage stage, double first) const { return int(std::min(1e9, clock->unitsFor(stage, target, first))); }
+  int unitsFor(Stage stage) const { return int(std::min(1e9, clock->unitsFor(stage, target))); }
 };
 
 /// Pieces under way on the device, in the order of submission. A piece's time runs from its first command, or from the
@@ -47,10 +56,18 @@ class Timeline {
  public:
   using Clock = std::chrono::steady_clock;
 
+  /// A piece that has ended, and what it was predicted to take, seconds.
+  struct Ended {
+    std::shared_ptr<StageClock> owner;
+    Stage stage;
+    double seconds;
+    double predicted;
+  };
+
   /// Marks the end of a piece that began at `begin`.
-  void add(const Pause& piece, Clock::time_point begin, std::shared_ptr<StageClock> owner);
-  /// Takes note of what has finished; never waits.
-  void poll();
+  void add(const Pause& piece, double predicted, Clock::time_point begin, std::shared_ptr<StageClock> owner);
+  /// Takes note of what has ended, oldest first, and tells it; never waits.
+  std::vector<Ended> poll();
   /// Waits at most this long for the oldest piece; poll() afterwards.
   void waitForOldest(std::chrono::microseconds atMost) const;
   std::size_t underway() const { return entries_.size(); }
@@ -62,6 +79,7 @@ class Timeline {
     gpu::Fence fence;
     Stage stage;
     double units;
+    double predicted;
     Clock::time_point begin;
     std::shared_ptr<StageClock> owner;
   };

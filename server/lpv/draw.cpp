@@ -11,8 +11,6 @@ namespace {
 
 /// Bytes from one DrawParams to the next: uniform ranges start at multiples of 256 on every driver.
 constexpr std::size_t kStride = 256;
-/// Triangles of the first piece, while nothing is known of their cost.
-constexpr double kFirstTriangles = 20000.0;
 
 void attribute(GLuint array, GLuint index, GLint components) {
   glVertexArrayAttribFormat(array, index, components, GL_FLOAT, GL_FALSE, 0);
@@ -37,6 +35,24 @@ gpu::Buffer drawParams(const std::vector<DrawItem>& items) {
   return {"draw params", std::span<const std::byte>(bytes)};
 }
 
+/// What a triangle costs besides its pixels, in pixels.
+constexpr double kTrianglePixels = 2.0;
+
+/// Rows that are drawn at a time: as many pixels as a piece may take, but no more bands than make up for drawing all
+/// triangles in each of them.
+int rowsOfBand(const glm::ivec2& size, double triangles, double room) {
+  const double pixels = double(size.x) * size.y;
+  const double bands = std::min(pixels / room, pixels / (kTrianglePixels * std::max(1.0, triangles)));
+  return std::clamp(int(size.y / std::max(1.0, bands)), 1, size.y);
+}
+
+double trianglesOf(const std::vector<DrawItem>& items) {
+  double sum = 0.0;
+  for (const DrawItem& item : items) sum += item.mesh->triangleCount;
+  return sum;
+}
+
+/// As far as the scissor goes.
 void clear(const gpu::Framebuffer& target) {
   for (int i = 0; i < target.colours(); ++i) target.clearColour(i, glm::vec4(0.0F));
   target.clearDepth(0.0F);
@@ -64,7 +80,7 @@ MeshDrawer::MeshDrawer() {
 
 MeshDrawer::~MeshDrawer() { glDeleteVertexArrays(1, &vertexArray_); }
 
-void MeshDrawer::begin(const gpu::Framebuffer& target, const gpu::Buffer& frameParams) const {
+void MeshDrawer::begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams) const {
   target.bind();
   frameParams.bindUniform(layout::kParams);
   glBindVertexArray(vertexArray_);
@@ -73,7 +89,8 @@ void MeshDrawer::begin(const gpu::Framebuffer& target, const gpu::Buffer& frameP
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, band.x, target.size().x, band.y);
   glCullFace(GL_BACK);
 }
 
@@ -92,26 +109,41 @@ void MeshDrawer::bind(const DrawItem& item, std::size_t index, const gpu::Buffer
 Pieces MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
                        const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const {
   const gpu::Buffer params = drawParams(items);
+  const glm::ivec2 size = target.size();
+  const double all = trianglesOf(items);
+  for (glm::ivec2 band(0); band.x < size.y; band.x += band.y) {
+    band.y = std::min(rowsOfBand(size, all, pacing.unitsFor(stage)), size.y - band.x);
+    const double bandPixels = double(size.x) * band.y;
+    co_await drawBand(stage, target, frameParams, band, kTrianglePixels + bandPixels / std::max(1.0, all), items,
+                      params, programOf, pacing);
+  }
+}
+
+Pieces MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
+                            const glm::ivec2& band, double unitsPerTriangle, const std::vector<DrawItem>& items,
+                            const gpu::Buffer& params, const ProgramOf& programOf, Pacing pacing) const {
+  double queued = 0.0;  // since the last pause
+  begin(target, band, frameParams);
   clear(target);
-  int queued = 0;  // triangles since the last pause
-  begin(target, frameParams);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const int triangles = int(items[i].mesh->triangleCount);
     for (int first = 0; first < triangles;) {
-      const int room = std::max(1, pacing.unitsFor(stage, kFirstTriangles) - queued);
-      const int count = std::min(room, triangles - first);
+      const double room = (pacing.unitsFor(stage) - queued) / unitsPerTriangle;
+      const int count = std::min(std::max(1, int(room)), triangles - first);
       programOf(items[i]).use();
       bind(items[i], i, params);
       glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(std::size_t(first) * 12));
       first += count;
-      queued += count;
-      if (count < room) continue;
+      queued += count * unitsPerTriangle;
+      if (count < int(room)) continue;
+      glDisable(GL_SCISSOR_TEST);  // it would cut clears too
       co_yield piece(stage, queued);
-      queued = 0;
-      begin(target, frameParams);
+      queued = 0.0;
+      begin(target, band, frameParams);
     }
   }
-  co_yield piece(stage, queued);
+  glDisable(GL_SCISSOR_TEST);
+  co_yield piece(stage, items.empty() ? double(target.size().x) * band.y : queued);
 }
 
 }  // namespace lpv

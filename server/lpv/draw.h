@@ -25,7 +25,7 @@ struct DrawItem {
 /// The part of DrawItem's params that follows from where the mesh is.
 layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject);
 
-/// Draws lists of meshes, a bounded number of triangles at a time.
+/// Draws lists of meshes, a bounded number of pixels and triangles at a time.
 class MeshDrawer {
  public:
   /// Which program draws an item.
@@ -42,7 +42,11 @@ class MeshDrawer {
              const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const;
 
  private:
-  void begin(const gpu::Framebuffer& target, const gpu::Buffer& frameParams) const;
+  /// `band`: first row and rows.
+  Pieces drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const glm::ivec2& band,
+                  double unitsPerTriangle, const std::vector<DrawItem>& items, const gpu::Buffer& drawParams,
+                  const ProgramOf& programOf, Pacing pacing) const;
+  void begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams) const;
   void bind(const DrawItem& item, std::size_t index, const gpu::Buffer& drawParams) const;
 
   std::uint32_t vertexArray_ = 0;

@@ -6,7 +6,9 @@
 #include <thread>
 
 #include "gpu/context.h"
+#include "lpv/engine_testing.h"
 #include "lpv/gl_thread.h"
+#include "lpv/predict.h"
 
 namespace lpv {
 
@@ -76,6 +78,9 @@ class GlEngine final : public Engine {
   void submit(TickRequest request, TickDone done) override {
     queue_.push(SubmitJob{std::move(request), std::move(done)});
   }
+  Prediction predict(const Workload& workload) const override { return lpv::predict(*costs_, workload); }
+  std::int64_t contextLosses() const override { return losses_; }
+  void loseContext(std::uint64_t afterPieces) { queue_.push(LoseContextJob{afterPieces}); }
   void forget(SessionKey session) override { queue_.push(ForgetJob{session, std::nullopt}); }
   void forgetView(SessionKey session, std::uint64_t view) override { queue_.push(ForgetJob{session, view}); }
 
@@ -86,19 +91,23 @@ class GlEngine final : public Engine {
       started.set_value(context.status());
       return;
     }
+    const DeviceInfo info = infoOf(*context);
     std::unique_ptr<GlThread> loop;
     try {
-      loop = std::make_unique<GlThread>(queue_, context->device().software);
+      costs_ = std::make_shared<CostModel>(info.software);
+      loop = std::make_unique<GlThread>(queue_, std::move(*context), costs_, losses_);
     } catch (const std::exception& failure) {
       started.set_value(Status(Code::kUnavailable, failure.what()));
       return;
     }
-    started.set_value(infoOf(*context));
+    started.set_value(info);
     loop->run();
   }
 
   JobQueue queue_;
+  std::shared_ptr<CostModel> costs_;  ///< made by the GL thread before start() returns
   DeviceInfo device_;
+  std::atomic<std::int64_t> losses_{0};
   std::thread thread_;
 };
 
@@ -133,6 +142,10 @@ std::vector<std::string> describeDevices(const DeviceChoice& choice) {
                                      : ": works, not asked for";
   }
   return lines;
+}
+
+void loseContext(Engine& engine, std::uint64_t afterPieces) {
+  dynamic_cast<GlEngine&>(engine).loseContext(afterPieces);
 }
 
 Expected<std::unique_ptr<Engine>> startEngine(const DeviceChoice& choice) {

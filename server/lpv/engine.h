@@ -12,6 +12,7 @@
 #include "scene/scene.h"
 #include "scene/status.h"
 #include "scene/volume.h"
+#include "scene/workload.h"
 
 namespace lpv {
 
@@ -76,6 +77,11 @@ struct TickReport {
   std::uint64_t clampedCells = 0;  ///< output cells clamped to phi >= 0, |D| <= phi (MATHS.md 3a)
   double fixedPointError =
       0.0;  ///< bound of the rounding of one injected coefficient, relative to the largest possible
+  std::uint64_t pieces = 0;        ///< bounded pieces of work the tick was made of
+  std::uint64_t othersPieces = 0;  ///< other sessions' pieces that were begun while it was under way
+  double longestPiece = 0.0;       ///< seconds; other sessions had to wait so long for the device
+  std::string longestStage;        ///< whose piece that was; "other": work without a stage
+  double largestPrediction = 0.0;  ///< seconds that a piece was predicted to take
 };
 
 struct TickResult {
@@ -84,6 +90,12 @@ struct TickResult {
   VolumePtr injected;  ///< null unless asked for
   std::vector<FramePtr> frames;  ///< one per request, in order
   TickReport report;
+};
+
+/// What a tick that starts from nothing is expected to take of the device.
+struct Prediction {
+  double seconds = 0.0;
+  std::string mostly;  ///< the stage that takes the most of it
 };
 
 /// Called once, on the GL thread: take the result away and return at once.
@@ -107,6 +119,11 @@ class Engine {
   /// Queues a tick. Sessions take turns, a bounded piece of GPU work at a time. At most one tick per session may be
   /// under way: the caller waits for `done` before the next.
   virtual void submit(TickRequest request, TickDone done) = 0;
+  /// From what this device was measured to take so far.
+  virtual Prediction predict(const Workload& workload) const = 0;
+  /// How often the graphics context was lost. Sessions do not notice: what was under way is made again from its scene,
+  /// in a new context; UNAVAILABLE only where there is none to be had.
+  virtual std::int64_t contextLosses() const = 0;
   /// Drops a session's GPU state once its tick under way, if any, has ended.
   virtual void forget(SessionKey session) = 0;
   /// Drops what is kept for one view.

@@ -1,5 +1,6 @@
 #include "lpv/field.h"
 
+#include "lpv/bulk.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -13,7 +14,9 @@ std::size_t haloCells(const glm::ivec3& dims) {
 }  // namespace
 
 FieldBuffer::FieldBuffer(const std::string& label, const glm::ivec3& dims, int channels)
-    : buffer(label, haloCells(dims) * std::size_t(channels) * sizeof(glm::vec4)), texels(label, buffer) {}
+    : buffer(label, haloCells(dims) * std::size_t(channels) * sizeof(glm::vec4), gpu::BufferUse::kDevice,
+             gpu::Undefined{}),
+      texels(label, buffer) {}
 
 LightField::LightField(const Grid& g, int c, int n, Transport t)
     : grid(g),
@@ -23,12 +26,20 @@ LightField::LightField(const Grid& g, int c, int n, Transport t)
       transport(t) {
   steps[0] = FieldBuffer("field, even steps", grid.dims, allChannels());
   if (transport != Transport::kPropagate) {
-    nearestVpl = gpu::Buffer("nearest VPL", grid.cells() * sizeof(float));
+    nearestVpl = gpu::Buffer("nearest VPL", grid.cells() * sizeof(float), gpu::BufferUse::kDevice, gpu::Undefined{});
     return;
   }
   steps[1] = FieldBuffer("field, odd steps", grid.dims, allChannels());
-  lobeCounts = gpu::Buffer("lobe counts", grid.cells() * std::size_t(groups) * sizeof(float));
+  lobeCounts = gpu::Buffer("lobe counts", grid.cells() * std::size_t(groups) * sizeof(float), gpu::BufferUse::kDevice,
+                           gpu::Undefined{});
   makeInjected();
+}
+
+Pieces LightField::blank() {
+  if (isBlank) co_return;
+  co_await fillInPieces(injected.buffer);
+  co_await fillInPieces(lobeCounts);
+  isBlank = true;
 }
 
 void LightField::makeInjected() {

@@ -9,6 +9,7 @@
 #include "gpu/buffer_texture.h"
 #include "gpu/readback.h"
 #include "lpv/lights.h"
+#include "lpv/pieces.h"
 #include "scene/grid.h"
 #include "scene/options.h"
 
@@ -17,6 +18,7 @@ namespace lpv {
 /// Coefficients of every cell and channel, with a halo of one zero cell around the grid (shaders/field.glsl).
 struct FieldBuffer {
   FieldBuffer() = default;
+  /// Its content is undefined.
   FieldBuffer(const std::string& label, const glm::ivec3& dims, int channels);
   gpu::Buffer buffer;
   gpu::BufferTexture texels;
@@ -24,7 +26,7 @@ struct FieldBuffer {
 
 /// Everything whose size follows from grid, channels and groups. Made anew when one of them or the transport changes.
 struct LightField {
-  /// With what `transport` needs from the start.
+  /// With what `transport` needs from the start; blank() comes before anything is put into it.
   LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate);
 
   Grid grid;
@@ -41,11 +43,14 @@ struct LightField {
   std::optional<FieldBuffer> sum;          ///< clamped form only
   int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does):
                    ///< PROPAGATE flux through cells, else SH of incident radiance
+  bool isBlank = false;
   bool clamped = false;  ///< the transported field is in `sum`
   gpu::Buffer nearestVpl;  ///< GATHER: float per cell, cells to the nearest VPL near it
   gpu::Buffer receivers, cursors;  ///< GATHER: blocks under way, and how far each has come
 
-  /// The injected field, for transports that do not start from one.
+  /// Clears what is added to, once: the injected field and what counts lobes.
+  Pieces blank();
+  /// The injected field, for transports that do not start from one. Its content is undefined.
   void makeInjected();
 
   int allChannels() const { return channels * groups; }

@@ -9,7 +9,6 @@ namespace lpv {
 
 namespace {
 
-constexpr double kFirstUnits = 65536.0;  ///< of a piece, while nothing is known of the device
 constexpr float kFarthest = 1e15F;       ///< stands for an infinite k: its square is a float
 
 const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
@@ -77,7 +76,7 @@ Pieces Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights
                                            {"LPV_TWO_SIDED", lights[i].twoSided ? "1" : "0"}});
     const double units = unitsPerBlock(*light.tree);
     for (std::uint32_t first = 0; first < blockCount;) {
-      const double room = std::max(0.0, pacing.unitsFor(Stage::kGather, kFirstUnits) - queued);
+      const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
       const std::uint32_t count =
           std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
       params.dims.w = int(first);
@@ -90,7 +89,7 @@ Pieces Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights
       }
       first += count;
       queued += count * units;
-      if (queued < 0.9 * pacing.unitsFor(Stage::kGather, kFirstUnits)) continue;
+      if (queued < 0.9 * pacing.unitsFor(Stage::kGather)) continue;
       co_yield piece(Stage::kGather, queued);
       queued = 0.0;
     }

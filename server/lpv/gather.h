@@ -19,7 +19,7 @@ using ReceiverBlocks = std::vector<std::uint32_t>;
 /// All blocks of a grid.
 ReceiverBlocks allBlocks(const glm::ivec3& dims);
 /// Those with a cell that a surface of the scene reads when it is lit: within one cell of one of its triangles.
-ReceiverBlocks blocksOfSurfaces(const Scene& scene);
+Pieces blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);
 
 class Gatherer {
  public:

@@ -1,7 +1,10 @@
 #include "lpv/gl_thread.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <new>
+#include <vector>
 
 #include "gpu/failure.h"
 
@@ -12,9 +15,12 @@ namespace {
 // Longest piece of GPU work, so that another session's turn comes soon.
 constexpr double kHardwarePieceSeconds = 0.005;
 constexpr double kSoftwarePieceSeconds = 0.010;
-/// Pieces queued ahead of the GPU: one runs, one waits.
-constexpr std::size_t kPiecesAhead = 2;
+/// Pieces queued ahead of the GPU: one runs, one waits. Where the CPU is the GPU, one: two would run beside each other,
+/// and each would be charged with the other's time.
+constexpr std::size_t kHardwarePiecesAhead = 2, kSoftwarePiecesAhead = 1;
 constexpr std::chrono::microseconds kNap(500);
+/// A tick during which the context is lost so often may be why.
+constexpr int kMostLosses = 3;
 
 /// The error being handled, as a status.
 Status currentError() {
@@ -27,6 +33,16 @@ Status currentError() {
   } catch (const std::exception& error) {
     return {Code::kInternal, error.what()};
   }
+}
+
+std::unique_ptr<Pipeline> newPipeline(bool software) {
+  return std::make_unique<Pipeline>(software ? kSoftwarePieceSeconds : kHardwarePieceSeconds);
+}
+
+void noteLength(TickReport& report, double seconds, const char* stage) {
+  if (seconds <= report.longestPiece) return;
+  report.longestPiece = seconds;
+  report.longestStage = stage;
 }
 
 }  // namespace
@@ -58,15 +74,24 @@ bool JobQueue::stopped() const {
   return stopped_;
 }
 
-GlThread::GlThread(JobQueue& queue, bool software)
-    : queue_(queue), pipeline_(software ? kSoftwarePieceSeconds : kHardwarePieceSeconds) {}
+GlThread::GlThread(JobQueue& queue, gpu::Context context, std::shared_ptr<CostModel> costs,
+                   std::atomic<std::int64_t>& losses)
+    : queue_(queue),
+      context_(std::move(context)),
+      losses_(losses),
+      device_(context_->device()),
+      software_(context_->device().software),
+      costs_(std::move(costs)),
+      piecesAhead_(software_ ? kSoftwarePiecesAhead : kHardwarePiecesAhead),
+      pipeline_(newPipeline(software_)) {}
 
 void GlThread::run() {
   while (!queue_.stopped()) {
     for (Job& job : queue_.take(ticks_.empty())) std::visit([this](auto& j) { handle(std::move(j)); }, job);
-    timeline_.poll();
+    recover();
+    takeEnded();
     deliverFinished();
-    Tick* next = timeline_.underway() < kPiecesAhead ? nextReady() : nullptr;
+    Tick* next = timeline_.underway() < piecesAhead_ ? nextReady() : nullptr;
     if (next != nullptr) {
       advance(*next);
     } else if (!ticks_.empty()) {
@@ -86,14 +111,71 @@ void GlThread::handle(SubmitJob job) {
     job.done(Status(Code::kFailedPrecondition, "the session already has a tick under way"));
     return;
   }
-  std::shared_ptr<SessionState>& session = sessions_[job.request.session];
-  if (session == nullptr) session = std::make_shared<SessionState>();
-  session->clock->restart();
+  if (const Status made = remake(); !made.ok()) return job.done(made);
+  turns_.arrive(job.request.session);
   Tick& tick = ticks_.emplace_back();
   tick.request = std::move(job.request);
   tick.done = std::move(job.done);
+  tick.piecesBefore = piecesBegun_;
+  begin(tick);
+}
+
+void GlThread::begin(Tick& tick) {
+  std::shared_ptr<SessionState>& session = sessions_[tick.request.session];
+  if (session == nullptr) {
+    session = std::make_shared<SessionState>();
+    session->clock = std::make_shared<StageClock>(costs_);
+  }
+  session->clock->restart();
   tick.session = session;
-  tick.story.emplace(pipeline_.tick(*tick.session, tick.request, tick.result));
+  tick.story.emplace(pipeline_->tick(*tick.session, tick.request, tick.result));
+}
+
+/// After the context was lost everything is made again from the scenes: the ticks under way begin anew, and sessions
+/// that have none find nothing to keep with their next. All that was made in the old context goes while no new one is
+/// there, whose objects have the same numbers.
+void GlThread::recover() {
+  if (!context_ || !context_->lost()) return;
+  ++losses_;
+  spdlog::error("the graphics context was lost; {} ticks under way begin anew", ticks_.size());
+  for (Tick& tick : ticks_) {
+    tick.story.reset();
+    tick.session.reset();
+    tick.result = {};
+    tick.told = false;
+    ++tick.losses;
+  }
+  timeline_ = {};
+  sessions_.clear();
+  pipeline_.reset();
+  context_.reset();
+  Status made = remake();
+  for (auto tick = ticks_.begin(); tick != ticks_.end();) {
+    if (made.ok() && tick->losses < kMostLosses) {
+      begin(*tick++);
+      continue;
+    }
+    const TickDone done = std::move(tick->done);
+    tick = ticks_.erase(tick);
+    done(made.ok() ? Status(Code::kUnavailable, "the graphics device was reset every time this was tried") : made);
+  }
+}
+
+/// A context where there is none.
+Status GlThread::remake() {
+  if (context_) return {};
+  Expected<gpu::Context> context = gpu::Context::make(device_);
+  if (!context) {
+    return {Code::kUnavailable, "the graphics context was lost, and there is no other: " + context.status().message()};
+  }
+  context_.emplace(std::move(*context));
+  try {
+    pipeline_ = newPipeline(software_);
+  } catch (...) {
+    context_.reset();
+    return currentError();
+  }
+  return {};
 }
 
 void GlThread::handle(const ForgetJob& job) {
@@ -111,6 +193,7 @@ void GlThread::forgetNow(const ForgetJob& job) {
     session->second->views.erase(*job.view);
   } else {
     sessions_.erase(session);
+    turns_.forget(job.session);
   }
 }
 
@@ -124,26 +207,66 @@ bool GlThread::ready(const Tick& tick) {
   return pause.kind != Pause::Kind::kFence || pause.fence == nullptr || pause.fence->signalled();
 }
 
-/// The first tick that can go on; it goes to the end of the line.
+/// Of the ticks that can go on, the one whose session has had the least of the device.
 GlThread::Tick* GlThread::nextReady() {
-  const auto found = std::find_if(ticks_.begin(), ticks_.end(), ready);
-  if (found == ticks_.end()) return nullptr;
-  ticks_.splice(ticks_.end(), ticks_, found);
-  return &ticks_.back();
+  std::vector<Tick*> able;
+  for (Tick& tick : ticks_) {
+    if (ready(tick)) able.push_back(&tick);
+  }
+  const auto found =
+      leastServed(turns_, able.begin(), able.end(), [](const Tick* tick) { return tick->request.session; });
+  return found == able.end() ? nullptr : *found;
 }
 
 void GlThread::advance(Tick& tick) {
+  const SessionKey session = tick.request.session;
+  turns_.begin(session);
   const auto begin = Timeline::Clock::now();
   try {
     tick.story->resume();
   } catch (...) {
-    fail(tick, currentError());
+    if (!context_->lost()) fail(tick, currentError());
+    return;  // what a lost context says means nothing: recover() begins the tick anew
+  }
+  if (!tick.story->done() && tick.story->pause().kind == Pause::Kind::kPiece) {
+    queued(tick, begin);
     return;
   }
-  if (tick.story->done()) {
-    tick.told = true;
-  } else if (tick.story->pause().kind == Pause::Kind::kPiece) {
-    timeline_.add(tick.story->pause(), begin, tick.session->clock);
+  // No piece, only work on this thread: others waited for it all the same.
+  const double seconds = std::chrono::duration<double>(Timeline::Clock::now() - begin).count();
+  turns_.charge(session, seconds);
+  noteLength(tick.result.report, seconds, "other");
+  tick.told = tick.story->done();
+}
+
+void GlThread::queued(Tick& tick, Timeline::Clock::time_point begin) {
+  const Pause& pause = tick.story->pause();
+  const double predicted = pause.units * tick.session->clock->secondsPerUnit(pause.stage);
+  TickReport& report = tick.result.report;
+  ++piecesBegun_;
+  ++report.pieces;
+  if (loseAt_ && piecesBegun_ >= *loseAt_) {
+    loseAt_.reset();
+    context_->abandon();
+    return;
+  }
+  report.largestPrediction = std::max(report.largestPrediction, predicted);
+  turns_.charge(tick.request.session, predicted);
+  timeline_.add(pause, predicted, begin, tick.session->clock);
+}
+
+GlThread::Tick* GlThread::tickOf(const StageClock& clock) {
+  const auto found =
+      std::find_if(ticks_.begin(), ticks_.end(), [&](const Tick& tick) { return tick.session->clock.get() == &clock; });
+  return found == ticks_.end() ? nullptr : &*found;
+}
+
+void GlThread::takeEnded() {
+  for (const Timeline::Ended& ended : timeline_.poll()) {
+    Tick* tick = tickOf(*ended.owner);
+    if (tick == nullptr) continue;  // it has failed
+    turns_.charge(tick->request.session, ended.seconds - ended.predicted);
+    noteLength(tick->result.report, ended.seconds, kStageNames[std::size_t(ended.stage)]);
   }
 }
 
@@ -165,6 +288,7 @@ void GlThread::deliverFinished() {
     for (std::size_t i = 0; i < kStages; ++i) {
       if (clock.ran(Stage(i))) tick->result.report.stages.push_back({kStageNames[i], clock.seconds(Stage(i))});
     }
+    tick->result.report.othersPieces = piecesBegun_ - tick->piecesBefore - tick->result.report.pieces;
     const TickDone done = std::move(tick->done);
     TickResult result = std::move(tick->result);
     tick = ticks_.erase(tick);

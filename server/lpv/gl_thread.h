@@ -1,6 +1,7 @@
 #pragma once
 // The one thread that owns a device's context: takes jobs, and lets the ticks of different sessions take turns.
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <list>
@@ -10,10 +11,12 @@
 #include <optional>
 #include <variant>
 
+#include "gpu/context.h"
 #include "lpv/clock.h"
 #include "lpv/engine.h"
 #include "lpv/pipeline.h"
 #include "lpv/session_state.h"
+#include "lpv/turns.h"
 
 namespace lpv {
 
@@ -25,7 +28,11 @@ struct ForgetJob {
   SessionKey session;
   std::optional<std::uint64_t> view;  ///< nothing: the whole session
 };
-using Job = std::variant<SubmitJob, ForgetJob>;
+/// Tests only: the context goes when that many more pieces have been begun.
+struct LoseContextJob {
+  std::uint64_t afterPieces;
+};
+using Job = std::variant<SubmitJob, ForgetJob, LoseContextJob>;
 
 /// Jobs from any thread to the GL thread.
 class JobQueue {
@@ -45,7 +52,8 @@ class JobQueue {
 
 class GlThread {
  public:
-  GlThread(JobQueue& queue, bool software);
+  /// Works in `context`, which is current on this thread, and in others of its device when it is lost. `losses` counts.
+  GlThread(JobQueue& queue, gpu::Context context, std::shared_ptr<CostModel> costs, std::atomic<std::int64_t>& losses);
   /// Until the queue is stopped; ticks under way then end with CANCELLED.
   void run();
 
@@ -57,26 +65,44 @@ class GlThread {
     TickResult result;
     std::shared_ptr<SessionState> session;
     std::optional<Pieces> story;
-    bool told = false;       ///< its story has been told to the end: only fences are outstanding
+    bool told = false;  ///< its story has been told to the end: only fences are outstanding
+    std::uint64_t piecesBefore = 0;  ///< begun on the device before this tick
+    int losses = 0;  ///< of the context, while it was under way
   };
 
   void handle(SubmitJob job);
   void handle(const ForgetJob& job);
+  void handle(const LoseContextJob& job) { loseAt_ = piecesBegun_ + job.afterPieces; }
+  void begin(Tick& tick);
+  void recover();
+  Status remake();
   void forgetNow(const ForgetJob& job);
   bool underway(SessionKey session) const;
   Tick* nextReady();
   static bool ready(const Tick& tick);
+  void takeEnded();
+  Tick* tickOf(const StageClock& clock);
   void advance(Tick& tick);
+  void queued(Tick& tick, Timeline::Clock::time_point begin);
   void fail(Tick& tick, const Status& status);
   void deliverFinished();
   void waitForGpu() const;
 
   JobQueue& queue_;
-  Pipeline pipeline_;
+  std::optional<gpu::Context> context_;
+  std::atomic<std::int64_t>& losses_;
+  const gpu::Device device_;
+  const bool software_;
+  std::shared_ptr<CostModel> costs_;
+  const std::size_t piecesAhead_;
+  std::unique_ptr<Pipeline> pipeline_;  ///< null while there is no context
   Timeline timeline_;
   std::map<SessionKey, std::shared_ptr<SessionState>> sessions_;
-  std::list<Tick> ticks_;                ///< in the order of their turns
-  std::deque<ForgetJob> forgetLater_;    ///< of sessions with a tick under way
+  std::list<Tick> ticks_;  ///< in the order of their arrival
+  Turns turns_;
+  std::uint64_t piecesBegun_ = 0;
+  std::optional<std::uint64_t> loseAt_;
+  std::deque<ForgetJob> forgetLater_;  ///< of sessions with a tick under way
 };
 
 }  // namespace lpv

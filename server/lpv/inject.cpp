@@ -1,12 +1,21 @@
 #include "lpv/inject.h"
 
+#include "lpv/bulk.h"
 #include "shaders/layout.h"
 
 namespace lpv {
 
 namespace {
 
-constexpr int kLightsAtOnce = 64;  // small dispatches, queued together
+/// What a light costs besides its cells, in cells.
+constexpr double kLightCells = 1000.0;
+
+/// Cells that a light may have put something into.
+double cellsOf(const LightVoxels& voxels) {
+  if (voxels.tree == nullptr) return kLightCells + double(voxels.capacity);
+  const glm::dvec3 size(voxels.tree->box.upper - voxels.tree->box.lower);
+  return kLightCells + size.x * size.y * size.z;
+}
 
 layout::InjectParams whereOf(const LightField& field, const LightVoxels& voxels) {
   layout::InjectParams params{};
@@ -43,38 +52,53 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Pass
   gpu::memoryBarrier();
 }
 
-Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels) {
+Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing) {
+  double queued = 0.0;
   for (const LightVoxelsPtr& light : voxels) {
+    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+      co_yield piece(Stage::kInject, queued);
+      queued = 0.0;
+    }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, {"LPV_RETIRE"});
+    queued += cellsOf(*light);
   }
-  co_yield piece(Stage::kInject);
+  co_yield piece(Stage::kInject, queued);
 }
 
 Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
-                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette) {
+                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
   field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
-  int queued = 0;
   const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
+  double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (queued > 0.0 && queued + cellsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
+      co_yield piece(Stage::kInject, queued);
+      queued = 0.0;
+    }
     voxels[i]->group = lights[i].group;
     params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
     dispatch(field, *voxels[i], only ? Passes{"LPV_ADD", "LPV_DIVIDE"} : Passes{"LPV_ADD"});
-    if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
+    queued += cellsOf(*voxels[i]);
   }
   for (const LightVoxelsPtr& light : voxels) {
     if (only || light->source.method.injection != Injection::kCount) continue;
+    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+      co_yield piece(Stage::kInject, queued);
+      queued = 0.0;
+    }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, {"LPV_DIVIDE"});
-    if (++queued % kLightsAtOnce == 0) co_yield piece(Stage::kInject);
+    queued += cellsOf(*light);
   }
-  co_yield piece(Stage::kInject);
+  co_yield piece(Stage::kInject, queued);
 }
 
 Pieces Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
-                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette) {
+                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
   field.makeInjected();
-  field.injected.buffer.clear();
+  co_await fillInPieces(field.injected.buffer);
+  double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const VplTree& tree = *voxels[i]->tree;
     if (tree.recordCount == 0) continue;
@@ -92,9 +116,12 @@ Pieces Injector::show(LightField& field, const std::vector<EmittingLight>& light
         .get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_TEXTURED", voxels[i]->sets > 1 ? "1" : "0"}})
         .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
     gpu::memoryBarrier();
-    if (i % kLightsAtOnce == kLightsAtOnce - 1) co_yield piece(Stage::kInject);
+    queued += cellsOf(*voxels[i]);
+    if (queued < pacing.unitsFor(Stage::kInject)) continue;
+    co_yield piece(Stage::kInject, queued);
+    queued = 0.0;
   }
-  co_yield piece(Stage::kInject);
+  co_yield piece(Stage::kInject, queued);
 }
 
 }  // namespace lpv

@@ -14,7 +14,7 @@ namespace lpv {
 
 /// Why a coroutine paused.
 struct Pause {
-  enum class Kind { kPiece, kFence } kind = Kind::kPiece;
+  enum class Kind { kPiece, kRest, kFence } kind = Kind::kPiece;
   Stage stage = Stage::kUpload;       ///< kPiece: what the commands since the last pause belong to
   double units = 1.0;                 ///< kPiece: how much was done, in the stage's own unit (StageClock)
   const gpu::Fence* fence = nullptr;  ///< kFence: what to wait for; outlives the wait
@@ -22,6 +22,10 @@ struct Pause {
 
 /// A bounded piece of `stage` has been queued.
 inline Pause piece(Stage stage, double units = 1.0) { return {Pause::Kind::kPiece, stage, units, nullptr}; }
+
+/// Others may have their turn; what was done since the last pause belongs to no stage, or keeps this thread more than
+/// it keeps the GPU.
+inline Pause rest() { return {Pause::Kind::kRest, Stage::kUpload, 0.0, nullptr}; }
 
 /// Nothing more can be done before `fence` has signalled.
 inline Pause until(const gpu::Fence& fence) { return {Pause::Kind::kFence, Stage::kReadback, 0.0, &fence}; }

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <iterator>
 #include <set>
 
 #include "gpu/failure.h"
-#include "scene/tonemap.h"
+#include "lpv/bulk.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -91,9 +90,6 @@ struct FrameViews {
   std::vector<std::unique_ptr<View>> unkept;
 };
 
-/// Stops for a fixed exposure; automatic exposure adds its own to them.
-float exposureFactor(const Exposure& exposure) { return float(std::exp2(exposure.ev)); }
-
 }  // namespace
 
 Pacing Pipeline::pacing(const SessionState& session) const { return {session.clock.get(), kAim * pieceSeconds_}; }
@@ -102,6 +98,7 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
   const Scene& scene = *request.scene;
   gpu::throwOnReset();
   s.adopt(scene);
+  co_yield rest();
   co_await cache_.upload(scene, s.resources);
 
   VolumeCopies copies;
@@ -128,16 +125,16 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
   if (!views.of.empty()) {
     const gpu::Fence drawn = gpu::Fence::insert();
     co_yield until(drawn);
-    for (View* view : views.of) queueFrameCopy(*view);
+    for (View* view : views.of) co_await copyFrame(*view, pacing(s));
   }
   if (copies.counters || !views.of.empty()) {
     const gpu::Fence copied = gpu::Fence::insert();
     co_yield piece(Stage::kReadback, 0.0);
     co_yield until(copied);
   }
-  takeCopies(s, copies);
+  co_await takeCopies(s, copies);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
-    result.frames.push_back(takeFrame(*views.of[i], request.frames[i]));
+    co_await takeFrame(*views.of[i], request.frames[i], result.frames.emplace_back());
   gpu::throwOnError("tick");
 
   result.revision = scene.revision;
@@ -148,7 +145,8 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 
 /// Lights that did not change are added again, not voxelized again.
 Pieces Pipeline::voxelize(SessionState& s, const TickRequest& request, TickReport& report) {
-  if (!s.method.vpls) co_await injector_.retire(*s.field, s.injectedVoxels);
+  if (!s.method.vpls) co_await s.field->blank();
+  if (!s.method.vpls) co_await injector_.retire(*s.field, s.injectedVoxels, pacing(s));
   s.injectedVoxels.clear();
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
     LightVoxels& voxels = *s.voxels[i];
@@ -164,7 +162,7 @@ Pieces Pipeline::voxelize(SessionState& s, const TickRequest& request, TickRepor
     if (!s.injected) s.field->counters.update(0, gpu::bytesOfValue(layout::Counters{}));
     co_return;
   }
-  co_await injector_.add(*s.field, s.lights, s.voxels, s.palette);
+  co_await injector_.add(*s.field, s.lights, s.voxels, s.palette, pacing(s));
   s.injectedVoxels = s.voxels;
 }
 
@@ -172,15 +170,15 @@ Pieces Pipeline::voxelize(SessionState& s, const TickRequest& request, TickRepor
 /// without.
 Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
   if (!s.transported) {
-    s.field->steps[0].buffer.clear();
-    s.field->nearestVpl.fill(std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
+    co_await fillInPieces(s.field->steps[0].buffer);
+    co_await fillInPieces(s.field->nearestVpl, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
   }
   s.transported = true;
   ReceiverBlocks wanted;
   if (request.transported) {
     wanted = allBlocks(s.field->grid.dims);
   } else if (!request.frames.empty() && s.field->transport == Transport::kGather) {
-    if (s.surfaceBlocks.empty()) s.surfaceBlocks = blocksOfSurfaces(*request.scene);
+    if (s.surfaceBlocks.empty()) co_await blocksOfSurfaces(*request.scene, s.surfaceBlocks);
     wanted = s.surfaceBlocks;
   }
   ReceiverBlocks missing;
@@ -206,17 +204,18 @@ Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, Volume
   }
   const bool transported = request.transported && s.transportedVolume == nullptr;
   const bool injected = request.injected && s.injectedVolume == nullptr;
-  if ((transported || injected) && s.product.size() != productBytes) s.product = gpu::Buffer("product", productBytes);
+  if ((transported || injected) && s.product.size() != productBytes)
+    s.product = gpu::Buffer("product", productBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
   if (transported) {
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kProduct, nullptr, &s.product, pacing(s));
-    queueVolumeCopy(s, VolumeStage::kTransported);
+    co_await copyVolume(s, VolumeStage::kTransported);
     if (s.field->transport != Transport::kPropagate) queueDirectCopy(s);
     copies.transported = copies.counters = true;
   }
   if (injected) {
-    if (s.method.vpls) co_await injector_.show(*s.field, s.lights, s.voxels, s.palette);
+    if (s.method.vpls) co_await injector_.show(*s.field, s.lights, s.voxels, s.palette, pacing(s));
     co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kInjected, nullptr, &s.product, pacing(s));
-    queueVolumeCopy(s, VolumeStage::kInjected);
+    co_await copyVolume(s, VolumeStage::kInjected);
     copies.injected = copies.counters = true;
   }
 }
@@ -233,9 +232,9 @@ Pieces Pipeline::drawFrame(SessionState& s, const TickRequest& request, const Fr
   }
   layout::FrameParams params = FrameView(frame.camera, frame.size).params(scene.grid);
   params.palette = glm::vec4(s.palette.radiance[0], 0.0);
-  params.exposure = glm::vec4(exposureFactor(frame.exposure), kAutoExposureKey, 0.0, 0.0);
-  const FrameTargets& targets = *view.targets;
-  view.targets->frameParams.update(0, gpu::bytesOfValue(params));
+  params.exposure = exposureParams(frame.exposure);
+  FrameTargets& targets = *view.targets;
+  targets.frameParams.update(0, gpu::bytesOfValue(params));
 
   if (!view.gbuffer->shows(frame, scene))
     co_await gbufferRenderer_.run(*view.gbuffer, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gpu/gl.h"
+#include "lpv/bulk.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -16,17 +17,25 @@ double cellsOf(const CellBox& box) {
   return double(size.x) * double(size.y) * double(size.z);
 }
 
-void copy(const FieldBuffer& from, const FieldBuffer& to) {
-  glCopyNamedBufferSubData(from.buffer.id(), to.buffer.id(), 0, 0, GLsizeiptr(from.buffer.size()));
+Pieces copy(const gpu::Buffer& from, const gpu::Buffer& to) {
+  for (const Part& part : partsOf(from.size())) {
+    glCopyNamedBufferSubData(from.id(), to.id(), GLintptr(part.offset), GLintptr(part.offset), GLsizeiptr(part.bytes));
+    co_yield rest();
+  }
 }
 
 /// Both forms read cells that were never written this tick as zero.
-void prepare(LightField& field, bool clampFaces) {
+Pieces prepare(LightField& field, bool clampFaces) {
   field.clamped = clampFaces;
-  for (FieldBuffer& step : field.steps) step.buffer.clear();
-  if (!clampFaces) return;
+  for (FieldBuffer& step : field.steps) co_await fillInPieces(step.buffer);
+  if (!clampFaces) co_return;
   if (!field.sum) field.sum.emplace("field, sum", field.grid.dims, field.allChannels());
-  copy(field.injected, *field.sum);
+  co_await copy(field.injected.buffer, field.sum->buffer);
+}
+
+/// Layers of cells that a piece may take, a multiple of what one group marches through.
+int layersFor(double cellsPerLayer, double room) {
+  return std::max(1, int(room / cellsPerLayer) / layout::kFieldMarch) * layout::kFieldMarch;
 }
 
 }  // namespace
@@ -34,8 +43,7 @@ void prepare(LightField& field, bool clampFaces) {
 Propagator::Propagator() : params_("propagate params", sizeof(layout::PropagateParams), gpu::BufferUse::kDynamic) {}
 
 void Propagator::step(LightField& field, const CellBox& box, int iteration, bool clampFaces) {
-  const FieldBuffer& from = iteration == 1 ? field.injected : field.steps[std::size_t(field.result)];
-  field.result = 1 - field.result;
+  const FieldBuffer& from = iteration == 1 ? field.injected : field.steps[std::size_t(1 - field.result)];
   const glm::ivec3 size = box.upper - box.lower;
   const int groupsY = groupsOf(size.y, layout::kFieldGroupY);
   params_.update(0, gpu::bytesOfValue(layout::PropagateParams{glm::ivec4(field.grid.dims, 0), glm::ivec4(box.lower, 0),
@@ -52,17 +60,23 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
 }
 
 Pieces Propagator::run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing) {
-  prepare(field, clampFaces);
+  co_await prepare(field, clampFaces);
   double queued = 0.0;  // cells x channels since the last pause
   for (int i = 1; i <= iterations && !box.empty(); ++i) {
     box = box.grown(field.grid.dims);
-    const double cells = cellsOf(box) * field.allChannels();
-    if (queued > 0.0 && queued + cells > pacing.unitsFor(Stage::kPropagate, 65536.0)) {
-      co_yield piece(Stage::kPropagate, queued);
-      queued = 0.0;
+    field.result = 1 - field.result;
+    const double perLayer = cellsOf(box) / (box.upper.z - box.lower.z) * field.allChannels();
+    for (CellBox slab = box; slab.lower.z < box.upper.z; slab.lower.z = slab.upper.z) {
+      const double room = pacing.unitsFor(Stage::kPropagate) - queued;
+      if (queued > 0.0 && room < perLayer * std::min(layout::kFieldMarch, box.upper.z - slab.lower.z)) {
+        co_yield piece(Stage::kPropagate, queued);
+        queued = 0.0;
+      }
+      slab.upper.z =
+          std::min(box.upper.z, slab.lower.z + layersFor(perLayer, pacing.unitsFor(Stage::kPropagate) - queued));
+      step(field, slab, i, clampFaces);
+      queued += perLayer * (slab.upper.z - slab.lower.z);
     }
-    step(field, box, i, clampFaces);
-    queued += cells;
   }
   co_yield piece(Stage::kPropagate, queued);
 }

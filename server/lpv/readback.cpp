@@ -1,8 +1,10 @@
 #include "lpv/readback.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "gpu/gl.h"
+#include "lpv/bulk.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -11,6 +13,14 @@ namespace {
 
 /// Where the exposure follows a frame's pixels.
 std::size_t exposureOffset(std::size_t pixelBytes) { return (pixelBytes + 15) / 16 * 16; }
+
+/// Appends a part of what is at `from` to values that have room for them: memory that is new is touched
+/// only here.
+template <typename T>
+void append(std::vector<T>& values, const std::byte* from, const Part& part) {
+  const T* first = reinterpret_cast<const T*>(from + part.offset);
+  values.insert(values.end(), first, first + part.bytes / sizeof(T));
+}
 
 DirectLightsPtr directFrom(const SessionState& session) {
   if (session.field->transport == Transport::kPropagate) return nullptr;
@@ -26,21 +36,25 @@ DirectLightsPtr directFrom(const SessionState& session) {
   return direct;
 }
 
-VolumePtr volumeFrom(const gpu::Readback& readback, const SessionState& session, VolumeStage stage) {
+Pieces takeVolume(const gpu::Readback& readback, const SessionState& session, VolumeStage stage, VolumePtr& out) {
   const Grid& grid = session.field->grid;
   auto volume = std::make_shared<Volume>();
   volume->grid = grid;
   volume->stage = stage;
   const std::byte* from = readback.bytes().data();
+  const std::size_t layerBytes = grid.cells() * 12 * sizeof(float);
   for (const std::string& group : session.groups) {
     VolumeLayer& layer = volume->layers.emplace_back();
     layer.group = group;
-    layer.coefficients.resize(grid.cells() * 12);
-    std::memcpy(layer.coefficients.data(), from, layer.coefficients.size() * sizeof(float));
-    from += layer.coefficients.size() * sizeof(float);
+    layer.coefficients.reserve(grid.cells() * 12);
+    for (const Part& part : partsOf(layerBytes)) {
+      append(layer.coefficients, from, part);
+      co_yield rest();
+    }
+    from += layerBytes;
   }
   if (stage == VolumeStage::kTransported) volume->direct = directFrom(session);
-  return volume;
+  out = std::move(volume);
 }
 
 }  // namespace
@@ -50,11 +64,14 @@ gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t 
   return readback;
 }
 
-void queueVolumeCopy(SessionState& session, VolumeStage stage) {
+Pieces copyVolume(SessionState& session, VolumeStage stage) {
   const bool injected = stage == VolumeStage::kInjected;
-  gpu::Readback& target = injected ? session.injectedReadback : session.volumeReadback;
-  const std::size_t bytes = session.product.size();
-  withRoom(target, injected ? "injected volume" : "volume", bytes).copyFrom(session.product, 0, 0, bytes);
+  gpu::Readback& target = withRoom(injected ? session.injectedReadback : session.volumeReadback,
+                                   injected ? "injected volume" : "volume", session.product.size());
+  for (const Part& part : partsOf(session.product.size())) {
+    target.copyFrom(session.product, part.offset, part.offset, part.bytes);
+    co_yield rest();
+  }
 }
 
 void queueDirectCopy(SessionState& session) {
@@ -70,11 +87,12 @@ void queueCounterCopy(SessionState& session) {
   withRoom(session.countersReadback, "counters", kBytes).copyFrom(session.field->counters, 0, 0, kBytes);
 }
 
-void takeCopies(SessionState& session, const VolumeCopies& copies) {
+Pieces takeCopies(SessionState& session, const VolumeCopies& copies) {
   if (copies.transported)
-    session.transportedVolume = volumeFrom(session.volumeReadback, session, VolumeStage::kTransported);
-  if (copies.injected) session.injectedVolume = volumeFrom(session.injectedReadback, session, VolumeStage::kInjected);
-  if (!copies.counters) return;
+    co_await takeVolume(session.volumeReadback, session, VolumeStage::kTransported, session.transportedVolume);
+  if (copies.injected)
+    co_await takeVolume(session.injectedReadback, session, VolumeStage::kInjected, session.injectedVolume);
+  if (!copies.counters) co_return;
   layout::Counters counts;
   std::memcpy(&counts, session.countersReadback.bytes().data(), sizeof counts);
   session.trianglesSkipped = counts.degenerate;
@@ -82,36 +100,50 @@ void takeCopies(SessionState& session, const VolumeCopies& copies) {
   session.touchedCells = counts.touched;
 }
 
-void queueFrameCopy(View& view) {
+Pieces copyFrame(View& view, Pacing pacing) {
   const FrameTargets& targets = *view.targets;
-  const std::size_t pixels = std::size_t(targets.size.x) * std::size_t(targets.size.y);
+  const glm::ivec2 size = targets.size;
   const bool display = bool(targets.display);
-  const std::size_t bytes = pixels * (display ? 3 : 3 * sizeof(float));
+  const std::size_t rowBytes = std::size_t(size.x) * (display ? 3 : 3 * sizeof(float));
+  const std::size_t bytes = rowBytes * std::size_t(size.y);
   gpu::Readback& target = withRoom(view.readback, "frame", exposureOffset(bytes) + sizeof(glm::vec4));
-  target.copyPixels(targets.result(), GL_RGB, display ? GL_UNSIGNED_BYTE : GL_FLOAT, 0);
   if (targets.exposure) target.copyFrom(targets.exposure, 0, exposureOffset(bytes), sizeof(glm::vec4));
+  for (int row = 0; row < size.y;) {
+    const int rows = std::clamp(pacing.unitsFor(Stage::kReadback) / size.x, 1, size.y - row);
+    target.copyPixels(targets.result(), row, rows, GL_RGB, display ? GL_UNSIGNED_BYTE : GL_FLOAT,
+                      std::size_t(row) * rowBytes);
+    row += rows;
+    if (row < size.y) co_yield piece(Stage::kReadback, double(rows) * size.x);
+  }
 }
 
-FramePtr takeFrame(const View& view, const FrameRequest& request) {
+Pieces takeFrame(const View& view, const FrameRequest& request, FramePtr& out) {
   auto frame = std::make_shared<Frame>();
   frame->size = request.size;
   frame->format = request.format;
   frame->exposureEv = request.exposure.ev;
   const std::size_t values = std::size_t(request.size.x) * std::size_t(request.size.y) * 3;
   const std::byte* pixels = view.readback.bytes().data();
-  if (request.format == PixelFormat::kRgb32F) {
-    frame->rgb32f.resize(values);
-    std::memcpy(frame->rgb32f.data(), pixels, values * sizeof(float));
-    return frame;
+  const bool linear = request.format == PixelFormat::kRgb32F;
+  if (linear) {
+    frame->rgb32f.reserve(values);
+  } else {
+    frame->rgb8.reserve(values);
   }
-  frame->rgb8.resize(values);
-  std::memcpy(frame->rgb8.data(), pixels, values);
+  for (const Part& part : partsOf(linear ? values * sizeof(float) : values)) {
+    if (linear) {
+      append(frame->rgb32f, pixels, part);
+    } else {
+      append(frame->rgb8, pixels, part);
+    }
+    co_yield rest();
+  }
   if (view.targets->exposure) {
     glm::vec4 found(0.0F);
     std::memcpy(&found, pixels + exposureOffset(values), sizeof found);
     frame->exposureEv = double(found.y);
   }
-  return frame;
+  out = std::move(frame);
 }
 
 }  // namespace lpv

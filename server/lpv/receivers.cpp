@@ -11,6 +11,8 @@ namespace {
 const glm::dvec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
 /// Trilinear lookup reads the centres of the cells around a point: up to half a cell away from those it lies between.
 constexpr double kReach = 1.0;
+/// Blocks and triangles looked at between two pauses: about a millisecond.
+constexpr std::size_t kLooksAtOnce = 100'000;
 
 /// Marks what lies within kReach of a triangle, block by block: its box, and how far its plane passes the block's
 /// centre.
@@ -29,6 +31,8 @@ class BlockMarks {
     const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
     const glm::dvec3 size = glm::abs(normal);
     const double width = glm::dot(size, 0.5 * kBlock + kReach);
+    const glm::ivec3 span = to - from + 1;
+    looked_ += 8 + std::size_t(span.x) * std::size_t(span.y) * std::size_t(span.z);
     for (int z = from.z; z <= to.z; ++z) {
       for (int y = from.y; y <= to.y; ++y) {
         for (int x = from.x; x <= to.x; ++x) {
@@ -38,6 +42,9 @@ class BlockMarks {
       }
     }
   }
+
+  std::size_t looked() const { return looked_; }
+  void lookAfresh() { looked_ = 0; }
 
   ReceiverBlocks blocks() const {
     ReceiverBlocks out;
@@ -58,11 +65,12 @@ class BlockMarks {
 
   glm::ivec3 across_;
   std::vector<bool> marks_;
+  std::size_t looked_ = 0;  ///< at blocks, and some for each triangle, since the last pause
 };
 
 }  // namespace
 
-ReceiverBlocks blocksOfSurfaces(const Scene& scene) {
+Pieces blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
   BlockMarks marks(scene.grid.dims);
   const glm::dmat4 gridFromWorld = scene.grid.gridFromWorldMatrix();
   for (const auto& [name, surface] : scene.surfaces) {
@@ -72,9 +80,12 @@ ReceiverBlocks blocksOfSurfaces(const Scene& scene) {
       for (int i = 0; i < 3; ++i)
         corners[i] = glm::dvec3(gridFromObject * glm::dvec4(glm::dvec3(surface->mesh->positions[t[i]]), 1.0));
       marks.add(corners);
+      if (marks.looked() < kLooksAtOnce) continue;
+      marks.lookAfresh();
+      co_yield rest();
     }
   }
-  return marks.blocks();
+  out = marks.blocks();
 }
 
 }  // namespace lpv

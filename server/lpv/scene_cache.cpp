@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gpu/gl.h"
+#include "lpv/bulk.h"
 
 namespace lpv {
 
@@ -13,21 +14,34 @@ namespace {
 
 constexpr std::size_t kUploadPieceBytes = std::size_t(4) << 20;
 
+/// `values` as a new buffer; none for none.
 template <typename T>
-std::shared_ptr<gpu::Buffer> newArray(const char* label, const std::vector<T>& values) {
-  if (values.empty()) return nullptr;
-  return std::make_shared<gpu::Buffer>(label, gpu::bytesOf(std::span<const T>(values)), gpu::BufferUse::kDynamic);
+Pieces sendArray(const char* label, const std::vector<T>& values, std::shared_ptr<gpu::Buffer>& out) {
+  const auto bytes = gpu::bytesOf(std::span<const T>(values));
+  if (bytes.empty()) co_return;
+  auto made = std::make_shared<gpu::Buffer>(label, bytes.size(), gpu::BufferUse::kDynamic, gpu::Undefined{});
+  for (const Part& part : partsOf(bytes.size())) {
+    made->update(part.offset, bytes.subspan(part.offset, part.bytes));
+    co_yield piece(Stage::kUpload, double(part.bytes));
+  }
+  out = std::move(made);
 }
 
 /// `values` in the old buffer where it is nobody else's and of the right size, else in a new one.
 template <typename T>
-std::shared_ptr<gpu::Buffer> rewritten(const char* label, std::shared_ptr<gpu::Buffer> old,
-                                       const std::vector<T>& values) {
+Pieces rewrite(const char* label, std::shared_ptr<gpu::Buffer> old, const std::vector<T>& values,
+               std::shared_ptr<gpu::Buffer>& out) {
   const auto bytes = gpu::bytesOf(std::span<const T>(values));
-  if (old == nullptr || old.use_count() > 1 || old->size() != bytes.size()) return newArray(label, values);
+  if (old == nullptr || old.use_count() > 1 || old->size() != bytes.size()) {
+    co_await sendArray(label, values, out);
+    co_return;
+  }
   glInvalidateBufferData(old->id());
-  old->update(0, bytes);
-  return old;
+  for (const Part& part : partsOf(bytes.size())) {
+    old->update(part.offset, bytes.subspan(part.offset, part.bytes));
+    co_yield piece(Stage::kUpload, double(part.bytes));
+  }
+  out = std::move(old);
 }
 
 bool sameTriangles(const Mesh& a, const Mesh& b) {
@@ -71,9 +85,9 @@ std::vector<MeshUse> meshUses(const Scene& scene) {
 
 }  // namespace
 
-GpuMeshPtr SceneCache::meshFor(const MeshPtr& mesh, GpuMeshPtr previous) {
+Pieces SceneCache::uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshPtr& out) {
   if (const auto found = meshes_.find(mesh.get()); found != meshes_.end()) {
-    if (GpuMeshPtr shared = found->second.lock()) return shared;
+    if ((out = found->second.lock()) != nullptr) co_return;
   }
   auto made = std::make_shared<GpuMesh>();
   made->source = mesh;
@@ -82,22 +96,24 @@ GpuMeshPtr SceneCache::meshFor(const MeshPtr& mesh, GpuMeshPtr previous) {
     GpuMesh old = *previous;
     previous.reset();  // the last but one owner of the arrays, unless another light or session has the mesh too
     made->triangles = old.triangles;
-    made->positions = rewritten("positions", std::move(old.positions), mesh->positions);
-    made->normals = rewritten("normals", std::move(old.normals), mesh->normals);
-    made->uvs = old.source->uvs == mesh->uvs ? old.uvs : newArray("uvs", mesh->uvs);
-    made->directions =
-        old.source->directions == mesh->directions ? old.directions : newArray("directions", mesh->directions);
+    co_await rewrite("positions", std::move(old.positions), mesh->positions, made->positions);
+    co_await rewrite("normals", std::move(old.normals), mesh->normals, made->normals);
+    made->uvs = old.uvs;
+    if (old.source->uvs != mesh->uvs) co_await sendArray("uvs", mesh->uvs, made->uvs);
+    made->directions = old.directions;
+    if (old.source->directions != mesh->directions)
+      co_await sendArray("directions", mesh->directions, made->directions);
   } else {
-    made->positions = newArray("positions", mesh->positions);
-    made->normals = newArray("normals", mesh->normals);
-    made->uvs = newArray("uvs", mesh->uvs);
-    made->directions = newArray("directions", mesh->directions);
-    made->triangles = newArray("triangles", mesh->triangles);
+    co_await sendArray("positions", mesh->positions, made->positions);
+    co_await sendArray("normals", mesh->normals, made->normals);
+    co_await sendArray("uvs", mesh->uvs, made->uvs);
+    co_await sendArray("directions", mesh->directions, made->directions);
+    co_await sendArray("triangles", mesh->triangles, made->triangles);
   }
   made->positionTexels = std::make_shared<gpu::BufferTexture>("positions", *made->positions, gpu::BufferTexel::kVec3);
   made->triangleTexels = std::make_shared<gpu::BufferTexture>("triangles", *made->triangles, gpu::BufferTexel::kUvec3);
   meshes_[mesh.get()] = made;
-  return made;
+  out = std::move(made);
 }
 
 Pieces SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& resources) {
@@ -116,10 +132,10 @@ Pieces SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& reso
   for (int row = 0; row < size.y; row += rowsAtOnce) {
     const int rows = std::min(rowsAtOnce, size.y - row);
     made->uploadRows(row, rows, format.layout, format.type, texture->texels.data() + std::size_t(row) * rowBytes);
-    co_yield piece(Stage::kUpload, double(rows));
+    co_yield piece(Stage::kUpload, double(rows) * double(rowBytes));
   }
   made->generateMipmaps();
-  co_yield piece(Stage::kUpload);
+  co_yield piece(Stage::kUpload, 0.0);
   textures_[texture.get()] = made;
   resources.textures[texture] = made;
 }
@@ -157,8 +173,7 @@ Pieces SceneCache::uploadMeshes(const Scene& scene, SceneResources& resources) {
       // Taken out of the session's own map, so that use_count tells whether anybody else has it.
       if (auto node = resources.meshes.extract(before->second); !node.empty()) previous = std::move(node.mapped());
     }
-    used[use.mesh] = meshFor(use.mesh, std::move(previous));
-    co_yield piece(Stage::kUpload);
+    co_await uploadMesh(use.mesh, std::move(previous), used[use.mesh]);
   }
   resources.meshes = std::move(used);
   resources.meshOf = std::move(meshOf);

@@ -46,7 +46,7 @@ class SceneCache {
   Pieces upload(const Scene& scene, SceneResources& resources);
 
  private:
-  GpuMeshPtr meshFor(const MeshPtr& mesh, GpuMeshPtr previous);
+  Pieces uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshPtr& out);
   Pieces uploadMeshes(const Scene& scene, SceneResources& resources);
   Pieces uploadTexture(const TexturePtr& texture, SceneResources& resources);
   Pieces uploadLightTextures(const Scene& scene, SceneResources& resources);

@@ -1,9 +1,12 @@
 #include "lpv/shade.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <string>
 
 #include "gpu/gl.h"
+#include "scene/tonemap.h"
 
 namespace lpv {
 
@@ -77,6 +80,10 @@ bool FrameTargets::fits(const FrameRequest& request) const {
          bool(exposure) == (toDisplay && request.exposure.automatic);
 }
 
+glm::vec4 exposureParams(const Exposure& exposure) {
+  return {float(std::exp2(exposure.ev)), float(kAutoExposureKey), 0.0F, 0.0F};
+}
+
 Shader::Shader() { glCreateVertexArrays(1, &noVertices_); }
 
 Shader::~Shader() { glDeleteVertexArrays(1, &noVertices_); }
@@ -86,7 +93,7 @@ Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const
                     const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing) {
   const glm::ivec2 size = target.size();
   for (int row = 0; row < size.y;) {
-    const int rows = std::clamp(pacing.unitsFor(Stage::kShade, 65536.0) / size.x, 1, size.y - row);
+    const int rows = std::clamp(pacing.unitsFor(Stage::kShade) / size.x, 1, size.y - row);
     target.bind();
     prepareFullScreen();
     bindInputs(targets, gbuffer, lit);
@@ -100,18 +107,30 @@ Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const
   }
 }
 
-void Shader::findExposure(const FrameTargets& targets) {
+void Shader::bindExposure(const FrameTargets& targets) {
   gpu::memoryBarrier();
   targets.frameParams.bindUniform(layout::kParams);
   targets.radiance.bind(layout::kRadiance);
   targets.exposure.bindStorage(layout::kExposure);
-  exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(exposureGroups(targets.size)));
-  gpu::memoryBarrier();
+}
+
+Pieces Shader::findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing) {
+  const int groups = exposureGroups(targets.size);
+  for (int first = 0; first < groups;) {
+    const int count = std::clamp(pacing.unitsFor(Stage::kShade) / layout::kExposurePixels, 1, groups - first);
+    params.z = float(first);
+    targets.frameParams.update(offsetof(layout::FrameParams, exposure), gpu::bytesOfValue(params));
+    bindExposure(targets);
+    exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(count));
+    first += count;
+    co_yield piece(Stage::kShade, double(count) * layout::kExposurePixels);
+  }
+  bindExposure(targets);
   exposure_.get({{"LPV_FINISH", "1"}}).dispatch(1);
   gpu::memoryBarrier();
 }
 
-Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
+Pieces Shader::run(FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
                    Pacing pacing) {
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
@@ -123,7 +142,7 @@ Pieces Shader::run(const FrameTargets& targets, const Gbuffer& gbuffer, const Li
                                       {"LPV_DISPLAY", direct ? "1" : "0"}});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;
-  findExposure(targets);
+  co_await findExposure(targets, exposureParams(request.exposure), pacing);
   co_await fill(targets.displayTarget, display_.get({}), targets, gbuffer, nullptr, pacing);
 }
 

@@ -32,6 +32,9 @@ struct FrameTargets {
   bool fits(const FrameRequest& request) const;
 };
 
+/// What FrameParams::exposure begins with.
+glm::vec4 exposureParams(const Exposure& exposure);
+
 /// Where a surface's irradiance comes from.
 struct LitBy {
   Transport transport = Transport::kPropagate;
@@ -48,13 +51,14 @@ class Shader {
   Shader& operator=(const Shader&) = delete;
   ~Shader();
 
-  Pieces run(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
+  Pieces run(FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
              Pacing pacing);
 
  private:
   Pieces fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
               const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing);
-  void findExposure(const FrameTargets& targets);
+  static void bindExposure(const FrameTargets& targets);
+  Pieces findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing);
 
   gpu::ProgramVariants shade_{{"shade.vert", "shade.frag"}};
   gpu::ProgramVariants display_{{"shade.vert", "display.frag"}};

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "gpu/failure.h"
+#include "lpv/bulk.h"
 
 namespace lpv {
 
@@ -13,6 +14,9 @@ namespace {
 
 /// Records are numbered in floats.
 constexpr std::uint32_t kMostRecords = 1U << 24;
+/// Nodes or VPLs of one piece: a few milliseconds without a GPU. A multiple of a work-group.
+constexpr std::uint32_t kThreadsAtOnce = 1U << 17;
+static_assert(kThreadsAtOnce % layout::kNodeGroup == 0);
 
 gpu::Defines with(gpu::Defines variant, const char* name) {
   variant.emplace_back(name, "1");
@@ -42,24 +46,35 @@ std::uint32_t nodesOf(const VplTree& tree, int level) {
 
 TreeBuilder::TreeBuilder() : params_("tree params", sizeof(layout::TreeParams), gpu::BufferUse::kDynamic) {}
 
-void TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, const char* name, int level,
-                       std::uint32_t threads) {
-  shape_.lower = glm::ivec4(tree.box.lower, tree.levels);
-  shape_.upper = glm::ivec4(tree.box.upper, level);
-  for (int i = 0; i < tree.levels; ++i) shape_.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
-  params_.update(0, gpu::bytesOfValue(shape_));
-  params_.bindUniform(layout::kParams);
-  tree.nodes.bindStorage(layout::kTreeNodes);
-  gpu::Program& program = programs_.get(with(variant, name));
-  if (tree.records) tree.records.bindStorage(layout::kTreeRecords);
-  program.dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
-  gpu::memoryBarrier();
+Pieces TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+                         const std::function<void()>& bindLight) {
+  const gpu::Defines defines = with(variant, pass.name);
+  layout::TreeParams shape{};
+  shape.lower = glm::ivec4(tree.box.lower, tree.levels);
+  shape.upper = glm::ivec4(tree.box.upper, pass.level);
+  for (int i = 0; i < tree.levels; ++i) shape.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
+  shape.scale.x = float(scales.unit);
+  shape.unit.x = 1.0 / scales.moment;
+  for (std::uint32_t first = 0; first < pass.threads; first += kThreadsAtOnce) {
+    const std::uint32_t threads = std::min(kThreadsAtOnce, pass.threads - first);
+    shape.scale.y = float(first);
+    params_.update(0, gpu::bytesOfValue(shape));
+    bindLight();
+    params_.bindUniform(layout::kParams);
+    tree.nodes.bindStorage(layout::kTreeNodes);
+    if (tree.records) tree.records.bindStorage(layout::kTreeRecords);
+    programs_.get(defines).dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
+    gpu::memoryBarrier();
+    if (threads == kThreadsAtOnce) co_yield piece(Stage::kVoxelize, 0.0);
+  }
 }
 
-void TreeBuilder::prepare(VplTree& tree) { tree.nodes.clear(); }
+Pieces TreeBuilder::prepare(VplTree& tree) { co_await fillInPieces(tree.nodes); }
 
-void TreeBuilder::count(VplTree& tree, const gpu::Defines& variant) {
-  for (int level = 0; level < tree.levels; ++level) pass(tree, variant, "LPV_UP", level, nodesOf(tree, level));
+Pieces TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
+  const TreeScales none;
+  for (int level = 0; level < tree.levels; ++level)
+    co_await pass(tree, variant, {"LPV_UP", level, nodesOf(tree, level)}, none, bindLight);
 }
 
 VplCounts TreeBuilder::read(const gpu::Readback& header) {
@@ -68,8 +83,8 @@ VplCounts TreeBuilder::read(const gpu::Readback& header) {
   return {words[3], words[4], words[5], words[6], words[7]};
 }
 
-void TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, double unit,
-                        double scale) {
+Pieces TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
+                          const std::function<void()>& bindLight) {
   if (counts.records > kMostRecords) {
     throw gpu::Failure(exhausted("lights", "a light makes " + std::to_string(counts.records) +
                                                " VPLs and nodes, more than the " + std::to_string(kMostRecords) +
@@ -79,13 +94,13 @@ void TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defin
   tree.vplCount = counts.vpls;
   tree.cellCount = counts.cells;
   tree.degenerate = counts.degenerate;
-  if (counts.records == 0) return;
+  if (counts.records == 0) co_return;
   makeRoom(tree, counts.records * recordBytes(variant));
-  shape_.scale.x = float(unit);
-  shape_.unit.x = 1.0 / scale;
-  for (int level = tree.levels - 1; level >= 0; --level) pass(tree, variant, "LPV_DOWN", level, nodesOf(tree, level));
-  pass(tree, variant, "LPV_LEAVES", 0, counts.vpls);
-  for (int level = 1; level < tree.levels; ++level) pass(tree, variant, "LPV_MERGE", level, nodesOf(tree, level));
+  for (int level = tree.levels - 1; level >= 0; --level)
+    co_await pass(tree, variant, {"LPV_DOWN", level, nodesOf(tree, level)}, scales, bindLight);
+  co_await pass(tree, variant, {"LPV_LEAVES", 0, counts.vpls}, scales, bindLight);
+  for (int level = 1; level < tree.levels; ++level)
+    co_await pass(tree, variant, {"LPV_MERGE", level, nodesOf(tree, level)}, scales, bindLight);
 }
 
 }  // namespace lpv

@@ -3,9 +3,11 @@
 // (MATHS.md 3b.1-2).
 
 #include <cstdint>
+#include <functional>
 
 #include "gpu/program.h"
 #include "gpu/readback.h"
+#include "lpv/pieces.h"
 #include "lpv/voxels.h"
 
 namespace lpv {
@@ -19,24 +21,37 @@ struct VplCounts {
   std::uint32_t cells = 0;
 };
 
-/// Table and list, bound by the caller: kAccumulators, kVoxelCells.
+/// What the numbers of the table stand for.
+struct TreeScales {
+  double unit = 1.0;    ///< area of a moment of 1, cell^2
+  double moment = 1.0;  ///< fixed-point units of a moment of 1
+};
+
+/// `bindLight` binds the light's table and list, kAccumulators and kVoxelCells: anew in every piece, for others work in
+/// between.
 class TreeBuilder {
  public:
   TreeBuilder();
 
   /// Before voxelization: no leaf holds light.
-  void prepare(VplTree& tree);
+  Pieces prepare(VplTree& tree);
   /// After it: counts what there is, bottom up, into the list's header.
-  void count(VplTree& tree, const gpu::Defines& variant);
+  Pieces count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight);
   static VplCounts read(const gpu::Readback& header);
-  /// Puts the counted VPLs into the tree's records, which are made larger where needed. `unit`: area that a moment of 1
-  /// stands for, cell^2; `scale`: fixed-point units of a moment of 1. Throws gpu::Failure (RESOURCE_EXHAUSTED).
-  void build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, double unit, double scale);
+  /// Puts the counted VPLs into the tree's records, which are made larger where needed. Throws gpu::Failure
+  /// (RESOURCE_EXHAUSTED).
+  Pieces build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
+               const std::function<void()>& bindLight);
 
  private:
-  void pass(const VplTree& tree, const gpu::Defines& variant, const char* name, int level, std::uint32_t threads);
+  struct TreePass {
+    const char* name;
+    int level;
+    std::uint32_t threads;
+  };
+  Pieces pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+              const std::function<void()>& bindLight);
 
-  layout::TreeParams shape_{};
   gpu::Buffer params_;
   gpu::ProgramVariants programs_{{"tree.comp"}};
 };

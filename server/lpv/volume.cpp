@@ -58,7 +58,7 @@ Pieces VolumeMaker::run(const LightField& field, const Palette& palette, VolumeT
   const double slabCells = double(dims.x) * double(dims.y);
   for (int slab = 0; slab < dims.z * field.groups;) {
     const int group = slab / dims.z, z = slab % dims.z;
-    const int slabs = std::clamp(int(pacing.unitsFor(Stage::kVolume, 65536.0) / slabCells), 1, dims.z - z);
+    const int slabs = std::clamp(int(pacing.unitsFor(Stage::kVolume) / slabCells), 1, dims.z - z);
     params.dims = glm::ivec4(dims, z);
     params.group = glm::ivec4(group, group * field.channels, 0, 0);
     params_.update(0, gpu::bytesOfValue(params));

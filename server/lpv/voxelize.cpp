@@ -8,13 +8,11 @@
 
 #include "gpu/failure.h"
 #include "gpu/gl.h"
+#include "lpv/bulk.h"
 
 namespace lpv {
 
 namespace {
-
-/// Triangles of the first piece, while nothing is known of their size.
-constexpr double kFirstTriangles = 1024.0;
 
 /// The linear map that takes the cross product of two object-space edges to that of the transformed edges (the cofactor
 /// matrix), turned over for mirrors: the object-space outer side in grid space.
@@ -69,16 +67,18 @@ std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
   return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
 }
 
-void makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
+Pieces makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
   const std::size_t bytes = entries * vplWords(source) * sizeof(std::uint32_t);
   if (field.accumulators.size() < bytes) {
     field.accumulators = {};  // first the old memory, then the new
-    field.accumulators = gpu::Buffer("VPL table", bytes);
+    gpu::Buffer table("VPL table", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+    co_await fillInPieces(table);
+    field.accumulators = std::move(table);
   }
   const std::size_t listBytes = layout::kVoxelHeaderWords * sizeof(std::uint32_t) + entries * sizeof(glm::uvec2);
   if (field.vplList.size() < listBytes) {
     field.vplList = {};
-    field.vplList = gpu::Buffer("VPL list", listBytes, gpu::BufferUse::kDynamic);
+    field.vplList = gpu::Buffer("VPL list", listBytes, gpu::BufferUse::kDynamic, gpu::Undefined{});
   }
   if (field.vplHeader.size() == 0)
     field.vplHeader = gpu::Readback("VPL header", layout::kVoxelHeaderWords * sizeof(std::uint32_t));
@@ -92,12 +92,41 @@ glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& a
   return areaFromObject * glm::cross(q - p, r - p);
 }
 
-/// Area of all triangles in the grid's unit, cell^2: what the largest moment can be.
-double gridArea(const Mesh& mesh, const glm::dmat4& areaFromObject) {
+/// Triangles whose costs are added up, and between whose areas others may work.
+constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
+/// What a column of cells costs that a triangle meets, in triangles.
+constexpr double kColumnCost = 0.5;
+
+Pieces survey(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, Survey& out) {
   const glm::dmat3 map(areaFromObject);
-  double area = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) area += glm::length(areaNormal(mesh, t, map));
-  return area;
+  const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
+  out.costs.assign((mesh.triangles.size() + kTrianglesPerCost - 1) / kTrianglesPerCost, 1.0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
+    out.area += area;
+    out.costs[i / kTrianglesPerCost] += kColumnCost * std::min(area, face) / double(kTrianglesPerCost);
+    if (i % kTrianglesPerPause == kTrianglesPerPause - 1) co_yield rest();
+  }
+}
+
+/// How many triangles from `first` on make up `room` units, and what they are; at least one.
+struct Share {
+  std::uint32_t count = 0;
+  double units = 0.0;
+};
+Share shareOf(const Survey& of, std::uint32_t first, std::uint32_t end, double room) {
+  Share share;
+  while (first + share.count < end) {
+    const std::uint32_t at = first + share.count;
+    const double cost = of.costs[at / kTrianglesPerCost];
+    const auto left = std::uint32_t(kTrianglesPerCost - at % kTrianglesPerCost);
+    const auto fit = std::uint32_t(std::min(std::max(0.0, (room - share.units) / cost), 1e9));
+    const std::uint32_t taken = std::min({left, end - at, std::max(fit, share.count == 0 ? 1U : 0U)});
+    share.count += taken;
+    share.units += taken * cost;
+    if (taken < left) break;
+  }
+  return share;
 }
 
 /// For collect.comp; nothing comes to a cell from a triangle without area.
@@ -111,11 +140,10 @@ void listNormals(layout::VoxelizeParams& params, const Mesh& mesh) {
 }
 
 /// Scales of a light's fixed point, into `params` and `voxels`.
-void chooseScales(layout::VoxelizeParams& params, LightVoxels& voxels) {
+void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxels) {
   const VoxelSource& source = voxels.source;
   const double triangles = double(source.mesh->triangles.size());
   if (source.method.injection == Injection::kFlux) {
-    const double area = gridArea(*source.mesh, params.areaFromObject);
     // A little more than the sum, for its rounding. A light without area has nothing to scale.
     voxels.unit = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
     params.areaFromObject /= voxels.unit;
@@ -130,6 +158,7 @@ void chooseScales(layout::VoxelizeParams& params, LightVoxels& voxels) {
   voxels.roundingError = fixedPoint->error;
 }
 
+/// But for its scales, which the survey of the light tells.
 VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
   const VoxelSource& source = voxels.source;
   VoxelizeJob job;
@@ -147,7 +176,6 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
     job.params.texture = glm::ivec4(texture->size, texture->levels, 0);
     job.params.textureMean = glm::vec4(texture->mean / texture->brightest, 0.0);
   }
-  chooseScales(job.params, voxels);
   if (keepsSets(source)) listNormals(job.params, *source.mesh);
   return job;
 }
@@ -196,64 +224,69 @@ void Voxelizer::collect(const VoxelizeJob& job, const LightVoxels& voxels) {
 }
 
 Pieces Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
-                          const LightVoxels& voxels, VoxelizeJob& job, Pacing pacing) {
+                          const LightVoxels& voxels, const Survey& of, VoxelizeJob& job, Pacing pacing) {
   TriangleInjector& injector = injectorFor(voxels.source.method.method);
   for (std::uint32_t first = 0; first < mesh.triangleCount;) {
-    const auto wanted = std::uint32_t(pacing.unitsFor(Stage::kVoxelize, kFirstTriangles));
-    const std::uint32_t count = std::min({wanted, injector.limit(job), mesh.triangleCount - first});
+    const std::uint32_t end = first + std::min(injector.limit(job), mesh.triangleCount - first);
+    const Share share = shareOf(of, first, end, pacing.unitsFor(Stage::kVoxelize));
     job.params.triangles.x = first;
-    job.params.triangles.y = count;
+    job.params.triangles.y = share.count;
     params_.update(0, gpu::bytesOfValue(job.params));
     bind(field, mesh, texture, voxels);
     injector.dispatch(job);
-    first += count;
-    co_yield piece(Stage::kVoxelize, double(count));
+    first += share.count;
+    co_yield piece(Stage::kVoxelize, share.units);
   }
 }
 
 /// Again with a larger table while VPLs found no room in it.
 Pieces Voxelizer::plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                            VoxelizeJob& job, Pacing pacing) {
+                            const Survey& of, VoxelizeJob& job, Pacing pacing) {
   VplTree& tree = *voxels.tree;
   const gpu::Defines variant = treeVariantOf(voxels.source);
   job.params.boxLower = glm::ivec4(tree.box.lower, 0);
   for (std::uint32_t entries = entriesFor(voxels, voxels.unit);; entries *= 2) {
     job.params.boxSize = glm::ivec4(tree.box.upper - tree.box.lower, entries);
-    makeTable(field, voxels.source, entries);
+    co_await makeTable(field, voxels.source, entries);
     field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
-    trees_.prepare(tree);
-    co_await deposit(field, mesh, texture, voxels, job, pacing);
-    bind(field, mesh, texture, voxels);
-    trees_.count(tree, variant);
+    co_await trees_.prepare(tree);
+    co_await deposit(field, mesh, texture, voxels, of, job, pacing);
+    const std::function<void()> bindLight = [&] { bind(field, mesh, texture, voxels); };
+    co_await trees_.count(tree, variant, bindLight);
     field.vplHeader.copyFrom(field.vplList, 0, 0, sizeof kEmptyList);
     const gpu::Fence counted = gpu::Fence::insert();
     co_yield piece(Stage::kVoxelize, 0.0);
     co_yield until(counted);
     const VplCounts counts = TreeBuilder::read(field.vplHeader);
     if (counts.lost == 0) {
-      bind(field, mesh, texture, voxels);
-      trees_.build(tree, counts, variant, voxels.unit, job.params.scale.x);
+      const TreeScales scales{voxels.unit, job.params.scale.x};
+      co_await trees_.build(tree, counts, variant, scales, bindLight);
       co_yield piece(Stage::kVoxelize, 0.0);
       co_return;
     }
-    field.accumulators.clear();
+    co_await fillInPieces(field.accumulators);
   }
 }
 
 Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
                       Pacing pacing) {
   VoxelizeJob job = jobOf(voxels, texture);
+  Survey of;
+  co_await survey(*voxels.source.mesh, job.params.areaFromObject, voxels.source.dims, of);
+  chooseScales(job.params, of.area, voxels);
   if (voxels.tree != nullptr) {
-    co_await plantTree(field, mesh, texture, voxels, job, pacing);
+    co_await plantTree(field, mesh, texture, voxels, of, job, pacing);
     co_return;
   }
   const std::size_t bytes = field.grid.cells() * accumulatorWords(voxels.source) * sizeof(std::uint32_t);
   if (field.accumulators.size() < bytes) {
     field.accumulators = {};  // first the old memory, then the new
-    field.accumulators = gpu::Buffer("accumulators", bytes);
+    gpu::Buffer words("accumulators", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+    co_await fillInPieces(words);
+    field.accumulators = std::move(words);
   }
   voxels.cells.update(0, gpu::bytesOfValue(kEmptyList));
-  co_await deposit(field, mesh, texture, voxels, job, pacing);
+  co_await deposit(field, mesh, texture, voxels, of, job, pacing);
   bind(field, mesh, texture, voxels);
   collect(job, voxels);
   co_yield piece(Stage::kVoxelize, 0.0);

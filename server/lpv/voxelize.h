@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "gpu/framebuffer.h"
 #include "gpu/program.h"
@@ -74,6 +75,12 @@ class DenseInjector final : public TriangleInjector {
   gpu::ProgramVariants programs_{{"dense.comp"}};
 };
 
+/// What is known of a light's triangles before they are voxelized.
+struct Survey {
+  double area = 0.0;          ///< of all, in the grid's unit, cell^2: what the largest moment can be
+  std::vector<double> costs;  ///< of the triangles, in units of Stage::kVoxelize: means of a few at a time
+};
+
 class Voxelizer {
  public:
   Voxelizer();
@@ -86,9 +93,9 @@ class Voxelizer {
  private:
   TriangleInjector& injectorFor(InjectionMethod method);
   Pieces deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
-                 VoxelizeJob& job, Pacing pacing);
+                 const Survey& of, VoxelizeJob& job, Pacing pacing);
   Pieces plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                   VoxelizeJob& job, Pacing pacing);
+                   const Survey& of, VoxelizeJob& job, Pacing pacing);
   void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
   void collect(const VoxelizeJob& job, const LightVoxels& voxels);
 

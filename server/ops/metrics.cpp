@@ -100,14 +100,13 @@ void addSessions(const MetricSources& s, Scrape& out) {
   if (totals.worstMeasuredError) out.add(*totals.worstMeasuredError);
 }
 
-void addTicks(const Counters& c, Scrape& out) {
+void addTicks(const Counters& c, const Engine& engine, Scrape& out) {
   out.histogram("lpv_tick_seconds", "From asking for a tick to having it, other sessions' turns included.",
                 c.tickSeconds);
   out.family(MetricType::Histogram, "lpv_stage_seconds", "A stage of a tick, without other sessions' turns.");
   for (std::size_t i = 0; i < kStages; ++i) out.add(c.stageSeconds[i], {{"stage", kStageNames[i]}});
   out.reasons("lpv_tick_failures_total", "Ticks that failed.", c.tickWatch.failures());
-  out.counter("lpv_context_losses_total", "Times the graphics context was found lost.",
-              double(c.tickWatch.contextLosses()));
+  out.counter("lpv_context_losses_total", "Times the graphics context was found lost.", double(engine.contextLosses()));
 }
 
 void addResults(const Counters& c, Scrape& out) {
@@ -158,7 +157,7 @@ std::string renderMetrics(const MetricSources& sources) {
   Scrape out;
   addServer(sources, out);
   addSessions(sources, out);
-  addTicks(*sources.counters, out);
+  addTicks(*sources.counters, *sources.engine, out);
   addResults(*sources.counters, out);
   addCalls(*sources.counters, out);
   addStore(sources, out);

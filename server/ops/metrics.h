@@ -17,6 +17,7 @@ struct MetricSources {
   const Registry* registry = nullptr;
   const Journal* journal = nullptr;
   std::function<std::int64_t()> storeQueue;  ///< changes that wait for the disk
+  const Engine* engine = nullptr;
   DeviceInfo device;
   std::string version;
   std::chrono::system_clock::time_point started;

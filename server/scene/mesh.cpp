@@ -79,6 +79,7 @@ Status finishMesh(Mesh& mesh) {
   repairNormals(mesh);
   mesh.bounds = Bounds();
   for (const glm::vec3& p : mesh.positions) mesh.bounds.add(glm::dvec3(p));
+  mesh.area = worldArea(mesh, Transform());
   return {};
 }
 

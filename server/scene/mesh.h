@@ -26,6 +26,7 @@ struct Mesh {
   std::vector<glm::uvec3> triangles;   ///< indices into positions
   BlobHash hash;                       ///< of the blob this came from; names the content
   Bounds bounds;                       ///< of positions
+  double area = 0.0;                   ///< of one side, object space, m^2
 
   std::size_t bytes() const;
 };
@@ -33,7 +34,7 @@ using MeshPtr = std::shared_ptr<const Mesh>;
 
 /// INVALID_ARGUMENT for an empty mesh, a position that is not finite, an index out of range, or attributes whose
 /// count is not that of the positions; the message names index and value. Normals that are not finite or have no
-/// length are replaced by the area-weighted mean of their triangles. Fills `bounds`.
+/// length are replaced by the area-weighted mean of their triangles. Fills `bounds` and `area`.
 Status finishMesh(Mesh& mesh);
 
 /// The same triangles with new vertices (a deforming mesh): positions.size() must match. Normals, where the mesh has

@@ -48,7 +48,7 @@ void TickWatch::ended(Clock::time_point now, const Status& status) {
   }
   ++failedInARow_;
   failures_.add(status);
-  if (status.code() == Code::kUnavailable && !contextLost_.exchange(true)) ++contextLosses_;
+  if (status.code() == Code::kUnavailable) contextLost_ = true;
   const std::lock_guard lock(mutex_);
   lastFailure_ = status.message();
 }

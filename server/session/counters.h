@@ -68,6 +68,7 @@ inline constexpr std::array kReasons = {"ok",
                                         "max_subscribers_per_session",
                                         "max_surfaces",
                                         "max_texels",
+                                        "max_tick_seconds",
                                         "max_triangles",
                                         "upload_idle"};
 /// Where in kReasons.
@@ -112,8 +113,7 @@ class TickWatch {
   int failedInARow() const { return failedInARow_; }
   /// What the last one that failed said.
   std::string lastFailure() const;
-  /// How often ticks began to find the context lost (KHR_robustness). It does not come back within a process.
-  std::int64_t contextLosses() const { return contextLosses_; }
+  /// There is no graphics context, and none to be had: since a tick said so, until one succeeds.
   bool contextLost() const { return contextLost_; }
   const ReasonCounter& failures() const { return failures_; }
 
@@ -122,7 +122,6 @@ class TickWatch {
   std::atomic<Clock::time_point> lastEvent_{Clock::time_point()};
   std::atomic<int> failedInARow_{0};
   std::atomic<bool> contextLost_{false};
-  std::atomic<std::int64_t> contextLosses_{0};
   ReasonCounter failures_;
   mutable std::mutex mutex_;
   std::string lastFailure_;

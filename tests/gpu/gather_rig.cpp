@@ -131,7 +131,10 @@ bool GatherRig::move(std::vector<EmittingLight> moved) {
   return true;
 }
 
-void GatherRig::clear() { field->steps[0].buffer.clear(); }
+void GatherRig::clear() {
+  field->steps[0].buffer.clear();
+  field->nearestVpl.clear();
+}
 
 void GatherRig::gatherBlocks(double k, const ReceiverBlocks& blocks) {
   finish(gatherer_.run(*field, lights, voxels, palette, k, blocks, {&clock}));

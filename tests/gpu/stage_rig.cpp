@@ -100,9 +100,10 @@ InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l, const Voxel
 
 void InjectRig::run() {
   const SceneResources resources = upload(cache_, lights);
-  finish(injector_.retire(field, voxels));
-  voxels.clear();
+  finish(field.blank());
   StageClock clock;
+  finish(injector_.retire(field, voxels, {&clock}));
+  voxels.clear();
   for (const EmittingLight& light : lights) {
     const GpuLightTexture* texture = light.texture ? resources.lightTextures.at(light.texture).get() : nullptr;
     voxels.push_back(
@@ -110,7 +111,7 @@ void InjectRig::run() {
     voxels.back()->source = {light.mesh, light.texture, light.gridFromObject, field.grid.dims, method};
     finish(voxelizer_.run(field, *resources.meshes.at(light.mesh), texture, *voxels.back(), {&clock}));
   }
-  finish(injector_.add(field, lights, voxels, palette));
+  finish(injector_.add(field, lights, voxels, palette, {&clock}));
 }
 
 void InjectRig::runWith(std::vector<EmittingLight> others, const VoxelMethod& m) {

@@ -194,8 +194,7 @@ TEST(Health, IsReadyWhileItServesAndItsDeviceWorks) {
   EXPECT_EQ(watch.failedInARow(), 0);
   tick({Code::kUnavailable, "the graphics device was reset"});
   tick({Code::kUnavailable, "the graphics device was reset"});
-  EXPECT_THAT(health.ready().message(), HasSubstr("reset")) << "at once: a context does not come back";
-  EXPECT_EQ(watch.contextLosses(), 1) << "lost once";
+  EXPECT_THAT(health.ready().message(), HasSubstr("reset")) << "at once: there is no other context";
   tick(Status());
 
   const auto now = TickWatch::Clock::now();

@@ -31,9 +31,18 @@ class InstantEngine final : public Engine {
   void forget(SessionKey) override {}
   void forgetView(SessionKey, std::uint64_t) override {}
 
+  Prediction predict(const Workload& workload) const override {
+    return {secondsPerCell * workload.cells + secondsPerLight * workload.lights, "propagate"};
+  }
+
+  std::int64_t contextLosses() const override { return 0; }
+
   int ticks() const { return ticks_; }
   /// The ticks from now on fail with this; ok ends that.
   void failWith(const Status& status);
+
+  /// What ticks are predicted to take.
+  std::atomic<double> secondsPerCell{0.0}, secondsPerLight{0.0};
 
  private:
   DeviceInfo device_;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+
+namespace lpv {
+
+/// Whose turn it is on a device: the one that has had the least of it (start-time fair queueing, Goyal et al. 1996).
+/// Who comes back from a pause starts level with the others: time not used is not saved up. Times in seconds.
+class Turns {
+ public:
+  using Party = std::uint64_t;
+
+  /// The party has work again.
+  void arrive(Party party);
+  void forget(Party party) { used_.erase(party); }
+
+  /// Takes time on the party's account: predicted when work is queued, later the difference to what it took.
+  void charge(Party party, double seconds) { used_[party] += seconds; }
+  /// `party` is given a turn: nobody who arrives later starts with less than it had.
+  void begin(Party party);
+
+  double used(Party party) const;
+
+ private:
+  std::map<Party, double> used_;
+  double now_ = 0.0;  ///< what the party of the last turn had when it began
+};
+
+/// The one with the least time used, the first of equals; end() for none.
+template <typename Iterator, typename PartyOf>
+Iterator leastServed(const Turns& turns, Iterator begin, Iterator end, PartyOf partyOf) {
+  Iterator least = end;
+  double most = std::numeric_limits<double>::infinity();
+  for (Iterator i = begin; i != end; ++i) {
+    const double used = turns.used(partyOf(*i));
+    if (used >= most) continue;
+    most = used;
+    least = i;
+  }
+  return least;
+}
+
+}  // namespace lpv

@@ -1,0 +1,185 @@
+// Sessions side by side on one device: how often a small session (a quad as light, 32^3, GATHER, a frame of 640x360)
+// gets its ticks alone, and beside a large one whose light moves every tick. "back to back": its next tick is asked for
+// when the last one is there; "paced": as sessions do, at most 30 a second. Intervals are medians; beside them the
+// longest piece of the large one, which is how long the device was away at a stretch, and how its ticks were predicted.
+//
+//   fairness_bench [--large NAME] [--ticks N] [--list]
+//
+// LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <future>
+#include <thread>
+#include <vector>
+
+#include "core_scene.h"
+#include "reference/meshes.h"
+
+namespace {
+
+using namespace lpv;
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::chrono::microseconds kPace{33333};
+constexpr SessionKey kSmall = 1, kLarge = 2;
+
+glm::dvec3 position(int step) {
+  return {0.5 * std::cos(0.1 * step), 1.4 + 0.2 * std::sin(0.07 * step), 0.5 * std::sin(0.1 * step)};
+}
+
+struct Load {
+  std::string name;
+  MeshPtr mesh;
+  int cells = 32;
+  Transport transport = Transport::kGather;
+  bool volume = false;
+  glm::ivec2 frame{0};
+};
+
+Scene sceneOf(const Load& load) {
+  Scene scene = bench::roomWith(load.mesh, position(0), load.cells);
+  SessionOptions options;
+  options.transport = load.transport;
+  if (load.transport != Transport::kPropagate) options.followTransport();
+  options.grid = scene.options.grid;
+  scene.options = options;
+  return scene;
+}
+
+TickRequest requestOf(const Load& load, const Scene& scene, SessionKey session, int step) {
+  TickRequest request;
+  request.session = session;
+  request.scene = bench::movedTo(scene, position(step));
+  request.transported = load.volume;
+  if (load.frame.x == 0) return request;
+  FrameRequest frame;
+  frame.view = 1;
+  frame.camera.eye = {1.8, 1.6, 1.8};
+  frame.camera.target = {0.0, 1.2, 0.0};
+  frame.size = load.frame;
+  request.frames = {frame};
+  return request;
+}
+
+std::vector<Load> largeOnes() {
+  const MeshPtr statue = bench::statue();
+  return {{"propagate 128, flux statue, volume", statue, 128, Transport::kPropagate, true},
+          {"gather 128, flux statue, volume", statue, 128, Transport::kGather, true},
+          {"gather 128, flux statue, frame 4096x4096", statue, 128, Transport::kGather, false, glm::ivec2(4096)},
+          {"direct 128, quad, frame 4096x4096", reference::quad(), 128, Transport::kDirect, false, glm::ivec2(4096)},
+          {"gather 32, statue, frame 640x360", statue, 32, Transport::kGather, false, {640, 360}}};
+}
+
+/// Ticks of the large session, one after the other, until told to stop.
+class Neighbour {
+ public:
+  explicit Neighbour(const Load& load) : load_(load), scene_(sceneOf(load)), thread_([this] { run(); }) {}
+  ~Neighbour() {
+    stop_ = true;
+    thread_.join();
+    bench::engine().forget(kLarge);
+  }
+  void print() const {
+    std::printf(
+        "    its ticks: %d, the last %.0f ms; longest piece %.1f ms (%s), largest prediction %.1f ms, %llu pieces\n",
+        ticks_.load(), 1e3 * seconds_, 1e3 * worst_.longestPiece, worst_.longestStage.c_str(),
+        1e3 * worst_.largestPrediction, static_cast<unsigned long long>(worst_.pieces));
+  }
+
+ private:
+  void run() {
+    for (int step = 0; !stop_; ++step) {
+      const auto begin = SteadyClock::now();
+      const TickReport report = bench::tick(requestOf(load_, scene_, kLarge, step)).report;
+      seconds_ = std::chrono::duration<double>(SteadyClock::now() - begin).count();
+      if (step == 0 || report.longestPiece > worst_.longestPiece) worst_ = report;
+      ++ticks_;
+    }
+  }
+
+  const Load load_;
+  const Scene scene_;
+  std::atomic<bool> stop_{false};
+  std::atomic<int> ticks_{0};
+  double seconds_ = 0.0;
+  TickReport worst_;
+  std::thread thread_;
+};
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+struct Intervals {
+  double median = 0.0;
+  double longest = 0.0;
+};
+
+/// Seconds from one result of the small session to the next.
+Intervals intervals(const Load& small, int ticks, bool paced) {
+  const Scene scene = sceneOf(small);
+  std::vector<double> out;
+  auto last = SteadyClock::now();
+  for (int step = 0; step <= ticks; ++step) {
+    const auto begin = SteadyClock::now();
+    bench::tick(requestOf(small, scene, kSmall, step));
+    const auto now = SteadyClock::now();
+    if (step > 0) out.push_back(std::chrono::duration<double>(now - last).count());
+    last = now;
+    if (paced) std::this_thread::sleep_until(begin + kPace);
+  }
+  return {median(out), *std::max_element(out.begin(), out.end())};
+}
+
+/// The large session by itself: its first tick, which compiles programs, and its second.
+void alone(const Load& large) {
+  const Scene scene = sceneOf(large);
+  for (int step = 0; step < 2; ++step) {
+    const auto begin = SteadyClock::now();
+    const TickReport report = bench::tick(requestOf(large, scene, kLarge, step)).report;
+    const double seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
+    std::printf("    alone, tick %d: %.0f ms, longest piece %.1f ms (%s), %llu pieces;", step + 1, 1e3 * seconds,
+                1e3 * report.longestPiece, report.longestStage.c_str(), static_cast<unsigned long long>(report.pieces));
+    for (const StageTime& stage : report.stages) std::printf(" %s %.1f", stage.stage.c_str(), 1e3 * stage.seconds);
+    std::printf("\n");
+  }
+  bench::engine().forget(kLarge);
+}
+
+void compare(const Load& small, const Load& large, int ticks) {
+  std::printf("%s\n", large.name.c_str());
+  alone(large);
+  const Intervals byItself = intervals(small, ticks, false), byItselfPaced = intervals(small, ticks, true);
+  Neighbour neighbour(large);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const Intervals beside = intervals(small, ticks, false), besidePaced = intervals(small, ticks, true);
+  std::printf("    back to back: %.1f -> %.1f ms, %.2f times; longest %.1f -> %.1f ms\n", 1e3 * byItself.median,
+              1e3 * beside.median, beside.median / byItself.median, 1e3 * byItself.longest, 1e3 * beside.longest);
+  std::printf("    paced: %.1f -> %.1f ms, %.2f times; longest %.1f -> %.1f ms\n", 1e3 * byItselfPaced.median,
+              1e3 * besidePaced.median, besidePaced.median / byItselfPaced.median, 1e3 * byItselfPaced.longest,
+              1e3 * besidePaced.longest);
+  std::fflush(stdout);
+  neighbour.print();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Ticks of a small session beside a large one");
+  std::string wanted;
+  int ticks = 100;
+  app.add_option("--large", wanted, "only those whose name contains this");
+  app.add_option("--ticks", ticks, "of the small session, per measurement");
+  CLI11_PARSE(app, argc, argv);
+  const Load small{"quad", reference::quad(), 32, Transport::kGather, false, {640, 360}};
+  for (const Load& large : largeOnes()) {
+    if (large.name.find(wanted) != std::string::npos) compare(small, large, ticks);
+  }
+}
