@@ -207,6 +207,7 @@ class Run {
     check(state.ok(), "what was kept can be read: " + state.status().message());
     session_ = std::make_shared<Session>(1, 2, *state, workshop_);
     check(scene(*session_) == before, "a session comes back as it was");
+    mirror_ = {};  // another epoch
     compareLog();
   }
 

@@ -4,6 +4,7 @@
 // written as they are.
 
 #include <fuzzer/FuzzedDataProvider.h>
+#include <google/protobuf/stubs/logging.h>
 #include <spdlog/details/log_msg.h>
 #include <spdlog/fmt/fmt.h>
 
@@ -74,6 +75,11 @@ void lines(FuzzedDataProvider& in) {
 
 }  // namespace
 }  // namespace lpv::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzedDataProvider in(data, size);

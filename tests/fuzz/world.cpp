@@ -3,8 +3,6 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include <future>
-
 #include "api/blob_content.h"
 #include "api/convert_store.h"
 #include "fuzz/check.h"
@@ -32,16 +30,6 @@ Limits smallLimits() {
   limits.maxFrameEdge = 32;
   limits.maxProbePoints = 8;
   return limits;
-}
-
-void Machinery::settle() {
-  // A job may post another, that one a third: tick, delivery, next tick. A few rounds more than any chain is long.
-  constexpr int kRounds = 6;
-  for (int round = 0; round < kRounds; ++round) {
-    std::promise<void> reached;
-    pool.post([&reached] { reached.set_value(); });
-    reached.get_future().wait();
-  }
 }
 
 Machinery& machinery() {
