@@ -3,8 +3,7 @@
 // the first time, after a restart too; undo and redo in turn change nothing; the log says what the session holds; who
 // follows the changes has the scene.
 //
-// Seen to find: an edit that is not taken back whole, an undo that is no redo afterwards, a deletion that the log does
-// not have.
+// Seen to find a deletion that the log forgets (store/fold.cpp).
 
 #include <fuzzer/FuzzedDataProvider.h>
 

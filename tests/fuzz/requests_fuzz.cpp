@@ -1,7 +1,7 @@
 // Every request of every service, parsed from bytes and made in process, one after another: nothing ends the process,
 // what is refused changes nothing and says why, and every answer is a message that clients can read.
 //
-// Seen to find: a page size that is not checked, a refusal that cuts a name within a character.
+// Has found a refusal that cut a name within a character (seeds/requests/cut-name).
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/stubs/logging.h>

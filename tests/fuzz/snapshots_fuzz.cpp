@@ -1,7 +1,7 @@
 // Sessions as a disk or a stranger's file has them: snapshots, records of a log, whole files. What cannot be used is
 // refused and says why; what can makes a session that is kept as the same again.
 //
-// Seen to find: content that is taken without comparing its hash; a mesh that a light names and nothing brings.
+// Has found a texture that a light wears and that nobody has uploaded, taken and then lost (seeds/snapshots/texture).
 
 #include <google/protobuf/stubs/logging.h>
 

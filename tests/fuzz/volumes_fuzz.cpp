@@ -1,8 +1,7 @@
 // The client's decoder of volumes and frames against a server that sends anything, and the codec against volumes of any
 // content: what is published comes back bit for bit, however it is coded, and is as near the truth as its class says.
 //
-// Seen to find: a brick run that is not compared with the number of bricks; a plane of tokens that may be longer than
-// it is.
+// Seen to find a run of bricks that is not compared with their number (VolumeDecoder::claim).
 
 #include <fuzzer/FuzzedDataProvider.h>
 

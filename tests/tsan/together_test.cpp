@@ -129,12 +129,12 @@ void Together::edit(const pb::ClientIdentity& client, int round, std::atomic<std
   request.mutable_edit()->set_sequence(std::uint64_t(round) + 1);
   *request.mutable_edit()->add_operations() = moving(round);
   pb::ApplyEditResponse response;
-  Status status = house().ask(api::applyEdit, request, &response);
+  const Status status = house().ask(api::applyEdit, request, &response);
   if (status.ok()) ++accepted;
-  EXPECT_TRUE(status.ok() || status.code() == Code::kAborted) << status.message();  // somebody has the lamp locked
+  EXPECT_TRUE(status.ok()) << status.message();
+  if (client.client_id().empty()) return;  // nobody's sequences are not remembered
   pb::ApplyEditResponse repeated;
-  const Status again = house().ask(api::applyEdit, request, &repeated);
-  EXPECT_EQ(again.code(), status.code());
+  EXPECT_TRUE(house().ask(api::applyEdit, request, &repeated).ok());
   EXPECT_EQ(repeated.ack().revision(), response.ack().revision());
 }
 
@@ -314,7 +314,7 @@ void Together::askForNumbers() {
   EXPECT_TRUE(house().ask(api::getStats, pb::GetStatsRequest(), &stats).ok());
   pb::ListSessionsResponse sessions;
   EXPECT_TRUE(house().ask(api::listSessions, pb::ListSessionsRequest(), &sessions).ok());
-  EXPECT_THAT(house().metrics(), testing::HasSubstr("lpvd_"));
+  EXPECT_THAT(house().metrics(), testing::HasSubstr("lpv_sessions"));
   pb::ListLightsRequest lights;
   lights.set_session("sessions/room");
   pb::ListLightsResponse listed;
