@@ -26,7 +26,7 @@ target_compile_options(lpv_warnings INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-Wno-restrict>)
 if(LPV_SANITIZE)
   # GCC sees values as possibly unset where a sanitizer's checks stand between setting and use.
-  target_compile_options(lpv_warnings INTERFACE -Wno-maybe-uninitialized)
+  target_compile_options(lpv_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_compile_options(lpv_warnings INTERFACE -fsanitize=${LPV_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(lpv_warnings INTERFACE -fsanitize=${LPV_SANITIZE})
 endif()
@@ -51,7 +51,7 @@ function(lpv_mostly_headers)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
     foreach(target ${ARGN})
       # "The whole file is anonymous" is only true of the joined one.
-      target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
     endforeach()
   endif()
 endfunction()

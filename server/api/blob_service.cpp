@@ -1,6 +1,7 @@
 #include "api/blob_content.h"
 #include "api/deadline.h"
 #include "api/services.h"
+#include "scene/text.h"
 
 namespace lpv::api {
 namespace {
@@ -161,8 +162,7 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
     } else if (const MeshPtr mesh = (*session)->findMeshInUse(request.hash())) {
       bytes = std::make_shared<const std::string>(meshBytes(*mesh));
     } else {
-      return Status(Code::kNotFound, "there is no blob \"" + request.hash().substr(0, 80) + "\" in this session",
-                    "hash");
+      return Status(Code::kNotFound, "there is no blob \"" + shortened(request.hash()) + "\" in this session", "hash");
     }
     if (request.offset() < 0 || request.offset() > std::int64_t(bytes->size())) {
       return Status(Code::kOutOfRange,

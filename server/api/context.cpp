@@ -1,5 +1,7 @@
 #include "api/context.h"
 
+#include "scene/text.h"
+
 namespace lpv::api {
 
 Status allow(const Context& context, const std::string& id, Role needed) {
@@ -7,7 +9,7 @@ Status allow(const Context& context, const std::string& id, Role needed) {
   if (caller.role == Role::kAdmin) return {};
   if (caller.session != id) {
     return {Code::kPermissionDenied,
-            "this access token is for session \"" + caller.session + "\", not for \"" + id.substr(0, 80) + "\"",
+            "this access token is for session \"" + caller.session + "\", not for \"" + shortened(id) + "\"",
             "authorization"};
   }
   if (caller.role >= needed) return {};

@@ -5,6 +5,7 @@
 
 #include "api/convert_geometry.h"
 #include "scene/error_goal.h"
+#include "scene/text.h"
 
 namespace lpv::api {
 namespace {
@@ -144,7 +145,7 @@ const Names& allFields() {
 
 Expected<std::string> sessionId(const std::string& field, const std::string& name) {
   if (name.starts_with(kPrefix) && name.size() > sizeof kPrefix - 1) return name.substr(sizeof kPrefix - 1);
-  return invalid(field, field + " is \"" + name.substr(0, 80) + "\", the form is \"sessions/{id}\"");
+  return invalid(field, field + " is \"" + shortened(name) + "\", the form is \"sessions/{id}\"");
 }
 
 std::string sessionName(const std::string& id) { return kPrefix + id; }

@@ -232,18 +232,29 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   return Versioned<Surface>{surface, in.revision()};
 }
 
+/// Lights and surfaces have one name space, and each has its name.
+Status checkPlace(const char* kind, const std::string& place, const std::string& name, std::set<std::string>& taken) {
+  if (place != name) return outOfRange(kind, place, invalid("name", "it is named \"" + name + "\" within"));
+  if (!taken.insert(name).second) return outOfRange(kind, name, invalid("name", "a light has this name too"));
+  return {};
+}
+
 Status objectsFrom(const kept::Snapshot& in, const Contents& contents, DocumentState* out) {
+  std::set<std::string> taken;
   for (const auto& [name, message] : in.lights()) {
+    if (Status s = checkPlace("light", name, message.name(), taken); !s.ok()) return s;
     Expected<Versioned<Light>> light = lightFrom(message, contents);
     if (!light) return light.status();
     out->lights.push_back(std::move(*light));
   }
   for (const auto& [name, message] : in.surfaces()) {
+    if (Status s = checkPlace("surface", name, message.name(), taken); !s.ok()) return s;
     Expected<Versioned<Surface>> surface = surfaceFrom(message, contents);
     if (!surface) return surface.status();
     out->surfaces.push_back(std::move(*surface));
   }
   for (const auto& [name, message] : in.cameras()) {
+    if (Status s = checkName(name); !s.ok()) return outOfRange("camera", name, s);
     const Expected<Camera> camera = fromProto(message.camera());
     if (!camera) return outOfRange("camera", name, camera.status());
     out->cameras.push_back({name, *camera, message.revision()});
@@ -296,6 +307,17 @@ Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
   return {};
 }
 
+/// Textures have no bytes but those of their upload: what an object wears is kept as one, whatever a file says.
+void addTextures(const Contents& contents, SavedSession* out) {
+  std::set<BlobHash> there;
+  for (const BlobPtr& blob : out->uploads) there.insert(blob->hash);
+  const auto add = [&](const TexturePtr& texture) {
+    if (texture && there.insert(texture->hash).second) out->uploads.push_back(contents.blob(texture->hash));
+  };
+  for (const Versioned<Light>& light : out->document.lights) add(light.object->texture);
+  for (const Versioned<Surface>& surface : out->document.surfaces) add(surface.object->albedoTexture);
+}
+
 Status fill(const store::Loaded& loaded, SavedSession* out) {
   const kept::Snapshot& snapshot = loaded.snapshot;
   if (Status s = frameFrom(snapshot, out); !s.ok()) return s;
@@ -310,6 +332,7 @@ Status fill(const store::Loaded& loaded, SavedSession* out) {
     if (!blob) return {Code::kDataLoss, "content " + hash + " is missing"};
     out->uploads.push_back(blob);
   }
+  addTextures(contents, out);
   return {};
 }
 

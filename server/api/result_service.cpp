@@ -5,6 +5,7 @@
 #include "api/probing.h"
 #include "api/services.h"
 #include "scene/raycast.h"
+#include "scene/text.h"
 
 namespace lpv::api {
 namespace {
@@ -182,7 +183,7 @@ static Expected<FrameWish> pickedWish(const SessionPtr& session, const pb::PickR
     const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(request.subscriber());
     const std::optional<FrameWish> frame = subscriber ? session->wishOf(subscriber).frame : std::nullopt;
     if (!frame) {
-      return Status(Code::kNotFound, "there is no frame subscriber \"" + request.subscriber().substr(0, 80) + "\"",
+      return Status(Code::kNotFound, "there is no frame subscriber \"" + shortened(request.subscriber()) + "\"",
                     "subscriber");
     }
     return *frame;

@@ -2,6 +2,7 @@
 
 #include "api/feeds.h"
 #include "api/services.h"
+#include "scene/text.h"
 
 namespace lpv::api {
 namespace {
@@ -137,7 +138,7 @@ Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRe
   const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
   if (!subscriber) {
     return Status(Code::kNotFound,
-                  "there is no subscriber \"" + request.subscriber().substr(0, 80) + "\"; its stream may have ended",
+                  "there is no subscriber \"" + shortened(request.subscriber()) + "\"; its stream may have ended",
                   "subscriber");
   }
   return applyUpdate(*session, subscriber, request.update(), context.limits).within("update");

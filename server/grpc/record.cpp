@@ -7,6 +7,7 @@
 
 #include "ops/audit.h"
 #include "ops/trace.h"
+#include "scene/text.h"
 
 namespace lpv::door {
 namespace {
@@ -30,7 +31,7 @@ std::string methodOf(const std::string& request) {
 
 std::string shortId(const std::string& session) {
   constexpr std::string_view kPrefix = "sessions/";
-  return session.starts_with(kPrefix) ? session.substr(kPrefix.size(), kMostIdBytes) : session.substr(0, kMostIdBytes);
+  return shortened(session.starts_with(kPrefix) ? session.substr(kPrefix.size()) : session, kMostIdBytes);
 }
 
 ops::LogContext contextOf(const grpc::CallbackServerContext& call, const std::string& session) {
@@ -57,7 +58,7 @@ grpc::Status record(const api::Context& context, const std::string& method, cons
   if (audited || concernsCaller(status)) {
     ops::auditRefusal({{"method", methodOf(method)},
                        {"reason", kReasons[reasonOf(status)]},
-                       {"why", status.message().substr(0, kMostMessageBytes)}});
+                       {"why", shortened(status.message(), kMostMessageBytes)}});
   }
   return toGrpc(status);
 }

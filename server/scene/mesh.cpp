@@ -28,14 +28,16 @@ Status checkCount(const char* field, std::size_t count, std::size_t vertices) {
                             std::to_string(vertices) + " positions; allowed are none or one each");
 }
 
-/// Normals a file got wrong are replaced, not refused: they only shade.
+/// Normals a file got wrong are replaced, not refused: they only shade. Those that have unit length stay bit for bit: a
+/// mesh that comes back from its own bytes has to be named by them again.
 void repairNormals(Mesh& mesh) {
+  constexpr float kUnit = 1e-6F;  // what a division leaves is nearer to 1
   std::vector<glm::vec3> replacement;
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     glm::vec3& n = mesh.normals[i];
     const float length = glm::length(n);
     if (std::isfinite(length) && length > 1e-12F) {
-      n /= length;
+      if (std::abs(length - 1.0F) > kUnit) n /= length;
       continue;
     }
     if (replacement.empty()) replacement = vertexNormals(mesh.positions, mesh.triangles);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scene/text.h"
 #include "session/clients.h"
 #include "session/digest.h"
 
@@ -123,7 +124,7 @@ Expected<Position> Access::revoke(const std::string& session, const std::string&
     const auto found = tokens_.find(tokenId);
     if (found == tokens_.end() || found->second.session != session) {
       return Status(Code::kNotFound,
-                    "session \"" + session + "\" has no access token \"" + tokenId.substr(0, 80) +
+                    "session \"" + session + "\" has no access token \"" + shortened(tokenId) +
                         "\"; it may have been revoked or have expired",
                     "token_id");
     }

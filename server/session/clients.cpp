@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "scene/text.h"
 #include "session/digest.h"
 
 namespace lpv {
@@ -83,11 +84,8 @@ namespace {
 /// Bytes of a message that is kept: what a client wrote is repeated in it.
 constexpr std::size_t kMostKeptText = 512;
 
-std::string shortened(const std::string& text) {
-  if (text.size() <= kMostKeptText) return text;
-  std::size_t end = kMostKeptText;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // not within a UTF-8 character
-  return text.substr(0, end) + " ...";
+std::string keptText(const std::string& text) {
+  return text.size() <= kMostKeptText ? text : shortened(text, kMostKeptText) + " ...";
 }
 
 }  // namespace
@@ -102,7 +100,7 @@ void Clients::record(const std::string& id, const EditOutcome& outcome) {
   }
   if (outcome.sequence == 0) return;
   client.outcomes.push_back(outcome);
-  if (Status& s = client.outcomes.back().status; !s.ok()) s = {s.code(), shortened(s.message()), shortened(s.field())};
+  if (Status& s = client.outcomes.back().status; !s.ok()) s = {s.code(), keptText(s.message()), keptText(s.field())};
   if (client.outcomes.size() > kRememberedOutcomes) {
     client.forgottenUpTo = std::max(client.forgottenUpTo, client.outcomes.front().sequence);
     client.outcomes.pop_front();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/error_goal.h"
+#include "scene/text.h"
 #include "session/access.h"
 
 namespace lpv {
@@ -16,7 +17,7 @@ Status checkId(const std::string& id) {
   const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
   if (id.size() <= 63 && std::all_of(id.begin(), id.end(), plain) && id[0] >= 'a' && id[0] <= 'z') return {};
   return invalid("session_id",
-                 "session_id is \"" + id.substr(0, 80) + "\", allowed are 1 to 63 of a-z, 0-9 and '-', first a letter");
+                 "session_id is \"" + shortened(id) + "\", allowed are 1 to 63 of a-z, 0-9 and '-', first a letter");
 }
 
 }  // namespace
@@ -121,7 +122,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
     }
     if (!kept_.contains(id)) {
       return Status(Code::kNotFound,
-                    "there is no session \"" + id.substr(0, 80) + "\" on this server; it may have expired", "session");
+                    "there is no session \"" + shortened(id) + "\" on this server; it may have expired", "session");
     }
     if (draining_) return Status(Code::kUnavailable, "draining: this server ends; ask another");
     if (Status s = checkRoom(); !s.ok()) return s;

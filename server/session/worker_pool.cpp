@@ -26,6 +26,18 @@ void WorkerPool::post(std::function<void()> job) {
   wake_.notify_one();
 }
 
+void WorkerPool::runQueued() {
+  std::unique_lock lock(mutex_);
+  while (!jobs_.empty()) {
+    std::function<void()> job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    job();
+    job = nullptr;
+    lock.lock();
+  }
+}
+
 void WorkerPool::run() {
   std::unique_lock lock(mutex_);
   while (true) {

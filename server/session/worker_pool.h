@@ -12,12 +12,16 @@ namespace lpv {
 /// Threads for work that may take milliseconds: parsing, hashing, encoding. Jobs must not throw.
 class WorkerPool {
  public:
+  /// Without threads, nothing runs but in runQueued().
   explicit WorkerPool(unsigned threads);
   ~WorkerPool() { stop(); }
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   void post(std::function<void()> job);
+  /// Runs what is queued, and what that posts, on the calling thread: a pool without threads does the same in every
+/// run.
+  void runQueued();
   /// Runs what is queued, then joins; what is posted later is dropped.
   void stop();
 

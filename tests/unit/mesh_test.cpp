@@ -107,6 +107,20 @@ TEST(FinishMesh, ReplacesNormalsThatAreNoneAndKeepsTheOthers) {
   EXPECT_EQ(mesh.normals[3], expected[3]);
 }
 
+// Red when every normal is divided by its length: one in two is another then.
+TEST(FinishMesh, FindsAFinishedMeshFinished) {
+  for (int i = 0; i < 1000; ++i) {
+    Mesh mesh = tent();
+    for (int v = 0; v < 4; ++v) {
+      mesh.normals.push_back(glm::vec3(std::sin(float(i + v)), std::cos(3.0F * float(i)), 0.1F * float(v + 1)));
+    }
+    ASSERT_TRUE(finishMesh(mesh).ok());
+    Mesh again = mesh;
+    ASSERT_TRUE(finishMesh(again).ok());
+    ASSERT_EQ(again.normals, mesh.normals) << i;
+  }
+}
+
 TEST(VertexNormals, AreWeightedByArea) {
   const Mesh mesh = tent();
   const std::vector<glm::vec3> normals = vertexNormals(mesh.positions, mesh.triangles);

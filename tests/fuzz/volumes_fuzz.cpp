@@ -1,0 +1,144 @@
+// The client's decoder of volumes and frames against a server that sends anything, and the codec against volumes of any
+// content: what is published comes back bit for bit, however it is coded, and is as near the truth as its class says.
+//
+// Seen to find a run of bricks that is not compared with their number (VolumeDecoder::claim).
+
+#include <fuzzer/FuzzedDataProvider.h>
+
+#include <cmath>
+
+#include "assemble.h"
+#include "fuzz/check.h"
+#include "unit/wire_rig.h"
+#include "wire/compression.h"
+
+namespace lpv::fuzz {
+namespace {
+
+namespace pb = lpv::v1;
+
+/// Halves have 11 bits, whatever the tolerance.
+constexpr double kHalfRounding = 1e-3;
+
+std::string bytesOf(FuzzedDataProvider& in) { return in.ConsumeRandomLengthString(2000); }
+
+int smallOrAny(FuzzedDataProvider& in, int low, int high) {
+  return in.ConsumeIntegralInRange(0, 15) == 0 ? in.ConsumeIntegral<int>() : in.ConsumeIntegralInRange(low, high);
+}
+
+pb::VolumeHeader headerOf(FuzzedDataProvider& in) {
+  pb::VolumeHeader header;
+  header.mutable_result()->set_result_id(in.ConsumeIntegralInRange<std::uint64_t>(0, 4));
+  header.mutable_result()->set_checksum(in.ConsumeIntegral<std::uint64_t>());
+  header.mutable_grid()->set_cell_size(in.ConsumeBool() ? 1.0 : in.ConsumeFloatingPoint<double>());
+  header.mutable_grid()->mutable_dims()->set_x(smallOrAny(in, 1, 20));
+  header.mutable_grid()->mutable_dims()->set_y(smallOrAny(in, 1, 9));
+  header.mutable_grid()->mutable_dims()->set_z(smallOrAny(in, 1, 9));
+  header.set_sh_bands(smallOrAny(in, 2, 2));
+  header.set_brick_edge(smallOrAny(in, 8, 8));
+  header.set_format(pb::VolumeFormat(in.ConsumeIntegralInRange(0, 4)));
+  header.set_compression(pb::PayloadCompression(in.ConsumeIntegralInRange(0, 3)));
+  for (int layers = smallOrAny(in, 1, 9) % 20; layers > 0; --layers) {
+    header.add_layers()->set_scale(in.ConsumeBool() ? 1.0 : in.ConsumeFloatingPoint<double>());
+  }
+  header.set_base_result_id(in.ConsumeIntegralInRange<std::uint64_t>(0, 2));
+  header.set_part_count(smallOrAny(in, 1, 3));
+  return header;
+}
+
+/// Parts without any plan.
+void hostileVolume(FuzzedDataProvider& in) {
+  client::VolumeAssembler assembler;
+  while (in.remaining_bytes() > 0) {
+    pb::VolumePart part;
+    if (in.ConsumeBool()) *part.mutable_header() = headerOf(in);
+    part.set_result_id(in.ConsumeIntegralInRange<std::uint64_t>(0, 4));
+    part.set_index(smallOrAny(in, 0, 2));
+    for (int runs = in.ConsumeIntegralInRange(0, 3); runs > 0; --runs) {
+      pb::BrickRun* run = part.add_bricks();
+      run->set_first(smallOrAny(in, 0, 8));
+      run->set_count(smallOrAny(in, 1, 4));
+    }
+    const std::string body = bytesOf(in);
+    part.set_payload(in.ConsumeBool() ? wire::compress(body) : body);
+    const auto result = assembler.add(part);
+    if (!result) checkRefusal(result.status());
+  }
+}
+
+void hostileFrame(FuzzedDataProvider& in) {
+  client::FrameAssembler assembler;
+  while (in.remaining_bytes() > 0) {
+    pb::FramePart part;
+    if (in.ConsumeBool()) {
+      part.mutable_header()->set_size(smallOrAny(in, 0, 100));
+      part.mutable_header()->set_part_count(smallOrAny(in, 1, 3));
+    }
+    part.set_index(smallOrAny(in, 0, 2));
+    part.set_payload(in.ConsumeRandomLengthString(50));
+    const auto result = assembler.add(part);
+    if (!result) checkRefusal(result.status());
+  }
+}
+
+/// Light as a field can have it: more from one side than from another, nowhere negative.
+Volume anyVolume(FuzzedDataProvider& in, const glm::ivec3& dims, std::size_t layers) {
+  Volume volume;
+  volume.grid = Grid{{0.0, 0.0, 0.0}, 0.25, dims};
+  const float magnitude = std::exp2(float(in.ConsumeIntegralInRange(-60, 60)));
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    VolumeLayer& out = volume.layers.emplace_back(VolumeLayer{"group" + std::to_string(layer), {}});
+    for (std::size_t i = 0; i < volume.grid.cells() * 3; ++i) {
+      const int stops = in.ConsumeIntegral<std::int8_t>() / 8;
+      const float light = stops < 0 ? 0.0F : magnitude * std::exp2(-float(stops)) * (1.0F + float(i % 7) / 8.0F);
+      out.coefficients.push_back(light);
+      for (int m = 0; m < 3; ++m) out.coefficients.push_back(light * float(in.ConsumeIntegral<std::int8_t>()) / 128.0F);
+    }
+  }
+  return volume;
+}
+
+/// Results of one chain, coded whole and relative to each other, through the codec's both ends.
+void roundTrips(FuzzedDataProvider& in) {
+  const auto format = wire::Format(in.ConsumeIntegralInRange(0, 2));
+  const int toleranceClass = in.ConsumeIntegralInRange(0, wire::kToleranceClasses - 1);
+  const auto compression = in.ConsumeBool() ? wire::Compression::kZstd : wire::Compression::kNone;
+  const glm::ivec3 dims(in.ConsumeIntegralInRange(1, 10), in.ConsumeIntegralInRange(1, 3),
+                        in.ConsumeIntegralInRange(1, 3));
+  const auto layers = std::size_t(in.ConsumeIntegralInRange(1, 2));
+  const double allowed =
+      wire::toleranceOf(format, toleranceClass) + (format == wire::Format::kHalf ? kHalfRounding : 0.0);
+  wire::VolumeStatePtr published;
+  wire::VolumeStatePtr held;
+  for (int result = in.ConsumeIntegralInRange(1, 3); result > 0; --result) {
+    const Volume truth = anyVolume(in, dims, layers);
+    published = wire::publish(truth, format, toleranceClass, published.get());
+    const wire::VolumeStatePtr base = held && held->shape == published->shape ? held : nullptr;
+    const wire::EncodedVolume encoded =
+        wire::encodeVolume(*published, base.get(), compression, std::size_t(in.ConsumeIntegralInRange(1, 30'000)));
+    const Expected<wire::VolumeStatePtr> decoded = wire::decode(*published, encoded, base);
+    check(decoded.ok(), "what was encoded can be decoded: " + decoded.status().message());
+    check(wire::checksumOf(**decoded) == wire::checksumOf(*published), "a volume comes back bit for bit");
+    const double off = wire::furthest(truth, wire::volumeFrom(**decoded));
+    check(off <= allowed, "a volume is within " + std::to_string(allowed) + " of the truth, is " + std::to_string(off));
+    held = *decoded;
+  }
+}
+
+}  // namespace
+}  // namespace lpv::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  FuzzedDataProvider in(data, size);
+  switch (in.ConsumeIntegralInRange(0, 3)) {
+    case 0:
+      lpv::fuzz::hostileFrame(in);
+      break;
+    case 1:
+      lpv::fuzz::roundTrips(in);
+      break;
+    default:
+      lpv::fuzz::hostileVolume(in);
+  }
+  return 0;
+}

@@ -1,0 +1,88 @@
+// Sessions whose files no server of ours wrote: used whole, or refused by name.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "api/blob_content.h"
+#include "api/convert_session.h"
+#include "api/convert_store.h"
+#include "reference/meshes.h"
+
+namespace lpv::api {
+namespace {
+
+using testing::HasSubstr;
+
+class ForeignSession : public testing::Test {
+ protected:
+  ForeignSession() {
+    toProto(SessionOptions(), snapshot().mutable_settings());
+    snapshot().mutable_grid()->set_cell_size(1.0);
+    for (const auto set : {&pb::Dims::set_x, &pb::Dims::set_y, &pb::Dims::set_z}) {
+      (snapshot().mutable_grid()->mutable_dims()->*set)(4);
+    }
+    mesh_ = add(pb::BLOB_KIND_MESH, meshBytes(*reference::quad()));
+    pb::Texture texture;
+    texture.set_width(1);
+    texture.set_height(1);
+    texture.set_format(pb::TEXTURE_FORMAT_RGB8_SRGB);
+    texture.set_texels("rgb");
+    texture_ = add(pb::BLOB_KIND_TEXTURE, texture.SerializeAsString());
+    light("Lamp", "Lamp");
+  }
+
+  kept::Snapshot& snapshot() { return loaded_.snapshot; }
+  std::string add(pb::BlobKind kind, const std::string& bytes) {
+    loaded_.contents.push_back({sha256(bytes), kind, std::make_shared<const std::string>(bytes)});
+    return sha256(bytes);
+  }
+  pb::Light& light(const std::string& place, const std::string& name) {
+    pb::Light& out = (*snapshot().mutable_lights())[place];
+    out.set_name(name);
+    out.set_mesh(mesh_);
+    return out;
+  }
+  void expectLost(const std::string& words) {
+    const Status status = fromStore(loaded_).status();
+    EXPECT_EQ(status.code(), Code::kDataLoss);
+    EXPECT_THAT(status.message(), HasSubstr(words));
+  }
+
+  store::Loaded loaded_;
+  std::string mesh_;
+  std::string texture_;
+};
+
+// Red when textures are kept where the file says that they were uploaded only: the next restart finds none.
+TEST_F(ForeignSession, ATextureThatNobodyUploadedIsKeptAllTheSame) {
+  light("Lamp", "Lamp").set_texture(texture_);
+  const Expected<SavedSession> state = fromStore(loaded_);
+  ASSERT_TRUE(state.ok()) << state.status().message();
+  const Expected<SavedSession> again = fromStore({{}, toSnapshot(*state), contentsOf(*state)});
+  ASSERT_TRUE(again.ok()) << again.status().message();
+  EXPECT_EQ(again->document.lights[0].object->texture->hash, texture_);
+}
+
+// Red, each, without its check.
+TEST_F(ForeignSession, AnObjectUnderAnotherNameIsRefused) {
+  light("Other", "Lamp");
+  expectLost("light \"Other\": it is named \"Lamp\" within");
+}
+
+TEST_F(ForeignSession, TwoObjectsOfOneNameAreRefused) {
+  pb::Surface& wall = (*snapshot().mutable_surfaces())["Lamp"];
+  wall.set_name("Lamp");
+  wall.set_mesh(mesh_);
+  expectLost("surface \"Lamp\": a light has this name too");
+}
+
+TEST_F(ForeignSession, ACameraWithoutANameIsRefused) {
+  pb::Camera camera;
+  camera.mutable_eye()->set_z(3.0);
+  camera.mutable_target()->set_z(0.0);
+  *(*snapshot().mutable_cameras())["a/b"].mutable_camera() = camera;
+  expectLost("camera \"a/b\"");
+}
+
+}  // namespace
+}  // namespace lpv::api
