@@ -206,7 +206,7 @@ TEST_F(Pacing, OnlyJpegIsAdapted) {
   const auto reader = stubs_.result->WatchFrames(call, request);
   pb::WatchFramesResponse response;
   EXPECT_FALSE(reader->Read(&response));
-  EXPECT_THAT(reader->Finish(), Refused(StatusCode::INVALID_ARGUMENT, "adapt_rate", "JPEG"));
+  EXPECT_THAT(reader->Finish(), Refused(StatusCode::INVALID_ARGUMENT, "subscription.adapt_rate", "JPEG"));
 }
 
 /// Opened and left without a word: the server ends each after its first_message limit of 10 s.
