@@ -16,7 +16,7 @@ struct Context {
   WorkerPool* pool = nullptr;
   Timers* timers = nullptr;
   Counters* counters = nullptr;
-  Limits limits;
+  Limits limits;  ///< of when the call began
   DeviceInfo device;
   std::string version;
   std::chrono::system_clock::time_point started;

@@ -96,7 +96,7 @@ void VolumeFeed::offer(const Result& result) {
 }
 
 void FrameFeed::offer(const Result& result) {
-  Expected<std::string> file = encodeFrame(*result.frame, format_, quality_);
+  Expected<std::string> file = encodeFrame(*result.frame, format_, result.quality);
   if (!file) {
     const ops::LogScope scope({session()->id(), {}, {}});
     spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());
@@ -147,7 +147,12 @@ Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::
   wish.clientId = client.id;
   wish.maxRate = in.max_rate();
   wish.twoCredits = in.two_credits();
-  auto feed = std::make_shared<FrameFeed>(context, *session, order->format, order->quality);
+  if (Status s = checkRate(in.adapt_rate()); !s.ok()) return s.within("adapt_rate");
+  if (in.adapt_rate() > 0.0 && order->format != pb::FRAME_FORMAT_JPEG) {
+    return invalid("adapt_rate", "adapt_rate is given for a format that has no quality; want JPEG, or leave it out");
+  }
+  wish.adaptRate = in.adapt_rate();
+  auto feed = std::make_shared<FrameFeed>(context, *session, order->format);
   if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
   return feed;
 }

@@ -64,13 +64,12 @@ class VolumeFeed final : public Feed<pb::VolumeEvent> {
 
 class FrameFeed final : public Feed<pb::FrameEvent> {
  public:
-  FrameFeed(const Context& context, SessionPtr session, pb::FrameFormat format, int quality)
-      : Feed(context, std::move(session)), format_(format), quality_(quality) {}
+  FrameFeed(const Context& context, SessionPtr session, pb::FrameFormat format)
+      : Feed(context, std::move(session)), format_(format) {}
   void offer(const Result& result) override;
 
  private:
   pb::FrameFormat format_;
-  int quality_;
 };
 
 /// A feed for what a subscription asks, subscribed; errors by field.

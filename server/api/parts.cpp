@@ -88,6 +88,7 @@ bool FrameParts::next(pb::FramePart* out) {
     header->set_width(result_.frame->size.x);
     header->set_height(result_.frame->size.y);
     header->set_format(format_);
+    if (format_ == pb::FRAME_FORMAT_JPEG) header->set_quality(result_.quality);
     header->set_exposure_ev(result_.frame->exposureEv);
     header->set_camera_sequence(result_.cameraSequence);
     header->set_size(std::int64_t(file_.size()));

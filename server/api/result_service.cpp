@@ -122,7 +122,7 @@ class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameRespons
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
-    Expected<std::string> file = encodeFrame(*result.frame, order_.format, order_.quality);
+    Expected<std::string> file = encodeFrame(*result.frame, order_.format, result.quality);
     if (!file) return file.status();
     const auto parts = std::make_shared<FrameParts>(result, order_.format, std::move(*file));
     context_.counters->countSent(sentAs(order_.format), parts->bytes());

@@ -58,7 +58,7 @@ Expected<FrameOrder> common(const Message& in, const pb::Camera* camera, pb::Fra
   order.wish.camera = *choice;
   order.wish.format = *format == pb::FRAME_FORMAT_EXR ? PixelFormat::kRgb32F : PixelFormat::kRgb8;
   order.format = *format;
-  order.quality = *quality;
+  order.wish.quality = *quality;
   return order;
 }
 

@@ -14,7 +14,6 @@ namespace pb = lpv::v1;
 struct FrameOrder {
   FrameWish wish;
   pb::FrameFormat format = pb::FRAME_FORMAT_JPEG;
-  int quality = 85;
 };
 
 /// Defaults filled in; INVALID_ARGUMENT by field.

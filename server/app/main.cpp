@@ -121,6 +121,7 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Worksho
   sources.registry = context.registry;
   sources.journal = workshop.journal;
   sources.storeQueue = [&store] { return store.queued(); };
+  sources.engine = workshop.engine;
   sources.device = context.device;
   sources.version = context.version;
   sources.started = context.started;
@@ -137,7 +138,41 @@ void drain(Registry& registry, door::Door& door, ops::Health& health) {
   door.shutdown(kShutdownPatience);
 }
 
-int serve(const Options& options, Signals& signals) {
+/// What SIGHUP makes anew, each by itself: what cannot be read stays as it was.
+class Reloader {
+ public:
+  Reloader(int argc, char** argv, Options& options, Access& access, Registry& registry)
+      : argc_(argc), argv_(argv), options_(options), access_(access), registry_(registry) {}
+
+  void run() {
+    token();
+    limits();
+  }
+
+ private:
+  void token() {
+    const Status read = readAdminToken(options_, access_);
+    if (!read.ok()) return spdlog::error("SIGHUP: {}; what was read before is kept", read.message());
+    spdlog::info("SIGHUP: --admin-token-file {}", options_.adminTokenFile.empty() ? "is not given" : "was read again");
+  }
+
+  void limits() {
+    const Expected<Reload> read = reload(argc_, argv_, options_);
+    if (!read) return spdlog::error("SIGHUP: {}; the limits stay as they were", read.status().message());
+    registry_.setLimits(read->limits);
+    for (const std::string& change : read->applied) spdlog::info("SIGHUP: {}", change);
+    for (const std::string& flag : read->kept)
+      spdlog::warn("SIGHUP: {} has changed, which takes effect at the next start", flag);
+  }
+
+  int argc_;
+  char** argv_;
+  Options& options_;
+  Access& access_;
+  Registry& registry_;
+};
+
+int serve(int argc, char** argv, Options options, Signals& signals) {
   // Whoever waits for the files must not find the ports of an earlier run.
   for (const std::string& file : {options.portFile, options.opsPortFile}) {
     if (!file.empty()) std::remove(file.c_str());
@@ -181,11 +216,8 @@ int serve(const Options& options, Signals& signals) {
   }
   spdlog::info("lpvd {} on {} (port {}), {} [{}{}]", kVersion, options.listen, door.port(), context.device.name,
                context.device.platform, context.device.software ? ", software" : "");
-  const int signal = signals.waitForEnd([&] {
-    const Status read = readAdminToken(options, access);
-    if (!read.ok()) return spdlog::error("SIGHUP: {}; what was read before is kept", read.message());
-    spdlog::info("SIGHUP: --admin-token-file {}", options.adminTokenFile.empty() ? "is not given" : "was read again");
-  });
+  Reloader reloader(argc, argv, options, access, registry);
+  const int signal = signals.waitForEnd([&] { reloader.run(); });
   spdlog::info("signal {}: draining", signal);
   drain(registry, door, health);
   // Nothing may run that could still reach the registry or the engine when they go.
@@ -211,5 +243,5 @@ int main(int argc, char** argv) {
     return 0;
   }
   app::Signals signals;
-  return app::serve(parsed.options, signals);
+  return app::serve(argc, argv, parsed.options, signals);
 }

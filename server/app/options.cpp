@@ -1,8 +1,10 @@
 #include "app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <iostream>
+#include <iterator>
 #include <optional>
 
 #include "app/version.h"
@@ -12,10 +14,12 @@ namespace {
 
 /// Options of the contract whose feature is not in this version: named, so that a refusal can say so.
 constexpr const char* kLater[] = {"--web"};
+/// Options of this group change while the server runs.
+constexpr const char* kLimitsGroup = "Limits";
 
 void addLimits(CLI::App& app, Limits& limits) {
   const auto limit = [&app](const char* flag, auto& value, const char* what, double low, double high) {
-    app.add_option(flag, value, what)->check(CLI::Range(low, high))->capture_default_str()->group("Limits");
+    app.add_option(flag, value, what)->check(CLI::Range(low, high))->capture_default_str()->group(kLimitsGroup);
   };
   limit("--max-sessions", limits.maxSessions, "sessions on this server", 1, 100000);
   limit("--max-clients-per-session", limits.maxClientsPerSession, "joined clients of a session", 1, 10000);
@@ -29,12 +33,14 @@ void addLimits(CLI::App& app, Limits& limits) {
   limit("--max-presence-updates-per-second", limits.maxPresenceUpdatesPerSecond, "presence updates of one client", 0.1,
         1000);
   limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
+  limit("--max-tick-seconds", limits.maxTickSeconds, "seconds of this device that a tick is predicted to take", 0.001,
+        86400);
   const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what, int least) {
     app.add_option_function<int>(
            flag, [&value](const int& given) { value = std::chrono::seconds(given); }, what)
         ->check(CLI::Range(least, 86400))
         ->default_str(std::to_string(value.count()))
-        ->group("Limits");
+        ->group(kLimitsGroup);
   };
   seconds("--upload-idle", limits.uploadIdle, "seconds without a part after which an upload is given up", 1);
   seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take", 1);
@@ -134,12 +140,21 @@ Status check(Options& options) {
   return {};
 }
 
-}  // namespace
+/// All options, told where to put their values.
+class CommandLine {
+ public:
+  explicit CommandLine(Options& options);
+  CLI::App app{"lpvd: keeps light propagation volumes per session on the GPU and streams what they light", "lpvd"};
+  /// The flag of a later version that was given, or null.
+  const char* laterGiven() const;
+  /// Options::given.
+  std::map<std::string, std::string> values() const;
 
-Parsed parse(int argc, char** argv) {
-  Parsed out;
-  Options& o = out.options;
-  CLI::App app("lpvd: keeps light propagation volumes per session on the GPU and streams what they light", "lpvd");
+ private:
+  std::string later_;
+};
+
+CommandLine::CommandLine(Options& o) {
   app.set_config("--config", "", "read options from a TOML file")->envname("LPVD_CONFIG");
   app.add_option("--listen", o.listen, "gRPC address, HOST:PORT or :PORT on the loopback; port 0 takes a free one")
       ->capture_default_str();
@@ -153,22 +168,45 @@ Parsed parse(int argc, char** argv) {
   app.add_flag("--print-config", o.printConfig, "print the configuration as TOML, then exit")->configurable(false);
   app.add_flag("--version", o.version, "print the version, then exit")->configurable(false);
   addLimits(app, o.limits);
-  std::string later;
-  for (const char* flag : kLater) app.add_option(flag, later, "not built in this version")->group("Later versions");
+  for (const char* flag : kLater) app.add_option(flag, later_, "not built in this version")->group("Later versions");
   for (CLI::Option* option : app.get_options()) {
     if (!option->get_envname().empty() || !option->get_configurable() || option->get_lnames().empty()) continue;
     std::string name = "LPVD_" + option->get_lnames().front();
     for (char& c : name) c = c == '-' ? '_' : char(std::toupper(static_cast<unsigned char>(c)));
     option->envname(name);
   }
+}
+
+const char* CommandLine::laterGiven() const {
+  const auto given =
+      std::find_if(std::begin(kLater), std::end(kLater), [this](auto flag) { return app.count(flag) > 0; });
+  return given == std::end(kLater) ? nullptr : *given;
+}
+
+std::map<std::string, std::string> CommandLine::values() const {
+  std::map<std::string, std::string> out;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_configurable() || option->get_lnames().empty()) continue;
+    const auto& results = option->results();
+    out["--" + option->get_lnames().front()] = results.empty() ? option->get_default_str() : results.back();
+  }
+  return out;
+}
+
+}  // namespace
+
+Parsed parse(int argc, char** argv) {
+  Parsed out;
+  Options& o = out.options;
+  CommandLine line(o);
+  CLI::App& app = line.app;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     out.exitStatus = app.exit(error, std::cout, std::cerr) == 0 ? 0 : 2;
     return out;
   }
-  for (const char* flag : kLater) {
-    if (app.count(flag) == 0) continue;
+  if (const char* flag = line.laterGiven()) {
     std::cerr << "lpvd: " << flag << " is not built in this version; leave it out\n";
     out.exitStatus = 2;
     return out;
@@ -186,7 +224,35 @@ Parsed parse(int argc, char** argv) {
     out.exitStatus = 2;
     return out;
   }
+  o.given = line.values();
   out.run = true;
+  return out;
+}
+
+Expected<Reload> reload(int argc, char** argv, Options& running) {
+  Options fresh;
+  CommandLine line(fresh);
+  try {
+    line.app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return invalid("config", error.what());
+  }
+  if (const char* flag = line.laterGiven())
+    return invalid("config", std::string(flag) + " is not built in this version");
+  if (Status s = check(fresh); !s.ok()) return s;
+  Reload out;
+  out.limits = fresh.limits;
+  for (const auto& [flag, value] : line.values()) {
+    std::string& before = running.given[flag];
+    if (before == value) continue;
+    if (line.app.get_option(flag)->get_group() == kLimitsGroup) {
+      out.applied.push_back(flag + " " + before + " -> " + value);
+      before = value;
+    } else {
+      out.kept.push_back(flag);
+    }
+  }
+  running.limits = fresh.limits;
   return out;
 }
 

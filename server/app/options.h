@@ -1,7 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "grpc/certificates.h"
 #include "lpv/engine.h"
@@ -29,6 +31,7 @@ struct Options {
   bool reflection = false;     ///< although tokens are asked for
   Limits limits;
   DeviceChoice choice;
+  std::map<std::string, std::string> given;  ///< every option by its flag, as text: what a reload compares
 };
 
 /// What to do after parsing: run, or exit with a status.
@@ -37,6 +40,16 @@ struct Parsed {
   bool run = false;
   int exitStatus = 0;
 };
+
+/// What a configuration that was read again changes.
+struct Reload {
+  Limits limits;                     ///< to be used from now on
+  std::vector<std::string> applied;  ///< "--max-lights 1024 -> 2"
+  std::vector<std::string> kept;     ///< flags of changes that only a new start takes up
+};
+/// Reads flags, environment and file again, and compares them with what `running` was started or reloaded with, which
+/// then counts the new limits as its own. INVALID_ARGUMENT, and nothing changes, for what a start would refuse.
+Expected<Reload> reload(int argc, char** argv, Options& running);
 
 /// Parses and checks. Prints help, version, configuration or an error itself.
 Parsed parse(int argc, char** argv);

@@ -25,11 +25,12 @@ Expected<std::string> shownToken(const grpc::CallbackServerContext& call) {
 }  // namespace
 
 Expected<api::Context> admit(const api::Context& server, const grpc::CallbackServerContext& call) {
+  api::Context own = server;
+  own.limits = server.registry->limits();
   const Expected<std::string> token = shownToken(call);
-  if (!token) return server.access->required() ? Expected<api::Context>(token.status()) : server;
+  if (!token) return server.access->required() ? Expected<api::Context>(token.status()) : own;
   Expected<Grant> caller = server.access->verify(*token);
   if (!caller) return caller.status();
-  api::Context own = server;
   own.caller = std::move(*caller);
   return own;
 }

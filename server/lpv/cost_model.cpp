@@ -4,7 +4,7 @@ namespace lpv {
 namespace {
 
 /// Seconds per unit, seen on llvmpipe with two cores by tests/bench/fairness_bench; in the order of Stage.
-constexpr std::array<double, kStages> kOnSoftware = {5e-10, 3e-7, 1e-7, 1.5e-8, 2e-8, 2e-8, 3e-8, 3e-8, 3e-8, 1e-9};
+constexpr std::array<double, kStages> kOnSoftware = {5e-10, 6e-7, 1e-7, 1.2e-8, 2.5e-8, 2e-8, 3e-8, 3e-8, 1e-7, 6e-9};
 /// A graphics card is assumed to be so much faster while nothing was measured: too little only makes first pieces
 /// small.
 constexpr double kHardwareIsFaster = 20.0;

@@ -33,9 +33,10 @@ Pieces prepare(LightField& field, bool clampFaces) {
   co_await copy(field.injected.buffer, field.sum->buffer);
 }
 
-/// Layers of cells that a piece may take, a multiple of what one group marches through.
+/// Layers of cells that a piece may take: whole marches of a group where there is room for one.
 int layersFor(double cellsPerLayer, double room) {
-  return std::max(1, int(room / cellsPerLayer) / layout::kFieldMarch) * layout::kFieldMarch;
+  const int layers = std::max(1, int(room / cellsPerLayer + 1e-9));
+  return layers < layout::kFieldMarch ? layers : layers / layout::kFieldMarch * layout::kFieldMarch;
 }
 
 }  // namespace
@@ -68,7 +69,7 @@ Pieces Propagator::run(LightField& field, CellBox box, int iterations, bool clam
     const double perLayer = cellsOf(box) / (box.upper.z - box.lower.z) * field.allChannels();
     for (CellBox slab = box; slab.lower.z < box.upper.z; slab.lower.z = slab.upper.z) {
       const double room = pacing.unitsFor(Stage::kPropagate) - queued;
-      if (queued > 0.0 && room < perLayer * std::min(layout::kFieldMarch, box.upper.z - slab.lower.z)) {
+      if (queued > 0.0 && room < perLayer) {
         co_yield piece(Stage::kPropagate, queued);
         queued = 0.0;
       }

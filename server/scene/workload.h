@@ -15,6 +15,7 @@ namespace lpv {
 /// come on top, and go by their own size. Sizes of lights are bounds or estimates (VPLs), good to a factor of a few.
 class Workload {
  public:
+  Workload() = default;
   /// `options` as they are carried out (scene/error_goal.h).
   Workload(const SessionOptions& options, const Grid& grid);
   void add(const Light& light);

@@ -31,6 +31,8 @@ using BlobPtr = std::shared_ptr<const Blob>;
 class Blobs {
  public:
   explicit Blobs(const Limits& limits) : limits_(limits) {}
+  /// From now on; what is there stays.
+  void setLimits(const Limits& limits) { limits_ = limits; }
 
   /// True where it was there already. RESOURCE_EXHAUSTED by name where the session is full.
   Expected<bool> add(const BlobPtr& blob, Clock::time_point now);

@@ -42,6 +42,8 @@ struct ClientState {
 class Clients {
  public:
   explicit Clients(const Limits& limits) : limits_(limits) {}
+  /// From now on; what is there stays.
+  void setLimits(const Limits& limits) { limits_ = limits; }
 
   /// A new identity: id and 128-bit secret. RESOURCE_EXHAUSTED when the session is full.
   Expected<ClientIdentity> join();

@@ -1,6 +1,7 @@
 #include "session/document.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "scene/error_goal.h"
 
@@ -28,6 +29,16 @@ std::vector<Versioned<T>> newer(const std::map<std::string, Versioned<T>>& objec
 }
 
 }  // namespace
+
+Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
+  if (tick.seconds <= limits.maxTickSeconds) return {};
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "max_tick_seconds: on this device a tick of the session is predicted to take %.1f s, most of it to %s; "
+                "allowed are %g s; use a coarser grid, fewer iterations, smaller lights or fewer light groups",
+                tick.seconds, tick.mostly.c_str(), limits.maxTickSeconds);
+  return exhausted("max_tick_seconds", text);
+}
 
 Document::Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher)
     : limits_(limits), hasher_(std::move(hasher)), options_(options) {
@@ -98,7 +109,34 @@ Status Document::checkAll(const Undo& undo) {
   recount();
   if (Status s = checkTotals(); !s.ok()) return s;
   if (Status s = checkGroups(undo); !s.ok()) return s;
-  return undo.contentAdded ? refit(false) : Status();
+  if (undo.contentAdded) {
+    if (Status s = refit(false); !s.ok()) return s;
+  }
+  return checkCost(options_, grid_);
+}
+
+void Document::predictWith(std::function<Prediction(const Workload&)> predict) {
+  predict_ = std::move(predict);
+  admitted_ = workload(options_, grid_);
+}
+
+Workload Document::workload(const SessionOptions& options, const Grid& grid) const {
+  Workload out(carriedOut(options), grid);
+  for (const auto& [name, light] : lights_) out.add(*light.object);
+  for (const auto& [name, surface] : surfaces_) out.add(*surface.object);
+  return out;
+}
+
+/// A change that makes nothing dearer is accepted: what was admitted once, when the device seemed faster, can be
+/// edited.
+Status Document::checkCost(const SessionOptions& options, const Grid& grid) {
+  if (!predict_) return {};
+  Workload after = workload(options, grid);
+  if (Status s = checkTickSeconds(predict_(after), limits_); !s.ok()) {
+    if (predict_(after).seconds > predict_(admitted_).seconds) return s;
+  }
+  admitted_ = std::move(after);
+  return {};
 }
 
 void Document::takeBack(Undo& undo) {
@@ -218,12 +256,17 @@ void Document::recount() {
 Status Document::setOptions(const SessionOptions& options) {
   if (options == options_) return {};
   if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
+  Grid grid = grid_;
+  std::uint64_t gridRevision = gridRevision_;
   if (!(carriedOut(options).grid == carriedOut(options_).grid)) {
-    const Expected<Grid> grid = gridFor(options, content());
-    if (!grid) return grid.status().within("settings.grid");
-    grid_ = *grid;
-    gridRevision_ = revision_ + 1;
+    const Expected<Grid> fitted = gridFor(options, content());
+    if (!fitted) return fitted.status().within("settings.grid");
+    grid = *fitted;
+    gridRevision = revision_ + 1;
   }
+  if (Status s = checkCost(options, grid); !s.ok()) return s;
+  grid_ = grid;
+  gridRevision_ = gridRevision;
   options_ = options;
   optionsRevision_ = ++revision_;
   snapshot_.reset();

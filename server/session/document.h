@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "lpv/engine.h"
 #include "scene/edits.h"
 #include "scene/scene.h"
 #include "session/blobs.h"
@@ -73,14 +74,23 @@ using MeshHasher = std::function<BlobHash(const Mesh&)>;
 /// Deletions remembered for readers that come back; older ones get a snapshot.
 inline constexpr std::size_t kMaxTombstones = 10'000;
 
+/// RESOURCE_EXHAUSTED, max_tick_seconds, for a session whose ticks are too dear for the device.
+Status checkTickSeconds(const Prediction& tick, const Limits& limits);
+
 class Document {
  public:
   /// `options` have passed checkOptions and their grid can be made.
   Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher);
+  /// From now on what costs more than it did, and too much, is refused.
+  void predictWith(std::function<Prediction(const Workload&)> predict);
+  /// RESOURCE_EXHAUSTED, max_tick_seconds, where the document as it is costs too much.
+  Status checkCost() const { return checkTickSeconds(predict_(admitted_), limits_); }
 
   /// A document that was: `state` is what state() gave.
   Document(const DocumentState& state, const Limits& limits, MeshHasher hasher);
   DocumentState state() const;
+  /// From now on; what is there stays.
+  void setLimits(const Limits& limits) { limits_ = limits; }
   /// RESOURCE_EXHAUSTED, by name, where there is more in it than the limits allow.
   Status checkTotals() const;
 
@@ -202,6 +212,8 @@ class Document {
   template <typename T>
   void restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Undo& undo);
   Status checkGroups(const Undo& undo) const;
+  Workload workload(const SessionOptions& options, const Grid& grid) const;
+  Status checkCost(const SessionOptions& options, const Grid& grid);
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always);
@@ -213,6 +225,8 @@ class Document {
 
   Limits limits_;
   MeshHasher hasher_;
+  std::function<Prediction(const Workload&)> predict_;
+  Workload admitted_;  ///< what there is to do as of the last change
   SessionOptions options_;
   Grid grid_;
   std::uint64_t revision_ = 0;

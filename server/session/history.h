@@ -29,6 +29,8 @@ enum class Direction { kUndo, kRedo };
 class History {
  public:
   explicit History(const Limits& limits) : limits_(limits) {}
+  /// From now on; what is there stays.
+  void setLimits(const Limits& limits) { limits_ = limits; }
 
   /// `document` has just applied `edit`, which gave the objects these names. Nobody's edits (`client` empty) are no
   /// steps, but they are writes.

@@ -25,6 +25,7 @@ struct Limits {
   double maxPresenceUpdatesPerSecond = 30.0;  ///< per client
   std::chrono::seconds presenceIdle{15};  ///< a member without streams who says nothing for so long is gone
   double maxTickRate = 30.0;  ///< ticks of one session per second
+  double maxTickSeconds = 30.0;  ///< that a tick from nothing is predicted to take of the device
   int maxFrameEdge = 4096;  ///< pixels
   int minFrameEdge = 16;
   int maxProbePoints = 16384;

@@ -49,6 +49,8 @@ using PresentMembers = std::map<std::string, PresentMember>;
 class PresentOnes {
  public:
   explicit PresentOnes(const Limits& limits) : limits_(limits) {}
+  /// From now on; what is there stays.
+  void setLimits(const Limits& limits) { limits_ = limits; }
 
   /// A new member, who is seen at once where it says a name or a colour.
   void join(const std::string& client, const PresenceUpdate& update, Clock::time_point now);

@@ -71,7 +71,10 @@ Status Registry::checkNew(const std::string& wantedId) const {
 Expected<SessionPtr> Registry::create(const std::string& wantedId, const SessionOptions& options,
                                       const SessionManners& manners, const std::string& requestId) {
   if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
-  if (const Expected<Grid> grid = gridFor(options, Bounds()); !grid) return grid.status().within("settings.grid");
+  const Expected<Grid> grid = gridFor(options, Bounds());
+  if (!grid) return grid.status().within("settings.grid");
+  const Prediction tick = workshop_.engine->predict(Workload(carriedOut(options), *grid));
+  if (Status s = checkTickSeconds(tick, limits()); !s.ok()) return s;
   if (requestId.size() > kMaxRequestIdBytes) {
     return invalid("request_id", "request_id has " + std::to_string(requestId.size()) + " bytes, allowed are 128");
   }
@@ -99,7 +102,9 @@ Expected<SessionPtr> Registry::create(const std::string& wantedId, SavedSession 
   state.id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
   state.created = std::chrono::system_clock::now();
   state.clients.clear();
-  return adopt(std::make_shared<Session>(nextKey_++, epoch_, state, workshop_), {});
+  const auto session = std::make_shared<Session>(nextKey_++, epoch_, state, workshop_);
+  if (Status s = session->checkCost(); !s.ok()) return s;
+  return adopt(session, {});
 }
 
 /// Takes a new session in and gives it to the journal. With the lock held.
@@ -134,6 +139,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
     moving_.erase(id);
     // Nobody would freeze it any more.
     if (session && draining_) session = Status(Code::kUnavailable, "draining: this server ends; ask another");
+    if (session) (*session)->setLimits(workshop_.limits);  // they may have changed meanwhile
     if (session) sessions_[id] = *session;
   }
   moved_.notify_all();
@@ -147,14 +153,16 @@ Expected<SessionPtr> Registry::restore(const std::string& id) {
   if (!state) return state.status();
   SessionKey key = 0;
   std::uint64_t epoch = 0;
+  Workshop workshop;
   {
     const std::lock_guard lock(mutex_);
+    workshop = workshop_;
     key = nextKey_++;
     epoch = epoch_ = std::max(epoch_, state->epoch + 1);
   }
   (void)workshop_.journal->setEpoch(id, epoch);
   if (Status s = workshop_.journal->flush(); !s.ok()) return s;
-  return std::make_shared<Session>(key, epoch, *state, workshop_);
+  return std::make_shared<Session>(key, epoch, *state, workshop);
 }
 
 void Registry::remove(const std::string& id, std::function<void(const Status&)> done) {
@@ -233,6 +241,17 @@ std::vector<SessionSummary> Registry::summaries() {
   std::vector<SessionSummary> list;
   for (auto& [id, summary] : out) list.push_back(std::move(summary));
   return list;
+}
+
+Limits Registry::limits() const {
+  const std::lock_guard lock(mutex_);
+  return workshop_.limits;
+}
+
+void Registry::setLimits(const Limits& limits) {
+  const std::lock_guard lock(mutex_);
+  workshop_.limits = limits;
+  for (const auto& [id, session] : sessions_) session->setLimits(limits);
 }
 
 Status Registry::freeze() {

@@ -61,6 +61,10 @@ class Registry {
   }
   Durability durability() const { return workshop_.journal->durability(); }
 
+  Limits limits() const;
+  /// For new and living sessions, from now on.
+  void setLimits(const Limits& limits);
+
   /// Refuses new sessions, and every change to those that are there; streams stay. Returns when what was accepted
   /// before is kept, or why it is not.
   Status freeze();
@@ -80,7 +84,7 @@ class Registry {
   void sweepLater();
   void tell(Incident incident, const std::string& id) const;
 
-  const Workshop workshop_;
+  Workshop workshop_;  ///< its limits are read and change with the lock held
   const std::chrono::seconds retain_;
   mutable std::mutex mutex_;
   std::condition_variable moved_;

@@ -11,6 +11,7 @@
 #include "lpv/engine.h"
 #include "scene/camera.h"
 #include "scene/volume.h"
+#include "session/frame_adapter.h"
 #include "session/timers.h"
 
 namespace lpv {
@@ -32,6 +33,7 @@ struct Result {
   VolumePtr volume;
   FramePtr frame;
   std::uint64_t cameraSequence = 0;
+  int quality = 0;  ///< frames of subscribers: JPEG quality to encode with
   std::uint64_t baseId = 0;  ///< volumes: newest result that the receiver has acknowledged; 0: none that it still holds
 };
 
@@ -55,6 +57,7 @@ struct FrameWish {
   glm::ivec2 size{640, 360};
   Exposure exposure;
   PixelFormat format = PixelFormat::kRgb8;
+  int quality = 85;  ///< of JPEG, 1..100
 };
 
 /// What a subscriber wants.
@@ -64,6 +67,7 @@ struct Wish {
   std::string clientId;  ///< whose edit sequences to echo; may be empty
   double maxRate = 0.0;  ///< results per second; 0 = the session's tick rate
   bool twoCredits = false;
+  double adaptRate = 0.0;  ///< frames per second that size and quality are adapted to keep; 0: they stay as wished
 };
 
 /// The receiving end of a subscriber; called on worker threads, one call at a time, without locks held.
@@ -97,6 +101,7 @@ struct Subscriber {
   bool inTick = false;  ///< the tick under way makes its frame
   Clock::time_point notBefore{};  ///< rate limit
   double roundTrip = 0.0;  ///< seconds, smoothed
+  std::optional<FrameAdapter> adapter;  ///< where the wish has a rate to adapt to
 };
 
 /// A call that waits for one result.

@@ -18,7 +18,9 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Sess
       history_(workshop.limits),
       presence_(workshop.limits),
       lastUsed_(created_),
-      keptUse_(created_) {}
+      keptUse_(created_) {
+  predictCosts();
+}
 
 Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const Workshop& workshop)
     : id_(state.id),
@@ -34,6 +36,7 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state,
       presence_(workshop.limits),
       lastUsed_(std::chrono::system_clock::now()) {
   for (const ClientState& client : state.clients) clients_.restore(client);
+  predictCosts();
   // What was accepted once stays, where limits have become lower since too; new uploads meet them.
   for (const BlobPtr& blob : state.uploads) blobs_.restore(blob, Clock::now());
 }
@@ -44,6 +47,31 @@ std::chrono::seconds Session::begin(const std::string& requestId) {
   const std::lock_guard lock(mutex_);
   kept_ = workshop_.journal->create(now);
   return manners_.ttl;
+}
+
+Limits Session::limits() const {
+  const std::lock_guard lock(mutex_);
+  return workshop_.limits;
+}
+
+void Session::setLimits(const Limits& limits) {
+  const std::lock_guard lock(mutex_);
+  workshop_.limits = limits;
+  document_.setLimits(limits);
+  blobs_.setLimits(limits);
+  clients_.setLimits(limits);
+  history_.setLimits(limits);
+  presence_.setLimits(limits);
+  kick();
+}
+
+Status Session::checkCost() const {
+  const std::lock_guard lock(mutex_);
+  return document_.checkCost();
+}
+
+void Session::predictCosts() {
+  document_.predictWith([engine = workshop_.engine](const Workload& workload) { return engine->predict(workload); });
 }
 
 Session::~Session() { workshop_.engine->forget(key_); }

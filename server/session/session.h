@@ -70,7 +70,11 @@ class Session : public std::enable_shared_from_this<Session> {
 
   const std::string& id() const { return id_; }
   std::uint64_t epoch() const { return epoch_; }
-  const Limits& limits() const { return workshop_.limits; }
+  Limits limits() const;
+  /// From now on: what was accepted stays, what is refused is refused by these.
+  void setLimits(const Limits& limits);
+  /// RESOURCE_EXHAUSTED, max_tick_seconds, where the session as it is costs the device too much.
+  Status checkCost() const;
   SessionSummary summary() const;
   std::uint64_t revision() const;
 
@@ -190,6 +194,7 @@ class Session : public std::enable_shared_from_this<Session> {
     Result result;
   };
 
+  void predictCosts();
   Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs);
   EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
   EditOutcome takeStepLocked(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
@@ -208,6 +213,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool hasView(const FrameWish& wish, std::uint64_t minRevision);
   void chooseView();
   void viewChosen(const ScenePtr& scene, const DefaultView& view);
+  FrameRequest frameRequest(const Subscriber& subscriber) const;
   FrameRequest frameRequest(const FrameWish& wish, std::uint64_t view) const;
 
   // Planning (session_results.cpp).
@@ -235,7 +241,7 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string id_;
   const SessionKey key_;
   const std::uint64_t epoch_;
-  const Workshop workshop_;
+  Workshop workshop_;  ///< its limits change with the lock held, nothing else does
   const std::chrono::system_clock::time_point created_;
 
   mutable std::mutex mutex_;

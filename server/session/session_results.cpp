@@ -26,6 +26,11 @@ void countTick(Counters& counters, Clock::time_point begun, const Expected<TickR
   for (const StageTime& stage : result->report.stages) counters.countStage(stage.stage, stage.seconds);
 }
 
+int qualityFor(const Subscriber& subscriber) {
+  const FrameWish& wish = *subscriber.wish.frame;
+  return subscriber.adapter ? subscriber.adapter->shapeFor({wish.size, wish.quality}).quality : wish.quality;
+}
+
 std::int64_t nowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
       .count();
@@ -46,6 +51,7 @@ Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Wish& wish, const
   subscriber->id = "s-" + std::to_string(subscriber->key) + "-" + randomHex(4);
   subscriber->wish = wish;
   subscriber->sink = sink;
+  if (wish.frame && wish.adaptRate > 0.0) subscriber->adapter.emplace(wish.adaptRate);
   subscribers_[subscriber->id] = subscriber;
   kick();
   return subscriber;
@@ -78,6 +84,7 @@ void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::ui
   const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
   subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
   workshop_.counters->acknowledgeLag.observe(seconds);
+  if (subscriber->adapter) subscriber->adapter->acknowledged(seconds);
   kick();
 }
 
@@ -212,7 +219,7 @@ void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_
       addVolume(plan.request, *subscriber->wish.volume);
       plan.volumeReaders.push_back(subscriber);
     } else {
-      plan.request.frames.push_back(frameRequest(*subscriber->wish.frame, subscriber->key));
+      plan.request.frames.push_back(frameRequest(*subscriber));
       plan.frameReaders.emplace_back(subscriber, subscriber->wish.frame->cameraSequence);
       subscriber->wishChanged = false;
     }
@@ -306,7 +313,7 @@ void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage sta
                            std::vector<Delivery>* out) {
   const Clock::time_point now = Clock::now();
   meta.resultId = nextResult_++;
-  const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0};
+  const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0, 0};
   for (const auto& [id, subscriber] : subscribers_) {
     const bool lacks = !subscriber->shownAny || subscriber->shownRevision < meta.revision;
     if (subscriber->wish.volume != stage || !hasCredit(*subscriber) || !lacks || now < subscriber->notBefore) continue;
@@ -329,7 +336,7 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   for (const auto& [subscriber, cameraSequence] : plan.frameReaders) {
     meta.resultId = nextResult_++;
     meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
-    Result result{meta, nullptr, *frame++, cameraSequence, 0};
+    Result result{meta, nullptr, *frame++, cameraSequence, qualityFor(*subscriber), 0};
     if (!subscribers_.contains(subscriber->id)) continue;
     markSent(*subscriber, result, now);
     out->push_back({subscriber, std::move(result)});
@@ -337,7 +344,7 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   for (const auto& call : plan.frameCalls) {
     meta.resultId = nextResult_++;
     meta.clientSequence = 0;
-    workshop_.pool->post([call, result = Result{meta, nullptr, *frame++, 0, 0}] { call->done(result); });
+    workshop_.pool->post([call, result = Result{meta, nullptr, *frame++, 0, call->frame->quality, 0}] { call->done(result); });
   }
 }
 

@@ -67,6 +67,12 @@ void Session::viewChosen(const ScenePtr& scene, const DefaultView& view) {
 }
 
 /// A camera that was deleted since it was chosen by name shows the default view rather than ending the stream.
+FrameRequest Session::frameRequest(const Subscriber& subscriber) const {
+  FrameWish wish = *subscriber.wish.frame;
+  if (subscriber.adapter) wish.size = subscriber.adapter->shapeFor({wish.size, wish.quality}).size;
+  return frameRequest(wish, subscriber.key);
+}
+
 FrameRequest Session::frameRequest(const FrameWish& wish, std::uint64_t view) const {
   FrameRequest request;
   request.view = view;

@@ -30,10 +30,48 @@ reference::Field propagate(const reference::Field& injected, int iterations, boo
   return test::fieldOf(field.transported(), field, kRedGreenBlue);
 }
 
+/// Units of every piece while the device is known to take 1 s for `unitsPerSecond`, and a piece may take 3 ms.
+std::vector<double> pieceSizes(const reference::Field& injected, int iterations, double unitsPerSecond,
+                               reference::Field* out) {
+  LightField field(test::unitGrid(injected.dims), 3);
+  const gpu::Buffer upload = test::bufferOf(test::haloOf(injected));
+  glCopyNamedBufferSubData(upload.id(), field.injected.buffer.id(), 0, 0, GLsizeiptr(upload.size()));
+  Propagator propagator;
+  StageClock clock;
+  for (int i = 0; i < 2; ++i) clock.add(Stage::kPropagate, 1.0, unitsPerSecond);
+  std::vector<double> sizes;
+  Pieces pieces = propagator.run(field, {glm::ivec3(0), injected.dims}, iterations, false, {&clock, 0.003});
+  for (pieces.resume(); !pieces.done(); pieces.resume()) {
+    if (pieces.pause().kind == Pause::Kind::kPiece) sizes.push_back(pieces.pause().units);
+  }
+  *out = test::fieldOf(field.transported(), field, kRedGreenBlue);
+  return sizes;
+}
+
 double sumOfBand0(const reference::Field& field) {
   double sum = 0.0;
   for (const auto& cell : field.cells) sum += cell[0].x + cell[1].x + cell[2].x;
   return sum;
+}
+
+// A piece takes what the device can do in its time, down to one layer of cells, and where it is cut changes no bit.
+// Broken by: whole iterations as pieces; slabs that overlap, or leave layers out; reading a step that is half written.
+TEST_F(PropagateTest, PiecesAreCutToTheirTime) {
+  const glm::ivec3 dims(12, 10, 17);
+  const reference::Field injected = test::randomField(dims, 0);
+  constexpr double kLayer = 12 * 10 * 3;
+  reference::Field whole, part;
+  EXPECT_EQ(pieceSizes(injected, 5, 1e9, &whole).size(), 1U) << "a fast device does it at once";
+  for (const double layers : {0.5, 1.0, 3.0, 6.0, 40.0}) {
+    const std::vector<double> sizes = pieceSizes(injected, 5, layers * kLayer / 0.003, &part);
+    double sum = 0.0;
+    for (const double units : sizes) {
+      EXPECT_LE(units, std::max(1.0, layers) * kLayer * (1.0 + 1e-9)) << layers;
+      sum += units;
+    }
+    EXPECT_EQ(sum, 5 * 17 * kLayer) << layers;
+    for (std::size_t i = 0; i < whole.cells.size(); ++i) ASSERT_EQ(part.cells[i], whole.cells[i]) << layers;
+  }
 }
 
 // Broken by: the sign of a01 or a10; b for a11; x and y exchanged; a halo index off by one; steps not cleared.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rpc/rpc.h"
+#include "rpc/seen.h"
 #include "rpc/server_process.h"
 #include "rpc/watched.h"
 
@@ -141,6 +142,88 @@ TEST(Signals, HupEndsNothing) {
     }));
   }
   EXPECT_EQ(watched.get("/ready").status, 200);
+}
+
+/// What a server is configured with, in a file that changes.
+class ReloadedLimits : public ::testing::Test {
+ protected:
+  ~ReloadedLimits() override { std::filesystem::remove_all(directory_); }
+  void write(const std::string& text) const { std::ofstream(directory_ + "/lpvd.toml") << text; }
+  /// What the file says is taken up, or is said not to be.
+  bool reload(const std::string& said) {
+    server_->process().signal(SIGHUP);
+    return eventually([&] { return server_->log().find(said) != std::string::npos; });
+  }
+  void start(const std::string& text, std::vector<std::string> flags = {}) {
+    write(text);
+    flags.insert(flags.end(), {"--config", directory_ + "/lpvd.toml"});
+    server_ = std::make_unique<ServerProcess>(flags);
+    stubs_ = std::make_unique<Stubs>(server_->address());
+  }
+  grpc::Status create() {
+    pb::CreateSessionRequest request;
+    pb::CreateSessionResponse response;
+    return stubs_->session->CreateSession(Call(), request, &response);
+  }
+
+  const std::string directory_ = makeDirectory();
+  std::unique_ptr<ServerProcess> server_;
+  std::unique_ptr<Stubs> stubs_;
+};
+
+// Of sessions that live and of those to come, and of what calls are checked by; streams go on. Broken by: not reading
+// the file again; not telling the registry; not telling its sessions; calls with the limits of the start.
+TEST_F(ReloadedLimits, AreTakenUpOnHangup) {
+  start("max-sessions=2\nmax-lights=1\n");
+  const std::string session = makeLitSession(*stubs_);
+  pb::WatchVolumeRequest watch;
+  watch.mutable_subscription()->set_session(session);
+  Call call;
+  const auto reader = stubs_->result->WatchVolume(call, watch);
+  Seen<pb::WatchVolumeResponse> seen;
+  ASSERT_TRUE(seen.next(*reader));
+  const auto addLight = [&](const std::string& name) {
+    return tryEdit(*stubs_, session, client::editOf({client::createLight(light(name))}));
+  };
+  EXPECT_THAT(addLight("Second").error_message(), HasSubstr("allowed are 1"));
+  write("max-sessions=1\nmax-lights=2\n");
+  ASSERT_TRUE(reload("--max-lights 1 -> 2"));
+  EXPECT_NE(server_->log().find("--max-sessions 2 -> 1"), std::string::npos);
+  EXPECT_TRUE(eventually([&] { return addLight("Second").ok(); }));
+  EXPECT_THAT(create(), Refused(StatusCode::RESOURCE_EXHAUSTED, "max_sessions", "allowed are 1"));
+  pb::GetServerInfoRequest ask;
+  pb::GetServerInfoResponse info;
+  ASSERT_THAT(stubs_->server->GetServerInfo(Call(), ask, &info), IsOk());
+  EXPECT_EQ(info.limits().max_lights(), 2);
+  seen.waitHeartbeats(*reader, 1);  // the stream goes on
+  call->TryCancel();
+}
+
+// Broken by: taking for read what was not; a file that is wrong in one line changing another.
+TEST_F(ReloadedLimits, WhatCannotChangeIsNamedAndWhatIsWrongChangesNothing) {
+  start("max-sessions=1\nmax-lights=5\n", {"--max-lights", "7"});
+  write("max-sessions=3\nmax-lights=6\nretain=\"5d\"\nlisten=\"127.0.0.1:1\"\n");
+  ASSERT_TRUE(reload("--max-sessions 1 -> 3"));
+  EXPECT_TRUE(eventually([&] { return server_->log().find("--retain has changed") != std::string::npos; }));
+  EXPECT_EQ(server_->log().find("--max-lights"), std::string::npos) << "a flag wins over the file, now as before";
+  EXPECT_EQ(server_->log().find("--listen has changed"), std::string::npos) << "likewise";
+  EXPECT_THAT(create(), IsOk());
+  write("max-sessions=\"many\"\n");
+  ASSERT_TRUE(reload("the limits stay as they were"));
+  EXPECT_THAT(create(), IsOk());
+}
+
+// Too dear a session, refused by what the device was measured to take.
+TEST_F(ReloadedLimits, BoundWhatATickMayTake) {
+  start("max-tick-seconds=30\n");
+  EXPECT_THAT(create(), IsOk());
+  write("max-tick-seconds=0.001\n");
+  ASSERT_TRUE(reload("--max-tick-seconds 30 -> 0.001"));
+  pb::CreateSessionRequest request;
+  *request.mutable_settings() = propagating(settings(128));
+  pb::CreateSessionResponse response;
+  EXPECT_THAT(stubs_->session->CreateSession(Call(), request, &response),
+              Refused(StatusCode::RESOURCE_EXHAUSTED, "max_tick_seconds", "predicted to take"));
 }
 
 /// Logs as JSON, and of what is no audit line only warnings.

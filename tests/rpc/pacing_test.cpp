@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
+#include <memory>
 #include <thread>
 
 #include "rpc/rpc.h"
 #include "rpc/seen.h"
 #include "rpc/server_process.h"
+#include "rpc/tcp_proxy.h"
 
 namespace lpv::rpc {
 namespace {
@@ -128,6 +131,82 @@ TEST_F(Pacing, MaxTickRateBoundsTheResultsOfASession) {
   constexpr int kResults = 8;
   ServerProcess slow({"--max-tick-rate", "5"});
   EXPECT_GE(secondsFor(kResults, slow.address(), 0.0), (kResults - 1) / 5.0);
+}
+
+/// Reads frames of a light that always changes over a line of its own, and acknowledges each.
+class AdaptedReader {
+ public:
+  AdaptedReader(const std::string& session, double rate)
+      : proxy_(server().port()), session_(session), stubs_(proxy_.address()), brightener_(server().address(), session) {
+    pb::WatchFramesRequest request;
+    request.mutable_subscription()->set_session(session);
+    request.mutable_subscription()->set_adapt_rate(rate);
+    reader_ = stubs_.result->WatchFrames(call_, request);
+  }
+  ~AdaptedReader() { call_->TryCancel(); }
+
+  TcpProxy& line() { return proxy_; }
+  const pb::FrameHeader& header() const { return seen_.header; }
+  bool next() {
+    if (!seen_.next(*reader_)) return false;
+    pb::UpdateSubscriptionRequest request;
+    request.set_session(session_);
+    request.set_subscriber(seen_.subscriber);
+    request.mutable_update()->mutable_acknowledge()->set_result_id(seen_.result.result_id());
+    pb::UpdateSubscriptionResponse response;
+    return acknowledging_.result->UpdateSubscription(Call(), request, &response).ok();
+  }
+  /// Reads until `true`; false after many frames.
+  bool until(const std::function<bool(const pb::FrameHeader&)>& condition) {
+    for (int i = 0; i < 600; ++i) {
+      if (!next()) return false;
+      if (condition(header())) return true;
+    }
+    return false;
+  }
+
+ private:
+  TcpProxy proxy_;
+  const std::string session_;
+  Stubs stubs_;
+  Stubs acknowledging_{server().address()};
+  const Brightener brightener_;
+  Call call_;
+  std::unique_ptr<grpc::ClientReader<pb::WatchFramesResponse>> reader_;
+  Seen<pb::WatchFramesResponse> seen_;
+};
+
+// A line that carries a third of what is asked for: frames become fewer bytes, and say of what size and quality they
+// are; with a wide line again they come back. Broken by: not telling the adapter of acknowledgements; not asking it for
+// the size, or for the quality.
+TEST_F(Pacing, FramesAreAdaptedToTheLine) {
+  constexpr double kRate = 4.0;
+  AdaptedReader reader(session_, kRate);
+  ASSERT_TRUE(reader.next());
+  const pb::FrameHeader first = reader.header();
+  EXPECT_EQ(first.width(), 640);
+  EXPECT_EQ(first.height(), 360);
+  EXPECT_EQ(first.quality(), 85);
+  reader.line().setAnswerRate(0.3 * kRate * double(first.size()));
+  EXPECT_TRUE(reader.until([&](const pb::FrameHeader& h) { return 2 * h.size() < first.size(); }));
+  EXPECT_LT(reader.header().quality(), 85);
+  reader.line().setAnswerRate(0.05 * kRate * double(first.size()));
+  EXPECT_TRUE(reader.until([&](const pb::FrameHeader& h) { return h.width() < 640 && h.height() < 360; }));
+  EXPECT_NEAR(double(reader.header().width()) / reader.header().height(), 640.0 / 360.0, 0.05);
+  reader.line().setAnswerRate(0.0);
+  EXPECT_TRUE(reader.until([&](const pb::FrameHeader& h) { return h.width() == 640 && h.quality() == 85; }));
+}
+
+TEST_F(Pacing, OnlyJpegIsAdapted) {
+  pb::WatchFramesRequest request;
+  request.mutable_subscription()->set_session(session_);
+  request.mutable_subscription()->set_adapt_rate(5.0);
+  request.mutable_subscription()->set_format(pb::FRAME_FORMAT_PNG);
+  Call call;
+  const auto reader = stubs_.result->WatchFrames(call, request);
+  pb::WatchFramesResponse response;
+  EXPECT_FALSE(reader->Read(&response));
+  EXPECT_THAT(reader->Finish(), Refused(StatusCode::INVALID_ARGUMENT, "subscription.adapt_rate", "JPEG"));
 }
 
 /// Opened and left without a word: the server ends each after its first_message limit of 10 s.

@@ -56,14 +56,18 @@ bool wouldBlock() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == E
 
 /// Reads what has come; false where the connection is broken.
 template <typename Lane>
-bool receive(Lane& lane, std::size_t room, std::chrono::milliseconds delay) {
+bool receive(Lane& lane, std::size_t room, std::chrono::milliseconds delay, double rate) {
   std::array<char, kRead> buffer{};
   while (!lane.ended && lane.size < room) {
     const ssize_t count = recv(lane.from, buffer.data(), buffer.size(), 0);
     if (count < 0) return wouldBlock();
     lane.ended = count == 0;
     if (count == 0) break;
-    lane.chunks.push_back({Clock::now() + delay, std::string(buffer.data(), std::size_t(count)), 0});
+    lane.freeAt = std::max(lane.freeAt, Clock::now());
+    if (rate > 0.0) {
+      lane.freeAt += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(double(count) / rate));
+    }
+    lane.chunks.push_back({lane.freeAt + delay, std::string(buffer.data(), std::size_t(count)), 0});
     lane.size += std::size_t(count);
   }
   return true;
@@ -127,6 +131,9 @@ void TcpProxy::setTarget(int port) {
 void TcpProxy::setDelay(std::chrono::milliseconds oneWay) {
   change([oneWay](Settings& settings) { settings.delay = oneWay; });
 }
+void TcpProxy::setAnswerRate(double bytesPerSecond) {
+  change([bytesPerSecond](Settings& settings) { settings.answerRate = bytesPerSecond; });
+}
 void TcpProxy::holdRequests(bool hold) {
   change([hold](Settings& settings) { settings.holdRequests = hold; });
 }
@@ -181,12 +188,12 @@ void TcpProxy::accept(const Settings& settings) {
 }
 
 void TcpProxy::move(Connection& connection, const Settings& settings) {
-  const auto one = [&](Lane& lane, bool held) {
-    const bool alive = receive(lane, held ? kRoomHeld : kRoom, settings.delay) && (held || deliver(lane));
+  const auto one = [&](Lane& lane, bool held, double rate) {
+    const bool alive = receive(lane, held ? kRoomHeld : kRoom, settings.delay, rate) && (held || deliver(lane));
     connection.broken = connection.broken || !alive;
   };
-  one(connection.requests, settings.holdRequests);
-  one(connection.answers, settings.holdAnswers);
+  one(connection.requests, settings.holdRequests, 0.0);
+  one(connection.answers, settings.holdAnswers, settings.answerRate);
 }
 
 /// Until something can be read or written, is due, or was asked for.

@@ -27,6 +27,8 @@ class TcpProxy {
   void setTarget(int port);
   /// Each byte arrives this much later, in each direction.
   void setDelay(std::chrono::milliseconds oneWay);
+  /// Answers go no faster than so many bytes a second, each connection's by itself; 0: as fast as they can.
+  void setAnswerRate(double bytesPerSecond);
   /// While true nothing arrives in that direction; once a little has piled up, the sender is no longer read.
   void holdRequests(bool hold);
   void holdAnswers(bool hold);
@@ -46,6 +48,7 @@ class TcpProxy {
     int to = -1;
     std::deque<Chunk> chunks;
     std::size_t size = 0;     ///< bytes in chunks
+    std::chrono::steady_clock::time_point freeAt{};  ///< when the line has taken them all, where it has a rate
     bool ended = false;       ///< the sender said that no more comes
     bool passedOn = false;    ///< and the receiver was told
   };
@@ -57,6 +60,7 @@ class TcpProxy {
   struct Settings {
     int target = 0;
     std::chrono::milliseconds delay{0};
+    double answerRate = 0.0;
     bool holdRequests = false;
     bool holdAnswers = false;
     bool cut = false;
