@@ -17,12 +17,6 @@ namespace pb = lpv::v1;
 Expected<std::string> sessionId(const std::string& field, const std::string& name);
 std::string sessionName(const std::string& id);
 
-/// A session's settings as the domain has them.
-struct Settings {
-  SessionOptions options;
-  SessionManners manners;
-};
-
 /// Settings of a new session: what is not said belongs to the transport, and that to what is said. Unknown enum values
 /// are INVALID_ARGUMENT; ranges, and what does not go together, are the domain's business.
 Expected<Settings> fromProto(const pb::SessionSettings& settings);

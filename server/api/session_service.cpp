@@ -61,11 +61,9 @@ void updateSession(const Context& context, const pb::UpdateSessionRequest& reque
                    Done done) {
   const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name(), Role::kEditor);
   if (!session) return done(session.status());
-  const SessionSummary now = (*session)->summary();
-  const Expected<Settings> settings =
-      withMask({now.options, {now.ttl, now.displayName}}, request.session().settings(), request.update_mask());
-  if (!settings) return done(settings.status());
-  if (Status s = (*session)->setOptions(settings->options, settings->manners); !s.ok()) return done(s);
+  const Status changed = (*session)->changeSettings(
+      [&](const Settings& now) { return withMask(now, request.session().settings(), request.update_mask()); });
+  if (!changed.ok()) return done(changed);
   answerWhenKept(*session, response, std::move(done));
 }
 

@@ -17,10 +17,6 @@ namespace lpv {
 /// A step of a session.
 struct JournalStep {
   Changes changes;  ///< Document::lastChange; of an edit that changed nothing, the revision alone
-  struct Settings {
-    SessionOptions options;
-    SessionManners manners;
-  };
   std::optional<Settings> settings;  ///< both, where one of them changed
   std::string client;  ///< who got `outcome`
   std::optional<EditOutcome> outcome;  ///< set where it is remembered

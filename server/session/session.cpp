@@ -214,17 +214,19 @@ void Session::confirm(EditOutcome outcome, std::function<void(const EditOutcome&
   });
 }
 
-Status Session::setOptions(const SessionOptions& options, const std::optional<SessionManners>& manners) {
+Status Session::changeSettings(const std::function<Expected<Settings>(const Settings&)>& change) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return closedStatus("name");
     if (Status s = workshop_.journal->writable(); !s.ok()) return s;
     const std::uint64_t before = document_.revision();
-    if (Status s = document_.setOptions(options); !s.ok()) return s;
-    if (manners) manners_ = *manners;
+    const Expected<Settings> changed = change({document_.options(), manners_});
+    if (!changed) return changed.status();
+    if (Status s = document_.setOptions(changed->options); !s.ok()) return s;
+    manners_ = changed->manners;
     JournalStep step = nextStep();
     if (document_.revision() != before) step.changes = document_.lastChange();
-    step.settings = {options, manners_};
+    step.settings = *changed;
     keep(std::move(step));
     lastUsed_ = std::chrono::system_clock::now();
     kick();

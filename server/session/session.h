@@ -89,7 +89,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Takes back the member's newest step, or makes one again that was taken back (session/history.h): an edit in every
   /// other respect. FAILED_PRECONDITION where there is none; INVALID_ARGUMENT for nobody.
   EditOutcome takeStep(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
-  Status setOptions(const SessionOptions& options, const std::optional<SessionManners>& manners);
+  /// Puts what `change` makes of the settings in their place; nobody else changes them meanwhile. `change` is called
+  /// under the session's lock.
+  Status changeSettings(const std::function<Expected<Settings>(const Settings&)>& change);
   /// Calls `kept` once, when everything that was done to the session so far is kept (any thread, no locks), or with why
   /// that is not known. Nobody is told of a change before.
   void whenKept(std::function<void(const Status&)> kept) const;

@@ -19,6 +19,12 @@ struct SessionManners {
   std::string displayName;
 };
 
+/// All of a session's settings.
+struct Settings {
+  SessionOptions options;
+  SessionManners manners;
+};
+
 /// How long an accepted edit is sure to live.
 enum class Durability { kMemory, kDisk };
 

@@ -174,7 +174,9 @@ class Run {
     options.iterations = in_.ConsumeIntegralInRange(-1, 8);
     if (in_.ConsumeBool()) options.grid.longest = in_.ConsumeIntegralInRange(0, 6);
     const std::uint64_t before = session_->revision();
-    const Status status = session_->setOptions(options, SessionManners());
+    const Status status = session_->changeSettings([&](const Settings&) {
+      return Expected<Settings>(Settings{options, {}});
+    });
     if (status.ok()) return;
     checkRefusal(status);
     check(session_->revision() == before, "refused settings change nothing");

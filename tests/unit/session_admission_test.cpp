@@ -66,10 +66,11 @@ TEST_F(Admission, OfNewSettings) {
   SessionOptions options = session->summary().options;
   const SessionOptions before = options;
   options.grid.longest = 128;
-  EXPECT_EQ(session->setOptions(options, std::nullopt).field(), "max_tick_seconds");
+  const auto wanted = [&](const Settings& now) { return Expected<Settings>(Settings{options, now.manners}); };
+  EXPECT_EQ(session->changeSettings(wanted).field(), "max_tick_seconds");
   EXPECT_EQ(session->summary().options, before);
   options.grid.longest = 16;
-  EXPECT_TRUE(session->setOptions(options, std::nullopt).ok());
+  EXPECT_TRUE(session->changeSettings(wanted).ok());
 }
 
 // A device that turns out slower than it seemed must not lock a session up. Broken by: refusing whatever is above.

@@ -192,7 +192,8 @@ void furnish(const SessionPtr& hall) {
   SessionOptions options;
   options.grid.longest = 16;
   options.quality = Quality::kAccurate;
-  ASSERT_TRUE(hall->setOptions(options, SessionManners{std::chrono::hours(2), "Great hall"}).ok());
+  const Settings changed{options, {std::chrono::hours(2), "Great hall"}};
+  ASSERT_TRUE(hall->changeSettings([&](const Settings&) { return Expected<Settings>(changed); }).ok());
   UpdateLight moved{"Lamp", {}};
   moved.fields.transform.translation = glm::dvec3(1, 2, 3);
   moved.fields.enabled = false;
@@ -363,7 +364,8 @@ TEST_F(KeptSessions, AFullDiskLeavesOutcomesUnknownNotFalse) {
     EXPECT_EQ(confirmed(hall, hall->apply(me, editOf({light("Two")}, 2))).status.code(), Code::kUnavailable);
     EXPECT_EQ(hall->join().status().code(), Code::kUnavailable);
     EXPECT_EQ(hall->addBlob(uploaded(7.0F)).status().code(), Code::kUnavailable);
-    EXPECT_EQ(hall->setOptions(SessionOptions::paper(), std::nullopt).code(), Code::kUnavailable);
+    EXPECT_EQ(hall->changeSettings([](const Settings& now) { return Expected<Settings>(now); }).code(),
+              Code::kUnavailable);
     EXPECT_EQ(registry_->create("attic", SessionOptions(), {}, "").status().code(), Code::kUnavailable);
     EXPECT_EQ(find("hall")->revision(), 2U) << "it can be read";
   }

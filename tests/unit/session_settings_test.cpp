@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "api/convert_session.h"
+#include "unit/session_rig.h"
 
 namespace lpv::api {
 namespace {
@@ -142,6 +144,27 @@ TEST(SettingsFromProto, SurviveTheWayBack) {
     ASSERT_TRUE(back.ok());
     EXPECT_EQ(back->options, wanted);
   }
+}
+
+// Two who change different fields at once. Broken by: settings read before the lock is taken.
+TEST(ChangeSettings, NobodysFieldIsLost) {
+  constexpr int kChanges = 2000;
+  test::Rig rig;
+  const std::shared_ptr<Session> session = rig.session();
+  const auto count = [&](const std::function<void(Settings&)>& one) {
+    for (int i = 0; i < kChanges; ++i) {
+      const Status changed = session->changeSettings([&](Settings now) {
+        one(now);
+        return Expected<Settings>(now);
+      });
+      ASSERT_TRUE(changed.ok()) << changed.message();
+    }
+  };
+  const std::chrono::seconds before = session->summary().ttl;
+  std::thread other(count, [](Settings& now) { ++now.manners.ttl; });
+  count([](Settings& now) { now.options.k = now.options.k < 2.0 ? now.options.k + 1.0 : 1.0; });
+  other.join();
+  EXPECT_EQ(session->summary().ttl, before + std::chrono::seconds(kChanges));
 }
 
 }  // namespace
