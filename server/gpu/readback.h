@@ -28,7 +28,7 @@ class Readback {
   void copyFrom(const Buffer& source, std::size_t sourceOffset, std::size_t offset, std::size_t bytes);
   /// Queues glReadPixels of `rows` rows of colour attachment 0 from `row` on, in the framebuffer's order, tightly
   /// packed. Call it only when the drawing is known to have finished: on llvmpipe the call waits for it (notes: 40 ms
-/// against 0.8 ms).
+  /// against 0.8 ms).
   void copyPixels(const Framebuffer& source, int row, int rows, std::uint32_t layout, std::uint32_t type,
                   std::size_t offset);
 

@@ -6,8 +6,8 @@
 
 namespace lpv::door {
 
-/// The server's context with the limits of the moment and the call's caller in it, from its metadata "authorization: Bearer TOKEN"; or why the call
-/// is refused: UNAUTHENTICATED.
+/// The server's context with the limits of the moment and the call's caller in it, from its metadata "authorization:
+/// Bearer TOKEN"; or why the call is refused: UNAUTHENTICATED.
 Expected<api::Context> admit(const api::Context& server, const grpc::CallbackServerContext& call);
 
 }  // namespace lpv::door

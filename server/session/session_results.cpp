@@ -344,7 +344,8 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   for (const auto& call : plan.frameCalls) {
     meta.resultId = nextResult_++;
     meta.clientSequence = 0;
-    workshop_.pool->post([call, result = Result{meta, nullptr, *frame++, 0, call->frame->quality, 0}] { call->done(result); });
+    workshop_.pool->post(
+        [call, result = Result{meta, nullptr, *frame++, 0, call->frame->quality, 0}] { call->done(result); });
   }
 }
 

@@ -45,8 +45,9 @@ class ContextLossTest : public test::EngineTest {
 };
 
 // One piece of a tick after the other is the one in which the context goes: in uploads, voxelization, transport, frames
-// and copies. Broken by: not making the ticks under way again; keeping the session's state, or the pipeline's programs, of
-// the old context; making the new context before the old objects are gone (they delete those of the new one by number).
+// and copies. Broken by: not making the ticks under way again; keeping the session's state, or the pipeline's programs,
+// of the old context; making the new context before the old objects are gone (they delete those of the new one by
+// number).
 TEST_F(ContextLossTest, ATickInWhichItGoesIsMadeAgain) {
   for (const Transport transport : {Transport::kGather, Transport::kPropagate}) {
     const TickRequest wanted = request(1, 0.3, transport);
