@@ -2,8 +2,6 @@
 // one session. At any time: revisions only rise, and only with what was accepted; a sequence given again is answered as
 // the first time, after a restart too; undo and redo in turn change nothing; the log says what the session holds; who
 // follows the changes has the scene.
-//
-// Seen to find a deletion that the log forgets (store/fold.cpp).
 
 #include <fuzzer/FuzzedDataProvider.h>
 

@@ -1,7 +1,7 @@
 // The client's decoder of volumes and frames against a server that sends anything, and the codec against volumes of any
 // content: what is published comes back bit for bit, however it is coded, and is as near the truth as its class says.
 //
-// Seen to find a run of bricks that is not compared with their number (VolumeDecoder::claim).
+// Seen to find a brick that is not decoded relative to its base (VolumeDecoder::addPlanes).
 
 #include <fuzzer/FuzzedDataProvider.h>
 
@@ -20,7 +20,15 @@ namespace pb = lpv::v1;
 /// Halves have 11 bits, whatever the tolerance.
 constexpr double kHalfRounding = 1e-3;
 
-std::string bytesOf(FuzzedDataProvider& in) { return in.ConsumeRandomLengthString(2000); }
+/// Anything, or what COMPACT begins with: how many of the bytes say where zeros are, and some blocks of nothing else.
+std::string bytesOf(FuzzedDataProvider& in) {
+  static const std::string dark = std::string("\0", 1) + std::string(12, '\xff');
+  std::string runs;
+  for (int blocks = in.ConsumeIntegralInRange(-8, 8); blocks > 0; --blocks) runs += dark;
+  if (runs.empty()) return in.ConsumeRandomLengthString(2000);
+  const auto size = std::uint32_t(runs.size()) + in.ConsumeIntegralInRange<std::uint32_t>(0, 1);
+  return std::string(reinterpret_cast<const char*>(&size), sizeof size) + runs + in.ConsumeRandomLengthString(2000);
+}
 
 int smallOrAny(FuzzedDataProvider& in, int low, int high) {
   return in.ConsumeIntegralInRange(0, 15) == 0 ? in.ConsumeIntegral<int>() : in.ConsumeIntegralInRange(low, high);
@@ -28,39 +36,46 @@ int smallOrAny(FuzzedDataProvider& in, int low, int high) {
 
 pb::VolumeHeader headerOf(FuzzedDataProvider& in) {
   pb::VolumeHeader header;
-  header.mutable_result()->set_result_id(in.ConsumeIntegralInRange<std::uint64_t>(0, 4));
+  header.mutable_result()->set_result_id(std::uint64_t(smallOrAny(in, 1, 1)));
   header.mutable_result()->set_checksum(in.ConsumeIntegral<std::uint64_t>());
-  header.mutable_grid()->set_cell_size(in.ConsumeBool() ? 1.0 : in.ConsumeFloatingPoint<double>());
+  header.mutable_grid()->set_cell_size(double(smallOrAny(in, 1, 8)));
   header.mutable_grid()->mutable_dims()->set_x(smallOrAny(in, 1, 20));
   header.mutable_grid()->mutable_dims()->set_y(smallOrAny(in, 1, 9));
   header.mutable_grid()->mutable_dims()->set_z(smallOrAny(in, 1, 9));
   header.set_sh_bands(smallOrAny(in, 2, 2));
   header.set_brick_edge(smallOrAny(in, 8, 8));
-  header.set_format(pb::VolumeFormat(in.ConsumeIntegralInRange(0, 4)));
-  header.set_compression(pb::PayloadCompression(in.ConsumeIntegralInRange(0, 3)));
-  for (int layers = smallOrAny(in, 1, 9) % 20; layers > 0; --layers) {
-    header.add_layers()->set_scale(in.ConsumeBool() ? 1.0 : in.ConsumeFloatingPoint<double>());
+  header.set_format(pb::VolumeFormat(smallOrAny(in, 0, 4)));
+  header.set_compression(pb::PayloadCompression(smallOrAny(in, 0, 2)));
+  for (int layers = smallOrAny(in, 1, 3) % 20; layers > 0; --layers) {
+    header.add_layers()->set_scale(double(smallOrAny(in, 1, 8)));
   }
-  header.set_base_result_id(in.ConsumeIntegralInRange<std::uint64_t>(0, 2));
+  header.set_base_result_id(std::uint64_t(smallOrAny(in, 0, 0)));
   header.set_part_count(smallOrAny(in, 1, 3));
   return header;
 }
 
-/// Parts without any plan.
+/// Parts that are in order now and then.
 void hostileVolume(FuzzedDataProvider& in) {
   client::VolumeAssembler assembler;
+  int index = 0;
+  bool zstd = false;
   while (in.remaining_bytes() > 0) {
     pb::VolumePart part;
-    if (in.ConsumeBool()) *part.mutable_header() = headerOf(in);
-    part.set_result_id(in.ConsumeIntegralInRange<std::uint64_t>(0, 4));
-    part.set_index(smallOrAny(in, 0, 2));
+    if (index == 0 || in.ConsumeBool()) {
+      *part.mutable_header() = headerOf(in);
+      index = 0;
+      zstd = part.header().compression() == pb::PAYLOAD_COMPRESSION_ZSTD;
+    }
+    part.set_result_id(std::uint64_t(smallOrAny(in, 1, 1)));
+    part.set_index(smallOrAny(in, index, index));
+    ++index;
     for (int runs = in.ConsumeIntegralInRange(0, 3); runs > 0; --runs) {
       pb::BrickRun* run = part.add_bricks();
       run->set_first(smallOrAny(in, 0, 8));
       run->set_count(smallOrAny(in, 1, 4));
     }
     const std::string body = bytesOf(in);
-    part.set_payload(in.ConsumeBool() ? wire::compress(body) : body);
+    part.set_payload(zstd == (smallOrAny(in, 1, 1) == 1) ? wire::compress(body) : body);
     const auto result = assembler.add(part);
     if (!result) checkRefusal(result.status());
   }

@@ -4,8 +4,7 @@
 //
 // LPV_TSAN_ROUNDS: how often everybody does what they do (default 40).
 //
-// Seen to fail with a data race when Session::whenKept reads its position without the session's lock, and when
-// SqliteStore::settle changes failure_ without its own.
+// Seen to fail with a data race when Session::whenKept reads its position without the session's lock.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
