@@ -1,6 +1,8 @@
 #include "api/convert_store.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "api/blob_content.h"
@@ -364,8 +366,12 @@ Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
   out.ttl = state.manners.ttl;
   out.lights = loaded.snapshot.lights().size();
   out.surfaces = loaded.snapshot.surfaces().size();
-  for (const auto& [name, light] : loaded.snapshot.lights()) out.triangles += light.status().triangle_count();
-  for (const auto& [name, surface] : loaded.snapshot.surfaces()) out.triangles += surface.triangle_count();
+  const auto count = [&out](std::int64_t triangles) {
+    // As many as indices can name: a file may say anything, and the sum has to be one.
+    out.triangles += std::clamp<std::int64_t>(triangles, 0, std::numeric_limits<std::uint32_t>::max());
+  };
+  for (const auto& [name, light] : loaded.snapshot.lights()) count(light.status().triangle_count());
+  for (const auto& [name, surface] : loaded.snapshot.surfaces()) count(surface.triangle_count());
   out.clients = loaded.snapshot.clients().size();
   out.durability = Durability::kDisk;
   return out;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "api/blob_content.h"
 #include "api/convert_session.h"
 #include "api/convert_store.h"
@@ -61,6 +63,16 @@ TEST_F(ForeignSession, ATextureThatNobodyUploadedIsKeptAllTheSame) {
   const Expected<SavedSession> again = fromStore({{}, toSnapshot(*state), contentsOf(*state)});
   ASSERT_TRUE(again.ok()) << again.status().message();
   EXPECT_EQ(again->document.lights[0].object->texture->hash, texture_);
+}
+
+// Red, under the undefined behaviour sanitizer, when the counts are added as they are.
+TEST_F(ForeignSession, CountsOfAnySizeMakeASummary) {
+  for (const char* name : {"Lamp", "Other"}) {
+    light(name, name).mutable_status()->set_triangle_count(std::numeric_limits<std::int64_t>::max());
+  }
+  const Expected<SessionSummary> summary = summaryOf(loaded_);
+  ASSERT_TRUE(summary.ok()) << summary.status().message();
+  EXPECT_EQ(summary->triangles, 2 * std::int64_t(std::numeric_limits<std::uint32_t>::max()));
 }
 
 // Red, each, without its check.
