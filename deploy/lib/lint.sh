@@ -10,11 +10,6 @@ our_sources() {
 
 have_clang_format() { command -v clang-format-16 >/dev/null; }
 
-# The compiler alone is not enough: Debian has its runtimes in a package of their own.
-have_fuzzing() {
-  command -v clang++-16 >/dev/null && compgen -G "$(clang++-16 --print-runtime-dir)/libclang_rt.fuzzer*.a" >/dev/null
-}
-
 format_check() {
   if is_dry; then
     say "  clang-format-16 --dry-run --Werror on every .cpp and .h"
