@@ -1,8 +1,8 @@
 // Many clients, nothing lost: servers that are killed, stopped and restarted, connections that break, readers that
 // stall; afterwards the checker decides from what everybody was told.
 //
-// LPV_FAULT_SECONDS: how long servers are killed (default 120; 15 where LPV_SHORT is set). From 600 on (tests/soak), a
-// server lives through a third of it instead, and its memory must not grow. LPV_FAULT_SEED: another order of faults.
+// LPV_FAULT_SECONDS: how long servers are killed (default 120). From 600 on (tests/soak), a server lives through a third
+// of it instead, and its memory must not grow. LPV_FAULT_SEED: another order of faults.
 
 #include <gtest/gtest.h>
 
@@ -31,9 +31,7 @@ std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {
   return text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-seconds wantedLength() {
-  return seconds(fromEnvironment("LPV_FAULT_SECONDS", std::getenv("LPV_SHORT") != nullptr ? 15 : 120));
-}
+seconds wantedLength() { return seconds(fromEnvironment("LPV_FAULT_SECONDS", 120)); }
 
 /// One run after another, each in a new session on the same servers, until `length` has passed.
 class Soak {
