@@ -1,8 +1,8 @@
 // Many clients, nothing lost: servers that are killed, stopped and restarted, connections that break, readers that
 // stall; afterwards the checker decides from what everybody was told.
 //
-// LPV_FAULT_SECONDS: how long servers are killed (default 120). From 600 on (tests/soak), a server lives through a third
-// of it instead, and its memory must not grow. LPV_FAULT_SEED: another order of faults.
+// LPV_FAULT_SECONDS: how long servers are killed (default 120). From 600 on (tests/soak), a server lives through a
+// third of it instead, and its memory must not grow. LPV_FAULT_SEED: another order of faults.
 
 #include <gtest/gtest.h>
 
