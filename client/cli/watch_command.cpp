@@ -29,6 +29,7 @@ struct WatchOptions {
   bool volume = false;
   double seconds = 0.0;
   double rate = 0.0;
+  double adapt = 0.0;
   std::optional<v1::VolumeFormat> format;
   std::optional<std::vector<double>> region;
   int tolerance = 0;
@@ -198,6 +199,7 @@ Status watch(Context& context, const WatchOptions& options) {
   v1::FrameSubscription wanted;
   wanted.set_session(options.id);
   wanted.set_max_rate(options.rate);
+  wanted.set_adapt_rate(options.adapt);
   wanted.set_camera_name(options.frame.cameraName);
   if (options.frame.hasCamera()) *wanted.mutable_camera()->mutable_camera() = options.frame.camera();
   wanted.set_width(options.frame.pixels().x);
@@ -241,6 +243,11 @@ void addWatchCommand(CLI::App& app, Commands& commands) {
   addVolumeFlags(command, *given, volume);
   command.add_option("--seconds", given->seconds, "Ends after as long (never)")->type_name("S");
   command.add_option("--rate", given->rate, "Results per second at most (the server's)")->type_name("HZ");
+  command
+      .add_option("--adapt", given->adapt,
+                  "Smaller, coarser pictures where the line is too narrow for so many a second")
+      ->type_name("HZ")
+      ->excludes(volume);
   given->frame.addTo(command);
 }
 
