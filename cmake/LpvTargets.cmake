@@ -44,8 +44,8 @@ function(lpv_library name)
   lpv_headers_compile_alone(${name} FOLDERS ${ARG_FOLDERS})
 endfunction()
 
-# lpv_mostly_headers(TARGETS...): targets whose sources take their compile time from gRPC's, GoogleTest's or CLI11's
-# headers. With LPV_UNITY, as in CI, eight sources are compiled as one; the other builds see that each compiles alone.
+# lpv_mostly_headers(TARGETS...): targets whose sources take their compile time from gRPC's, GoogleTest's, CLI11's or
+# GLM's headers. With LPV_UNITY, as in CI, eight sources are compiled as one; the other builds see that each compiles alone.
 function(lpv_mostly_headers)
   if(LPV_UNITY)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)

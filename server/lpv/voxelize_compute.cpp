@@ -4,13 +4,13 @@ namespace lpv {
 
 namespace {
 
-const layout::uvec4 kEmptyList(0, 1, 1, 0);
+const layout::uvec4 kNoWork(0, 1, 1, 0);
 
 std::uint32_t groups(std::uint32_t threads, int perGroup) {
   return (threads + std::uint32_t(perGroup) - 1) / std::uint32_t(perGroup);
 }
 
-gpu::Defines with(gpu::Defines variant, const char* name) {
+gpu::Defines compiledFor(gpu::Defines variant, const char* name) {
   variant.emplace_back(name, "1");
   return variant;
 }
@@ -29,12 +29,12 @@ std::uint32_t ComputeInjector::limit(const VoxelizeJob& job) const {
 }
 
 void ComputeInjector::dispatch(const VoxelizeJob& job) {
-  large_.update(0, gpu::bytesOfValue(kEmptyList));
+  large_.update(0, gpu::bytesOfValue(kNoWork));
   large_.bindStorage(layout::kLargeTriangles);
   large_.bindAsDispatchArguments();
-  programs_.get(with(job.variant, "LPV_SMALL")).dispatch(groups(job.params.triangles.y, layout::kVoxelizeGroup));
+  programs_.get(compiledFor(job.variant, "LPV_SMALL")).dispatch(groups(job.params.triangles.y, layout::kVoxelizeGroup));
   gpu::memoryBarrier();
-  programs_.get(with(job.variant, "LPV_LARGE")).dispatchIndirect(0);
+  programs_.get(compiledFor(job.variant, "LPV_LARGE")).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 

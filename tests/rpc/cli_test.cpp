@@ -288,7 +288,7 @@ TEST_F(Cli, WatchTellsRevisionsAsTheyCome) {
   ASSERT_THAT(plain, Not(IsEmpty()));
   EXPECT_THAT(plain.back(), HasSubstr("results in"));
   EXPECT_EQ(lpvctl({"watch", "nosuch", "--seconds", "5"}).exit, 1);
-  EXPECT_EQ(lpvctl({"watch", id_, "--adapt", "10", "--seconds", "0.5"}).exit, 0);
+  EXPECT_EQ(lpvctl({"watch", id_, "--adapt", "10", "--seconds", "2"}).exit, 0);
   EXPECT_THAT(lpvctl({"watch", id_, "--adapt", "1000", "--seconds", "5"}).err, testing::HasSubstr("adapt_rate"));
 }
 
