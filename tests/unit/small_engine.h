@@ -19,35 +19,39 @@ inline constexpr std::size_t kSmallCells = 4096;
 /// What a tick answers with: one layer for each group of lights, a ramp whose height is the revision; a grey frame.
 Expected<TickResult> smallResult(const TickRequest& request);
 
-/// Ends every tick inside submit().
-class SmallEngine final : public Engine {
+/// What engines without a device have in common.
+class DevicelessEngine : public Engine {
  public:
   const DeviceInfo& device() const override { return device_; }
-  void submit(TickRequest request, TickDone done) override { done(smallResult(request)); }
   void forget(SessionKey) override {}
   void forgetView(SessionKey, std::uint64_t) override {}
+  /// Sessions of a few lights are cheap, thousands of them too dear (Limits::maxTickSeconds).
+  Prediction predict(const Workload& workload) const override { return {0.05 * workload.lights, "gather"}; }
+  std::int64_t contextLosses() const override { return 0; }
 
  private:
   DeviceInfo device_;
 };
 
+/// Ends every tick inside submit().
+class SmallEngine final : public DevicelessEngine {
+ public:
+  void submit(TickRequest request, TickDone done) override { done(smallResult(request)); }
+};
+
 /// Ends ticks one after another on a thread of its own, as the GL thread does.
-class ThreadedEngine final : public Engine {
+class ThreadedEngine final : public DevicelessEngine {
  public:
   ThreadedEngine();
   ~ThreadedEngine() override;
 
-  const DeviceInfo& device() const override { return device_; }
   void submit(TickRequest request, TickDone done) override;
-  void forget(SessionKey) override {}
-  void forgetView(SessionKey, std::uint64_t) override {}
 
   int ticks() const { return ticks_; }
 
  private:
   void run();
 
-  DeviceInfo device_;
   std::atomic<int> ticks_{0};
   std::mutex mutex_;
   std::condition_variable wake_;
