@@ -7,24 +7,35 @@
 namespace lpv {
 
 /// Whose turn it is on a device: the one that has had the least of it (start-time fair queueing, Goyal et al. 1996).
-/// Who comes back from a pause starts level with the others: time not used is not saved up. Times in seconds.
+/// Who comes back from a pause starts level with the others: time not used is not saved up. What a tick takes beyond
+/// kShortTick counts twice: somebody who drags a lamp in a small scene waits less than twice as long because of one
+/// whose large scene takes its time anyway. Times in seconds.
 class Turns {
  public:
   using Party = std::uint64_t;
 
-  /// The party has work again.
+  /// What feels immediate.
+  static constexpr double kShortTick = 0.05;
+
+  /// The party has another tick to be worked at.
   void arrive(Party party);
-  void forget(Party party) { used_.erase(party); }
+  void forget(Party party) { accounts_.erase(party); }
 
   /// Takes time on the party's account: predicted when work is queued, later the difference to what it took.
-  void charge(Party party, double seconds) { used_[party] += seconds; }
+  void charge(Party party, double seconds);
   /// `party` is given a turn: nobody who arrives later starts with less than it had.
   void begin(Party party);
 
+  /// What counts of the time it has had.
   double used(Party party) const;
 
  private:
-  std::map<Party, double> used_;
+  struct Account {
+    double used = 0.0;
+    double tick = 0.0;  ///< that its tick has had
+  };
+
+  std::map<Party, Account> accounts_;
   double now_ = 0.0;  ///< what the party of the last turn had when it began
 };
 

@@ -2,6 +2,7 @@
 // gets its ticks alone, and beside a large one whose light moves every tick. "back to back": its next tick is asked for
 // when the last one is there; "paced": as sessions do, at most 30 a second. Intervals are medians; beside them the
 // longest piece of the large one, which is how long the device was away at a stretch, and how its ticks were predicted.
+// "largest admitted": as many lights as admission lets a session have on this device (--max-tick-seconds), statues all.
 //
 //   fairness_bench [--large NAME] [--ticks N] [--list]
 //
@@ -20,6 +21,8 @@
 
 #include "core_scene.h"
 #include "reference/meshes.h"
+#include "scene/error_goal.h"
+#include "scene/workload.h"
 
 namespace {
 
@@ -28,6 +31,8 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::microseconds kPace{33333};
 constexpr SessionKey kSmall = 1, kLarge = 2;
+constexpr double kMaxTickSeconds = 30.0;  // lpvd's own
+constexpr int kMaxLights = 1024;  // likewise
 
 glm::dvec3 position(int step) {
   return {0.5 * std::cos(0.1 * step), 1.4 + 0.2 * std::sin(0.07 * step), 0.5 * std::sin(0.1 * step)};
@@ -40,10 +45,17 @@ struct Load {
   Transport transport = Transport::kGather;
   bool volume = false;
   glm::ivec2 frame{0};
+  int lights = 1;
+  bool mostLights = false;  ///< as many as are admitted
 };
 
 Scene sceneOf(const Load& load) {
   Scene scene = bench::roomWith(load.mesh, position(0), load.cells);
+  for (int i = 1; i < load.lights; ++i) {
+    auto light = std::make_shared<Light>(*scene.lights.at("light"));
+    light->name += std::to_string(i);
+    scene.lights[light->name] = light;
+  }
   SessionOptions options;
   options.transport = load.transport;
   if (load.transport != Transport::kPropagate) options.followTransport();
@@ -73,7 +85,32 @@ std::vector<Load> largeOnes() {
           {"gather 128, flux statue, volume", statue, 128, Transport::kGather, true},
           {"gather 128, flux statue, frame 4096x4096", statue, 128, Transport::kGather, false, glm::ivec2(4096)},
           {"direct 128, quad, frame 4096x4096", reference::quad(), 128, Transport::kDirect, false, glm::ivec2(4096)},
-          {"gather 32, statue, frame 640x360", statue, 32, Transport::kGather, false, {640, 360}}};
+          {"gather 32, statue, frame 640x360", statue, 32, Transport::kGather, false, {640, 360}},
+          {"largest admitted, gather 128", statue, 128, Transport::kGather, true, {}, 1, true}};
+}
+
+double predictedSeconds(const Load& load) {
+  const Scene scene = sceneOf(load);
+  Workload workload(carriedOut(scene.options), scene.grid);
+  for (const auto& [name, light] : scene.lights) workload.add(*light);
+  for (const auto& [name, surface] : scene.surfaces) workload.add(*surface);
+  return bench::engine().predict(workload).seconds;
+}
+
+/// `load` with as many lights as admission lets it have, by what the device has been seen to take.
+Load largestAdmitted(Load load) {
+  int refused = kMaxLights + 1;
+  for (int step = kMaxLights; step > 0; step /= 2) {
+    Load more = load;
+    more.lights = load.lights + step;
+    if (more.lights >= refused) continue;
+    if (predictedSeconds(more) <= kMaxTickSeconds) {
+      load = more;
+    } else {
+      refused = more.lights;
+    }
+  }
+  return load;
 }
 
 /// Ticks of the large session, one after the other, until told to stop.
@@ -153,9 +190,14 @@ void alone(const Load& large) {
   bench::engine().forget(kLarge);
 }
 
-void compare(const Load& small, const Load& large, int ticks) {
+void compare(const Load& small, Load large, int ticks) {
   std::printf("%s\n", large.name.c_str());
   alone(large);
+  if (large.mostLights) {
+    large = largestAdmitted(large);
+    std::printf("    %d lights, a tick from nothing predicted to take %.1f s\n", large.lights, predictedSeconds(large));
+    alone(large);
+  }
   const Intervals byItself = intervals(small, ticks, false), byItselfPaced = intervals(small, ticks, true);
   Neighbour neighbour(large);
   std::this_thread::sleep_for(std::chrono::seconds(2));

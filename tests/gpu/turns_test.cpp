@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -58,9 +59,42 @@ TEST(Turns, WhoComesBackIsServedNext) {
     turns.arrive(kSmall);
     EXPECT_EQ(turnsOf(turns, 5), "sssss") << tick;
   }
-  // It has used less all the while, and yet has saved up no more than one piece of the other.
+  // It has used less all the while, and yet has saved up no more than one piece of the other, which counts twice.
   turns.arrive(kSmall);
-  EXPECT_NE(turnsOf(turns, 12).find('L'), std::string::npos);
+  EXPECT_NE(turnsOf(turns, 22).find('L'), std::string::npos);
+}
+
+/// Seconds that each party has had after `turns` of 10 ms, while their ticks take so long.
+std::map<Turns::Party, double> shares(const std::map<Turns::Party, double>& tickSeconds) {
+  Turns turns;
+  std::map<Turns::Party, double> had, left;
+  std::vector<Turns::Party> all;
+  for (const auto& [party, seconds] : tickSeconds) all.push_back(party);
+  for (int i = 0; i < 30'000; ++i) {
+    for (const Turns::Party party : all) {
+      if (left[party] > 0.0) continue;
+      turns.arrive(party);
+      left[party] = tickSeconds.at(party);
+    }
+    const Turns::Party party = next(turns, all);
+    turns.begin(party);
+    turns.charge(party, 0.010);
+    left[party] -= 0.010;
+    had[party] += 0.010;
+  }
+  return had;
+}
+
+// Broken by: charge() that counts all time alike; arrive() that does not begin a new tick.
+TEST(Turns, ATickThatTakesLongLetsShortOnesPass) {
+  const auto beside = shares({{kSmall, 0.04}, {kLarge, 30.0}});
+  EXPECT_NEAR(beside.at(kSmall) / beside.at(kLarge), 2.0, 0.05);
+}
+
+TEST(Turns, TicksThatAllTakeLongHaveEqualTime) {
+  const auto equals = shares({{1, 10.0}, {2, 30.0}, {3, 60.0}});
+  EXPECT_NEAR(equals.at(1) / equals.at(3), 1.0, 0.05);
+  EXPECT_NEAR(equals.at(2) / equals.at(3), 1.0, 0.05);
 }
 
 TEST(Turns, ACorrectionCounts) {
