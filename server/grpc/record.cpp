@@ -13,7 +13,7 @@ namespace lpv::door {
 namespace {
 
 constexpr std::size_t kMostIdBytes = 80;
-constexpr std::size_t kMostMessageBytes = 200;
+constexpr std::size_t kMostAuditText = 200;
 
 /// Refusals that say something about who calls, not about what a call says.
 bool concernsCaller(const Status& status) {
@@ -58,7 +58,7 @@ grpc::Status record(const api::Context& context, const std::string& method, cons
   if (audited || concernsCaller(status)) {
     ops::auditRefusal({{"method", methodOf(method)},
                        {"reason", kReasons[reasonOf(status)]},
-                       {"why", shortened(status.message(), kMostMessageBytes)}});
+                       {"why", shortened(status.message(), kMostAuditText)}});
   }
   return toGrpc(status);
 }

@@ -1,14 +1,24 @@
 #include "grpc/status.h"
 
 #include "api/convert_scene.h"
+#include "scene/text.h"
 
 namespace lpv::door {
 
+namespace {
+
+/// A message may repeat a name as long as the caller made it. gRPC's clients take 8 KiB of trailers, where the message
+/// stands twice and what is not ASCII takes three bytes each; beyond that they report a broken call instead.
+constexpr std::size_t kMostTrailerText = 1200;
+
+}  // namespace
+
 grpc::Status toGrpc(const Status& status) {
   if (status.ok()) return grpc::Status::OK;
+  const std::string message = shortened(status.message(), kMostTrailerText);
   api::pb::Status details;
-  api::toProto(status, &details);
-  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), status.message(), details.SerializeAsString());
+  api::toProto(Status(status.code(), message, shortened(status.field(), kMostTrailerText)), &details);
+  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message, details.SerializeAsString());
 }
 
 }  // namespace lpv::door

@@ -2,23 +2,26 @@
 
 #include <cstdio>
 
+#include "scene/text.h"
 #include "session/document.h"
 
 namespace lpv {
 namespace {
 
 Status noSuch(const char* what, const std::string& name, const char* field = "name") {
-  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + name + "\" in this session", field);
+  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + shortened(name) + "\" in this session",
+                field);
 }
 
 Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
   if (reference.mesh) return reference.mesh;
   const BlobPtr blob = blobs.find(reference.hash);
   if (blob && blob->mesh) return blob->mesh;
-  return Status(Code::kNotFound,
-                blob ? "mesh " + reference.hash + " is a texture, not a mesh"
-                     : "mesh \"" + reference.hash + "\" is not in this session; upload it with UploadBlob first",
-                "mesh");
+  return Status(
+      Code::kNotFound,
+      blob ? "mesh " + shortened(reference.hash) + " is a texture, not a mesh"
+           : "mesh \"" + shortened(reference.hash) + "\" is not in this session; upload it with UploadBlob first",
+      "mesh");
 }
 
 Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, const Blobs& blobs) {
@@ -26,7 +29,8 @@ Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, con
   const BlobPtr blob = blobs.find(hash);
   if (blob && blob->texture) return blob->texture;
   return Status(Code::kNotFound,
-                std::string(field) + " \"" + hash + "\" is no texture of this session; upload it with UploadBlob first",
+                std::string(field) + " \"" + shortened(hash) +
+                    "\" is no texture of this session; upload it with UploadBlob first",
                 field);
 }
 

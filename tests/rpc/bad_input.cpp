@@ -8,6 +8,13 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+/// 120,000 bytes, no letter of them ASCII.
+std::string endless() {
+  std::string out;
+  for (int i = 0; i < 60'000; ++i) out += "\u00fc";
+  return out;
+}
+
 /// A light or surface with a mesh spoilt in one way.
 Row meshRow(const std::string& name, const std::function<void(pb::Mesh*)>& spoil, const std::string& field,
             const std::string& text) {
@@ -241,6 +248,15 @@ std::vector<Row> valueRows() {
        "edit.operations", "1 to 1000"},
       {"EditOperationNotSet", [](World& w) { return tryEdit(w.stubs, w.session, client::editOf({pb::Operation()})); },
        StatusCode::INVALID_ARGUMENT, "edit.operations[0]", "not set"},
+      // What a message repeats of a text without a limit still fits into the trailers.
+      {"EndlessName",
+       [](World& w) { return tryEdit(w.stubs, w.session, client::editOf({client::deleteLight(endless())})); },
+       StatusCode::NOT_FOUND, "edit.operations[0].delete_light", "there is no light"},
+      {"EndlessPath",
+       [](World& w) {
+         return tryEdit(w.stubs, w.session, client::editOf({client::updateLight(light("Lamp"), {endless()})}));
+       },
+       StatusCode::INVALID_ARGUMENT, "edit.operations[0].update_light.update_mask", "unknown path"},
   };
 }
 
