@@ -1,5 +1,6 @@
 // Sessions as files: what lpv.store.v1 keeps of them, sealed like a snapshot.
 
+#include <atomic>
 #include <set>
 
 #include "api/convert_session.h"
@@ -67,18 +68,47 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
   return status.code() == Code::kDataLoss ? invalid("data", status.message()) : status;
 }
 
+/// One of the session files that the server holds in memory at once, on their way in or out.
+class Berth {
+ public:
+  explicit Berth(Counters& counters) : counters_(counters) {}
+  ~Berth() { leave(); }
+  Berth(const Berth&) = delete;
+  Berth& operator=(const Berth&) = delete;
+
+  /// RESOURCE_EXHAUSTED (max_session_files) where all are taken.
+  Status enter(const Limits& limits) {
+    const int before = counters_.sessionFiles.fetch_add(1);
+    taken_ = true;
+    if (before < limits.maxSessionFiles) return {};
+    leave();
+    return exhausted("max_session_files", "max_session_files: the server is busy with " + std::to_string(before) +
+                                              " session files, allowed at once are " +
+                                              std::to_string(limits.maxSessionFiles) + "; try again in a while");
+  }
+  void leave() {
+    if (taken_.exchange(false)) --counters_.sessionFiles;
+  }
+
+ private:
+  Counters& counters_;
+  std::atomic<bool> taken_{false};
+};
+
 /// A session on its way out, part by part as the client takes them.
 class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
-  explicit Export(const Context& context) : context_(context) {}
+  explicit Export(const Context& context) : context_(context), berth_(*context.counters), idle_(*context.timers) {}
 
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name(), Role::kViewer);
     if (!session) return end(session.status());
+    if (Status s = berth_.enter(context_.limits); !s.ok()) return end(s);
     Expected<std::string> file = fileOf((*session)->state());
-    if (!file) return end(file.status());
+    if (!file) return giveUp(file.status());
     const std::lock_guard lock(mutex_);
     bytes_ = std::move(*file);
+    expectReader();
   }
 
   bool next(pb::ExportSessionResponse* response) override {
@@ -87,14 +117,35 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
     const std::size_t count = std::min(kMaxPartBytes, bytes_.size() - offset_);
     response->set_data(bytes_.data() + offset_, count);
     offset_ += count;
+    expectReader();
     if (offset_ == bytes_.size()) endInNext(Status());
     return true;
   }
 
-  void cancelled() override { end(Status(Code::kCancelled, "the client went away")); }
+  void cancelled() override { giveUp(Status(Code::kCancelled, "the client went away")); }
 
  private:
+  /// A reader that stops holds the file no longer than a writer that stops.
+  void expectReader() {
+    idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this()] {
+      const auto self = std::static_pointer_cast<Export>(weak.lock());
+      if (self) self->giveUp(Status(Code::kDeadlineExceeded, "upload_idle: no part was taken in time", "name"));
+    });
+  }
+
+  void giveUp(Status why) {
+    idle_.stop();
+    {
+      const std::lock_guard lock(mutex_);
+      bytes_ = std::string();
+    }
+    berth_.leave();
+    end(std::move(why));
+  }
+
   const Context context_;
+  Berth berth_;
+  Deadline idle_;
   std::mutex mutex_;
   std::string bytes_;
   std::size_t offset_ = 0;
@@ -103,7 +154,7 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
 /// A file on its way in; a worker makes the session at its end.
 class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionResponse> {
  public:
-  explicit Import(const Context& context) : context_(context), idle_(*context.timers) {}
+  explicit Import(const Context& context) : context_(context), berth_(*context.counters), idle_(*context.timers) {}
 
   void expect(std::chrono::seconds patience, const char* limit) {
     idle_.restart(patience, [weak = weak_from_this(), limit] {
@@ -116,6 +167,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (hasEnded()) return;
     if (!begun_) {
       if (Status s = allowAdmin(context_, "making a session from a file"); !s.ok()) return end(s);
+      if (Status s = berth_.enter(context_.limits); !s.ok()) return end(s);
       wantedId_ = request.session_id();
     }
     begun_ = true;
@@ -169,6 +221,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
   }
 
   const Context context_;
+  Berth berth_;
   Deadline idle_;
   bool begun_ = false;
   std::string wantedId_;

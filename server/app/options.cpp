@@ -33,6 +33,7 @@ void addLimits(CLI::App& app, Limits& limits) {
   limit("--max-presence-updates-per-second", limits.maxPresenceUpdatesPerSecond, "presence updates of one client", 0.1,
         1000);
   limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
+  limit("--max-session-files", limits.maxSessionFiles, "session files on their way in or out at once", 1, 1000);
   limit("--max-tick-seconds", limits.maxTickSeconds, "seconds of this device that a tick is predicted to take", 0.001,
         86400);
   const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what, int least) {

@@ -64,6 +64,7 @@ inline constexpr std::array kReasons = {"ok",
                                         "max_presence_updates_per_second",
                                         "max_probe_points",
                                         "max_session_file_bytes",
+                                        "max_session_files",
                                         "max_sessions",
                                         "max_subscribers_per_session",
                                         "max_surfaces",
@@ -140,6 +141,7 @@ struct Counters {
   std::array<Sent, kSentNames.size()> sent;  ///< encoded for readers, by SentAs
   std::atomic<std::int64_t> volumesEncoded{0};
   std::atomic<std::int64_t> editsAccepted{0};
+  std::atomic<int> sessionFiles{0};  ///< on their way in or out
   ReasonCounter editsRejected;
   ReasonCounter callsRefused;  ///< calls that ended with an error before anything was answered
 

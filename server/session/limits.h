@@ -26,6 +26,7 @@ struct Limits {
   std::chrono::seconds presenceIdle{15};  ///< a member without streams who says nothing for so long is gone
   double maxTickRate = 30.0;  ///< ticks of one session per second
   double maxTickSeconds = 30.0;  ///< that a tick from nothing is predicted to take of the device
+  int maxSessionFiles = 4;  ///< on their way in or out at once, of the whole server; each is held in memory
   int maxFrameEdge = 4096;  ///< pixels
   int minFrameEdge = 16;
   int maxProbePoints = 16384;

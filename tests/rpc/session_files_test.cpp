@@ -85,6 +85,70 @@ TEST_F(SessionFiles, OneThatIsTooMuchForTheServerIsRefusedByLimit) {
   EXPECT_THAT(refused.message(), HasSubstr("max_triangles"));
 }
 
+/// An import that has begun and goes on when somebody says so.
+class OpenImport {
+ public:
+  OpenImport(Stubs& stubs, const std::string& file) : writer_(stubs.session->ImportSession(call_, &response_)) {
+    pb::ImportSessionRequest request;
+    request.set_data(file);
+    EXPECT_TRUE(writer_->Write(request));
+  }
+  grpc::Status finish() {
+    writer_->WritesDone();
+    return writer_->Finish();
+  }
+
+ private:
+  Call call_;
+  pb::ImportSessionResponse response_;
+  std::unique_ptr<grpc::ClientWriter<pb::ImportSessionRequest>> writer_;
+};
+
+TEST_F(SessionFiles, OnlySoManyAreOnTheirWayAtOnce) {
+  ServerProcess narrow({"--max-session-files", "1"});
+  Stubs stubs(narrow.address());
+  client::Client there = clientOf(narrow.address());
+  const std::string file = saved(makeLitSession(stubs_));
+  const auto import = [&] { return there.importSession("", file).status(); };
+  OpenImport first(stubs, file);
+  Status second;
+  EXPECT_TRUE(eventually([&] { return !(second = import()).ok(); })) << "once the first has arrived";
+  EXPECT_EQ(second.code(), Code::kResourceExhausted) << second.message();
+  EXPECT_THAT(second.message(), HasSubstr("max_session_files: "));
+  const std::string session = makeLitSession(stubs);
+  EXPECT_EQ(there.exportSession(session, [](const std::string&) { return true; }).code(), Code::kResourceExhausted);
+  EXPECT_THAT(first.finish(), IsOk());
+  EXPECT_TRUE(eventually([&] { return import().ok(); })) << "its place is free again";
+}
+
+TEST_F(SessionFiles, AReaderThatStopsHoldsNoPlace) {
+  ServerProcess narrow({"--max-session-files", "1", "--upload-idle", "1"});
+  Stubs stubs(narrow.address());
+  client::Client there = clientOf(narrow.address());
+  const std::string session = makeLitSession(stubs);
+  ASSERT_THAT(upload(stubs, session, pb::BLOB_KIND_MESH, sheet(700).SerializeAsString()), IsOk());
+  Call call;
+  pb::ExportSessionRequest request;
+  request.set_name(session);
+  const auto stalled = stubs.session->ExportSession(call, request);
+  pb::ExportSessionResponse part;
+  ASSERT_TRUE(stalled->Read(&part));
+  std::size_t bytes = 0;
+  const auto whole = [&] {
+    bytes = 0;
+    return there.exportSession(session, [&bytes](const std::string& data) {
+      bytes += data.size();
+      return true;
+    });
+  };
+  EXPECT_EQ(whole().code(), Code::kResourceExhausted);
+  EXPECT_TRUE(eventually([&] { return whole().ok(); }));
+  EXPECT_GT(bytes, 8 * kMiB) << "more than a connection holds";
+  while (stalled->Read(&part)) {
+  }
+  EXPECT_THAT(stalled->Finish(), Refused(StatusCode::DEADLINE_EXCEEDED, "name", "upload_idle: "));
+}
+
 TEST_F(SessionFiles, ATakenNameIsRefused) {
   const std::string session = makeLitSession(stubs_);
   EXPECT_EQ(client_.importSession(client::sessionId(session), saved(session)).status().code(), Code::kAlreadyExists);
