@@ -113,31 +113,116 @@ Volume anyVolume(FuzzedDataProvider& in, const glm::ivec3& dims, std::size_t lay
   return volume;
 }
 
-/// Results of one chain, coded whole and relative to each other, through the codec's both ends.
-void roundTrips(FuzzedDataProvider& in) {
-  const auto format = wire::Format(in.ConsumeIntegralInRange(0, 2));
-  const int toleranceClass = in.ConsumeIntegralInRange(0, wire::kToleranceClasses - 1);
-  const auto compression = in.ConsumeBool() ? wire::Compression::kZstd : wire::Compression::kNone;
-  const glm::ivec3 dims(in.ConsumeIntegralInRange(1, 10), in.ConsumeIntegralInRange(1, 3),
-                        in.ConsumeIntegralInRange(1, 3));
-  const auto layers = std::size_t(in.ConsumeIntegralInRange(1, 2));
-  const double allowed =
-      wire::toleranceOf(format, toleranceClass) + (format == wire::Format::kHalf ? kHalfRounding : 0.0);
-  wire::VolumeStatePtr published;
-  wire::VolumeStatePtr held;
-  for (int result = in.ConsumeIntegralInRange(1, 3); result > 0; --result) {
-    const Volume truth = anyVolume(in, dims, layers);
-    published = wire::publish(truth, format, toleranceClass, published.get());
-    const wire::VolumeStatePtr base = held && held->shape == published->shape ? held : nullptr;
-    const wire::EncodedVolume encoded =
-        wire::encodeVolume(*published, base.get(), compression, std::size_t(in.ConsumeIntegralInRange(1, 30'000)));
-    const Expected<wire::VolumeStatePtr> decoded = wire::decode(*published, encoded, base);
-    check(decoded.ok(), "what was encoded can be decoded: " + decoded.status().message());
-    check(wire::checksumOf(**decoded) == wire::checksumOf(*published), "a volume comes back bit for bit");
-    const double off = wire::furthest(truth, wire::volumeFrom(**decoded));
-    check(off <= allowed, "a volume is within " + std::to_string(allowed) + " of the truth, is " + std::to_string(off));
-    held = *decoded;
+/// Results of one chain, each coded relative to the one that the other end holds, through the codec's both ends.
+class Chain {
+ public:
+  explicit Chain(FuzzedDataProvider& in)
+      : format_(wire::Format(in.ConsumeIntegralInRange(0, 2))),
+        class_(in.ConsumeIntegralInRange(0, wire::kToleranceClasses - 1)),
+        compression_(in.ConsumeBool() ? wire::Compression::kZstd : wire::Compression::kNone),
+        dims_(in.ConsumeIntegralInRange(1, 10), in.ConsumeIntegralInRange(1, 3), in.ConsumeIntegralInRange(1, 3)),
+        layers_(std::size_t(in.ConsumeIntegralInRange(1, 2))) {}
+
+  wire::EncodedVolume encodeNext(FuzzedDataProvider& in) {
+    truth_ = anyVolume(in, dims_, layers_);
+    published_ = wire::publish(truth_, format_, class_, published_.get());
+    base_ = held_ && held_->shape == published_->shape ? held_ : nullptr;
+    return wire::encodeVolume(*published_, base_.get(), compression_,
+                              std::size_t(in.ConsumeIntegralInRange(1, 30'000)));
   }
+
+  /// What arrived as it was sent is what was published, and near the truth.
+  void deliver(const wire::EncodedVolume& encoded) {
+    const Expected<wire::VolumeStatePtr> decoded = wire::decode(*published_, encoded, base_);
+    check(decoded.ok(), "what was encoded can be decoded: " + decoded.status().message());
+    check(wire::checksumOf(**decoded) == wire::checksumOf(*published_), "a volume comes back bit for bit");
+    const double off = wire::furthest(truth_, wire::volumeFrom(**decoded));
+    const double allowed = wire::toleranceOf(format_, class_) + (format_ == wire::Format::kHalf ? kHalfRounding : 0.0);
+    check(off <= allowed, "a volume is within " + std::to_string(allowed) + " of the truth, is " + std::to_string(off));
+    held_ = *decoded;
+  }
+
+  /// What arrived otherwise is refused, unless it says the same in other words.
+  void deliverTampered(const wire::EncodedVolume& encoded) {
+    const Expected<wire::VolumeStatePtr> decoded = wire::decode(*published_, encoded, base_);
+    if (!decoded) return checkRefusal(decoded.status());
+    check(wire::checksumOf(**decoded) == wire::checksumOf(*published_), "an accepted volume is the one published");
+    wire::volumeFrom(**decoded);
+  }
+
+ private:
+  const wire::Format format_;
+  const int class_;
+  const wire::Compression compression_;
+  const glm::ivec3 dims_;
+  const std::size_t layers_;
+  Volume truth_;
+  wire::VolumeStatePtr published_, held_, base_;
+};
+
+void roundTrips(FuzzedDataProvider& in) {
+  Chain chain(in);
+  for (int result = in.ConsumeIntegralInRange(1, 3); result > 0; --result) chain.deliver(chain.encodeNext(in));
+}
+
+/// Changes, removes, inserts or repeats a few bytes.
+void tamper(FuzzedDataProvider& in, std::string& bytes) {
+  const auto at = in.ConsumeIntegralInRange<std::size_t>(0, bytes.size());
+  const std::size_t length = std::min(bytes.size() - at, in.ConsumeIntegralInRange<std::size_t>(0, 8));
+  switch (in.ConsumeIntegralInRange(0, 3)) {
+    case 0:
+      bytes.replace(at, length, in.ConsumeBytesAsString(length));
+      break;
+    case 1:
+      bytes.erase(at, in.ConsumeBool() ? length : std::string::npos);
+      break;
+    case 2:
+      bytes.insert(at, in.ConsumeRandomLengthString(16));
+      break;
+    default:
+      bytes.insert(at, bytes.substr(at, length));
+  }
+}
+
+void tamper(FuzzedDataProvider& in, std::vector<wire::BrickRun>& bricks) {
+  if (bricks.empty() || in.ConsumeIntegralInRange(0, 3) == 0) {
+    bricks.push_back({smallOrAny(in, 0, 2), smallOrAny(in, 1, 2)});
+    return;
+  }
+  wire::BrickRun& run = bricks[in.ConsumeIntegralInRange<std::size_t>(0, bricks.size() - 1)];
+  (in.ConsumeBool() ? run.first : run.count) += smallOrAny(in, -2, 2);
+}
+
+/// Beneath the compression: nothing that is changed there comes through it by chance.
+void tamperContent(FuzzedDataProvider& in, wire::Compression compression, std::string& payload) {
+  if (compression == wire::Compression::kNone || payload.empty()) return tamper(in, payload);
+  Expected<std::string> content = wire::decompress(payload, wire::kMaxPayloadBytes);
+  tamper(in, *content);
+  payload = wire::compress(*content);
+}
+
+/// Volumes as a server writes them, changed here and there: what only all but well-formed parts reach.
+void tamperedVolumes(FuzzedDataProvider& in) {
+  Chain chain(in);
+  for (int result = in.ConsumeIntegralInRange(0, 1); result > 0; --result) chain.deliver(chain.encodeNext(in));
+  wire::EncodedVolume encoded = chain.encodeNext(in);
+  for (int changes = in.ConsumeIntegralInRange(1, 4); changes > 0; --changes) {
+    wire::Part& part = encoded.parts[in.ConsumeIntegralInRange<std::size_t>(0, encoded.parts.size() - 1)];
+    switch (in.ConsumeIntegralInRange(0, 4)) {
+      case 0:
+        tamper(in, part.bricks);
+        break;
+      case 1:
+        tamper(in, part.payload);
+        break;
+      case 2:
+        encoded.parts.push_back(wire::Part(part));
+        break;
+      default:
+        tamperContent(in, encoded.compression, part.payload);
+    }
+  }
+  chain.deliverTampered(encoded);
 }
 
 }  // namespace
@@ -145,12 +230,16 @@ void roundTrips(FuzzedDataProvider& in) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzedDataProvider in(data, size);
-  switch (in.ConsumeIntegralInRange(0, 3)) {
+  switch (in.ConsumeIntegralInRange(0, 5)) {
     case 0:
       lpv::fuzz::hostileFrame(in);
       break;
     case 1:
       lpv::fuzz::roundTrips(in);
+      break;
+    case 2:
+    case 3:
+      lpv::fuzz::tamperedVolumes(in);
       break;
     default:
       lpv::fuzz::hostileVolume(in);
