@@ -15,9 +15,7 @@ namespace {
 // Longest piece of GPU work, so that another session's turn comes soon.
 constexpr double kHardwarePieceSeconds = 0.005;
 constexpr double kSoftwarePieceSeconds = 0.010;
-/// Pieces queued ahead of the GPU: one runs, one waits. Where the CPU is the GPU, one: two would run beside each other,
-/// and each would be charged with the other's time.
-constexpr std::size_t kHardwarePiecesAhead = 2, kSoftwarePiecesAhead = 1;
+constexpr std::size_t kPiecesAhead = 2;  // of the GPU: one runs, one waits
 constexpr std::chrono::microseconds kNap(500);
 /// A tick during which the context is lost so often may be why.
 constexpr int kMostLosses = 3;
@@ -82,7 +80,6 @@ GlThread::GlThread(JobQueue& queue, gpu::Context context, std::shared_ptr<CostMo
       device_(context_->device()),
       software_(context_->device().software),
       costs_(std::move(costs)),
-      piecesAhead_(software_ ? kSoftwarePiecesAhead : kHardwarePiecesAhead),
       pipeline_(newPipeline(software_)) {}
 
 void GlThread::run() {
@@ -91,7 +88,7 @@ void GlThread::run() {
     recover();
     takeEnded();
     deliverFinished();
-    Tick* next = timeline_.underway() < piecesAhead_ ? nextReady() : nullptr;
+    Tick* next = timeline_.underway() < piecesAhead() ? nextReady() : nullptr;
     if (next != nullptr) {
       advance(*next);
     } else if (!ticks_.empty()) {
@@ -105,6 +102,10 @@ void GlThread::run() {
   }
   ticks_.clear();
 }
+
+/// Where the CPU is the GPU, two pieces run beside each other, and each would be charged with the other's time: two only
+/// where both are of one tick.
+std::size_t GlThread::piecesAhead() const { return software_ && ticks_.size() > 1 ? 1 : kPiecesAhead; }
 
 void GlThread::handle(SubmitJob job) {
   if (underway(job.request.session)) {

@@ -78,6 +78,7 @@ class GlThread {
   Status remake();
   void forgetNow(const ForgetJob& job);
   bool underway(SessionKey session) const;
+  std::size_t piecesAhead() const;
   Tick* nextReady();
   static bool ready(const Tick& tick);
   void takeEnded();
@@ -94,7 +95,6 @@ class GlThread {
   const gpu::Device device_;
   const bool software_;
   std::shared_ptr<CostModel> costs_;
-  const std::size_t piecesAhead_;
   std::unique_ptr<Pipeline> pipeline_;  ///< null while there is no context
   Timeline timeline_;
   std::map<SessionKey, std::shared_ptr<SessionState>> sessions_;
