@@ -110,43 +110,6 @@ Status Session::verify(const ClientIdentity& client) const {
   return clients_.verify(client);
 }
 
-EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
-  for (Operation& operation : edit.operations) {
-    auto* vertices = std::get_if<SetVertices>(&operation);
-    if (!vertices) continue;
-    MeshPtr base;
-    {
-      const std::lock_guard lock(mutex_);
-      base = document_.meshOf(vertices->object);
-    }
-    // A failure here is found again, with its place in the edit, when the document applies it.
-    (void)prepareVertices(*vertices, base, workshop_.hasher).ok();
-  }
-  EditOutcome outcome;
-  {
-    const std::lock_guard lock(mutex_);
-    outcome = applyLocked(client, edit);
-  }
-  countAndTell(outcome);
-  return outcome;
-}
-
-EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why) {
-  workshop_.counters->editsRejected.add(why);
-  const std::lock_guard lock(mutex_);
-  EditOutcome outcome;
-  outcome.sequence = sequence;
-  outcome.revision = document_.revision();
-  outcome.status = closed_ ? closedStatus("session") : clients_.verify(client);
-  if (!outcome.status.ok()) return outcome;
-  const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
-  if (before && *before) return **before;
-  const Status writable = workshop_.journal->writable();
-  outcome.status = !before ? before.status().within("edit") : !writable.ok() ? writable : why;
-  if (before && writable.ok()) record(client, outcome);
-  return outcome;
-}
-
 Status Session::closedStatus(const char* field) const {
   if (closed_ == Closing::kDraining)
     return {Code::kUnavailable, "draining: this server ends; ask another, or this one again later"};
@@ -154,85 +117,6 @@ Status Session::closedStatus(const char* field) const {
     return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
   }
   return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
-}
-
-EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit) {
-  EditOutcome outcome;
-  if (!admit(client, edit.sequence, &outcome)) return outcome;
-  const Status locked = locks_.check(client.id, edit, Clock::now());
-  const Expected<std::vector<std::string>> names =
-      locked.ok() ? document_.apply(edit, blobs_) : Expected<std::vector<std::string>>(locked);
-  outcome.status = names.status().within("edit");
-  outcome.revision = document_.revision();
-  if (names) {
-    outcome.names = *names;
-    history_.note(client.id, edit, *names, document_);
-  }
-  record(client, outcome);
-  if (names) kick();
-  return outcome;
-}
-
-/// Remembers the outcome, and gives the journal what the edit made of the session.
-void Session::record(const ClientIdentity& client, const EditOutcome& outcome) {
-  clients_.record(client.id, outcome);
-  JournalStep step = nextStep();
-  const bool remembered = !client.id.empty() && (outcome.sequence != 0 || outcome.status.ok());
-  if (outcome.status.ok()) step.changes = document_.lastChange();
-  if (remembered) {
-    step.client = client.id;
-    step.outcome = outcome;
-  }
-  if (remembered || outcome.status.ok()) keep(std::move(step));
-}
-
-JournalStep Session::nextStep() const {
-  JournalStep step;
-  step.changes.revision = document_.revision();
-  return step;
-}
-
-void Session::keep(JournalStep step) { kept_ = workshop_.journal->append(id_, std::move(step)); }
-
-void Session::whenKept(std::function<void(const Status&)> kept) const {
-  Position position = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    position = kept_;
-  }
-  workshop_.journal->whenKept(position, std::move(kept));
-}
-
-void Session::confirm(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
-  whenKept([outcome = std::move(outcome), told = std::move(told)](const Status& kept) {
-    if (kept.ok()) return told(outcome);
-    EditOutcome unknown;
-    unknown.sequence = outcome.sequence;
-    unknown.revision = outcome.revision;
-    unknown.status = kept;
-    told(unknown);
-  });
-}
-
-Status Session::changeSettings(const std::function<Expected<Settings>(const Settings&)>& change) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return closedStatus("name");
-    if (Status s = workshop_.journal->writable(); !s.ok()) return s;
-    const std::uint64_t before = document_.revision();
-    const Expected<Settings> changed = change({document_.options(), manners_});
-    if (!changed) return changed.status();
-    if (Status s = document_.setOptions(changed->options); !s.ok()) return s;
-    manners_ = changed->manners;
-    JournalStep step = nextStep();
-    if (document_.revision() != before) step.changes = document_.lastChange();
-    step.settings = *changed;
-    keep(std::move(step));
-    lastUsed_ = std::chrono::system_clock::now();
-    kick();
-  }
-  tellWatchers();
-  return {};
 }
 
 Expected<bool> Session::addBlob(const BlobPtr& blob) {
@@ -305,16 +189,6 @@ void Session::unwatch(std::uint64_t watcher) {
   presence_.hear(found->second.client, Clock::now());
   watchers_.erase(found);
   lastUsed_ = std::chrono::system_clock::now();
-}
-
-/// Of an edit, or of a step back or forth. Without the lock.
-void Session::countAndTell(const EditOutcome& outcome) {
-  if (outcome.status.ok()) {
-    ++workshop_.counters->editsAccepted;
-    tellWatchers();
-  } else {
-    workshop_.counters->editsRejected.add(outcome.status);
-  }
 }
 
 void Session::tellWatchers() {
