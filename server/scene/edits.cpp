@@ -5,7 +5,6 @@
 namespace lpv {
 namespace {
 
-constexpr std::size_t kMaxNameBytes = 200;
 constexpr double kMaxRadiance = 1e9;  // W/(sr m^2); leaves single precision room for sums
 constexpr std::size_t kMaxGroupBytes = 64;
 

@@ -104,6 +104,7 @@ struct Edit {
 };
 
 /// 1..200 bytes, no control characters, no '/'.
+inline constexpr std::size_t kMaxNameBytes = 200;
 Status checkName(const std::string& name);
 /// A light group: as a name, but 0..64 bytes.
 Status checkGroup(const std::string& group);

@@ -267,8 +267,8 @@ std::string Document::freeName(const std::string& wanted) const {
   std::string name = wanted;
   for (int n = 1; lights_.contains(name) || surfaces_.contains(name); ++n) {
     char suffix[16];
-    std::snprintf(suffix, sizeof suffix, ".%03d", n);
-    name = wanted + suffix;
+    const int length = std::snprintf(suffix, sizeof suffix, ".%03d", n);
+    name = shortened(wanted, kMaxNameBytes - std::size_t(length)) + suffix;
   }
   return name;
 }
