@@ -108,8 +108,10 @@ std::string meshBytes(const Mesh& mesh) {
 
 BlobHash meshHash(const Mesh& mesh) { return sha256(meshBytes(mesh)); }
 
-Expected<BlobPtr> blobFromBytes(pb::BlobKind kind, std::string bytes) {
+Expected<BlobPtr> blobFromBytes(pb::BlobKind kind, std::string given) {
   auto blob = std::make_shared<Blob>();
+  blob->bytes = std::make_shared<const std::string>(std::move(given));
+  const std::string& bytes = *blob->bytes;
   blob->hash = sha256(bytes);
   if (kind == pb::BLOB_KIND_MESH) {
     pb::Mesh message;
@@ -117,6 +119,7 @@ Expected<BlobPtr> blobFromBytes(pb::BlobKind kind, std::string bytes) {
     Expected<Mesh> mesh = meshFromProto(message);
     if (!mesh) return mesh.status();
     mesh->hash = blob->hash;
+    if (meshBytes(*mesh) != bytes) mesh->source = blob->bytes;
     blob->kind = BlobKind::kMesh;
     blob->mesh = std::make_shared<const Mesh>(std::move(*mesh));
   } else {
@@ -128,7 +131,6 @@ Expected<BlobPtr> blobFromBytes(pb::BlobKind kind, std::string bytes) {
     blob->kind = BlobKind::kTexture;
     blob->texture = std::make_shared<const Texture>(std::move(*texture));
   }
-  blob->bytes = std::make_shared<const std::string>(std::move(bytes));
   return BlobPtr(std::move(blob));
 }
 

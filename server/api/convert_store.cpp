@@ -15,6 +15,7 @@ namespace lpv::api {
 namespace {
 
 static_assert(store::kKeptTombstones == kMaxTombstones && store::kKeptOutcomes == kRememberedOutcomes);
+static_assert(store::kKeptNameBytes == kRememberedNameBytes && store::kBytesPerName == kRememberedBytesPerName);
 
 pb::BlobKind kindOf(const Blob& blob) {
   return blob.kind == BlobKind::kMesh ? pb::BLOB_KIND_MESH : pb::BLOB_KIND_TEXTURE;
@@ -61,7 +62,8 @@ EditOutcome readOutcome(const pb::EditAck& in) {
 void addMesh(const MeshPtr& mesh, const store::Holds& holds, std::set<BlobHash>& added, store::Step* out) {
   if (added.contains(mesh->hash) || holds(mesh->hash)) return;
   added.insert(mesh->hash);
-  out->contents.push_back({mesh->hash, pb::BLOB_KIND_MESH, std::make_shared<const std::string>(meshBytes(*mesh))});
+  out->contents.push_back({mesh->hash, pb::BLOB_KIND_MESH,
+                           mesh->source ? mesh->source : std::make_shared<const std::string>(meshBytes(*mesh))});
 }
 
 void addChanges(const Changes& changes, kept::Record* out) {

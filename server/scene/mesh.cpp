@@ -102,6 +102,7 @@ Expected<Mesh> withVertices(const Mesh& mesh, std::vector<glm::vec3> positions, 
   if (Status s = checkCount("normals", out.normals.size(), out.positions.size()); !s.ok()) return s;
   repairNormals(out);
   for (const glm::vec3& p : out.positions) out.bounds.add(glm::dvec3(p));
+  out.area = worldArea(out, Transform());
   return out;
 }
 

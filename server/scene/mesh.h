@@ -25,8 +25,11 @@ struct Mesh {
   std::vector<glm::vec3> directions;   ///< empty, or one emission direction per position (paper 3.2)
   std::vector<glm::uvec3> triangles;   ///< indices into positions
   BlobHash hash;                       ///< of the blob this came from; names the content
-  Bounds bounds;                       ///< of positions
-  double area = 0.0;                   ///< of one side, object space, m^2
+  /// The blob's bytes where this mesh would be written with others (normals that had to be repaired, another order of
+  /// fields); else null.
+  std::shared_ptr<const std::string> source;
+  Bounds bounds;  ///< of positions
+  double area = 0.0;  ///< of one side, object space, m^2
 
   std::size_t bytes() const;
 };

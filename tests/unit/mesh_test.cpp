@@ -152,6 +152,7 @@ TEST(WithVertices, KeepsTrianglesAndRecomputesNormalsAndBounds) {
   EXPECT_EQ(deformed->positions, moved);
   EXPECT_EQ(deformed->normals.size(), moved.size());
   EXPECT_NEAR(deformed->bounds.max.x, 2.0, 1e-6);
+  EXPECT_DOUBLE_EQ(deformed->area, worldArea(*deformed, Transform())) << "what ticks are predicted from";
   const Expected<Mesh> plain = withVertices(*reference::pyramid(), reference::pyramid()->positions, {});
   ASSERT_TRUE(plain.ok());
   EXPECT_TRUE(plain->normals.empty());  // none before, none after
