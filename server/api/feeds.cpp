@@ -36,7 +36,8 @@ bool Feed<Event>::next(Event* event) {
     return true;
   }
   while (!results_.empty()) {
-    if (results_.front()(event)) {
+    if (results_.front().parts(event)) {
+      subscriber_->taken = results_.front().id;
       pulse_.quiet();
       return true;
     }
@@ -55,7 +56,7 @@ void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts
       return;
     }
     newest_ = resultId;
-    results_.push_back(std::move(parts));
+    results_.push_back({resultId, std::move(parts)});
     wake = wake_;
   }
   context_.counters->countSent(as, bytes);
@@ -161,7 +162,9 @@ Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>&
                    const pb::SubscriberUpdate& update, const Limits& limits) {
   if (Status s = checkRate(update.max_rate()); !s.ok()) return s;
   if (update.request_key_frame()) session->resend(subscriber);
-  if (update.has_acknowledge()) session->acknowledge(subscriber, update.acknowledge().result_id());
+  // Who acknowledges what was never taken would have results pile up here.
+  const std::uint64_t acknowledged = update.acknowledge().result_id();
+  if (update.has_acknowledge() && acknowledged <= subscriber->taken) session->acknowledge(subscriber, acknowledged);
   const bool rewishes = update.has_camera() || update.width() != 0 || update.height() != 0 || update.has_exposure() ||
                         update.max_rate() != 0.0;
   if (!rewishes) return {};

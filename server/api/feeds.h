@@ -44,7 +44,11 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
   Pulse pulse_;
   std::mutex mutex_;
   std::function<void()> wake_;
-  std::deque<std::function<bool(Event*)>> results_;
+  struct Queued {
+    std::uint64_t id;
+    std::function<bool(Event*)> parts;
+  };
+  std::deque<Queued> results_;
   std::uint64_t newest_ = 0;  ///< result id
   bool greeted_ = false;
 };

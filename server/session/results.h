@@ -1,6 +1,7 @@
 #pragma once
 // What a session hands out, and who waits for it.
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -90,6 +91,8 @@ struct Subscriber {
   std::string id;
   Wish wish;
   std::weak_ptr<ResultSink> sink;
+  /// Newest result that the receiver has begun to take; nobody has seen a later one.
+  std::atomic<std::uint64_t> taken{0};
 
   std::deque<Sent> inFlight;  ///< sent and not acknowledged, oldest first
   std::uint64_t lastSent = 0;  ///< result id

@@ -13,6 +13,11 @@ namespace {
 constexpr double kSmoothing = 0.2;                            // weight of a new round trip in the running mean
 constexpr std::chrono::milliseconds kRetryAfterFailure{1000};  // a failed tick is not repeated at once
 
+/// Of the frames that calls wait for, pixels that one tick makes: its targets are held until it ends. The others wait.
+constexpr std::int64_t kMostCallPixels = std::int64_t(4096) * 4096;
+
+std::int64_t pixelsOf(const FrameWish& wish) { return std::int64_t(wish.size.x) * wish.size.y; }
+
 Clock::duration interval(double rate) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate));
 }
@@ -227,10 +232,12 @@ void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_
 }
 
 void Session::planCalls(Planned& plan) {
+  std::int64_t framePixels = 0;
   for (auto it = calls_.begin(); it != calls_.end();) {
     const std::shared_ptr<WaitingCall> call = *it;
     const bool early = call->minRevision > document_.revision();
-    if (early || (call->frame && !hasView(*call->frame, call->minRevision))) {
+    const bool full = call->frame && framePixels > 0 && framePixels + pixelsOf(*call->frame) > kMostCallPixels;
+    if (early || full || (call->frame && !hasView(*call->frame, call->minRevision))) {
       ++it;
       continue;
     }
@@ -238,6 +245,7 @@ void Session::planCalls(Planned& plan) {
     if (call->frame) {
       plan.request.frames.push_back(frameRequest(*call->frame, 0));
       plan.frameCalls.push_back(call);
+      framePixels += pixelsOf(*call->frame);
     } else if (const std::optional<Result> cached = cachedVolume(*call->volume, call->minRevision)) {
       workshop_.pool->post([call, result = *cached] { call->done(result); });
     } else {
