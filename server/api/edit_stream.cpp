@@ -29,6 +29,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     }
     if (!request.has_edit()) return;
     const std::lock_guard lock(mutex_);
+    if (interrupted_) return;
     waiting_.push_back(std::move(*request.mutable_edit()));
     workLocked();
   }
@@ -57,6 +58,8 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     if (session_ && pulse_.next(*session_, response)) return true;
     if (pulse_.over()) {
       endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
+    } else if (interrupted_ && acks_.empty()) {
+      endInNext(Status(Code::kUnavailable, "an edit could not be taken now; open the stream again and repeat from it"));
     } else if (inputEnded_ && waiting_.empty() && !working_ && acks_.empty()) {
       endInNext(Status());
     }
@@ -116,6 +119,11 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
       const std::lock_guard lock(mutex_);
       acks_.push_back(place);
       working_ = false;
+      // Not taken and not remembered: it comes again, and what was sent after it must not be there before it.
+      if (outcome.status.code() == Code::kUnavailable) {
+        interrupted_ = true;
+        waiting_.clear();
+      }
       workLocked();  // the next one need not wait for the disk: many are kept at once
     }
     session_->confirm(outcome, [self = me(), place](const EditOutcome& confirmed) {
@@ -139,6 +147,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   std::deque<std::shared_ptr<Place>> acks_;  ///< in the order of edits
   bool working_ = false;
   bool inputEnded_ = false;
+  bool interrupted_ = false;  ///< an edit was not taken: the stream ends when all before it are answered
 };
 
 }  // namespace

@@ -37,9 +37,15 @@ EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence
   if (!outcome.status.ok()) return outcome;
   const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
   if (before && *before) return **before;
-  const Status writable = workshop_.journal->writable();
-  outcome.status = !before ? before.status().within("edit") : !writable.ok() ? writable : why;
-  if (before && writable.ok()) record(client, outcome);
+  if (!before) {
+    outcome.status = before.status().within("edit");
+    return outcome;
+  }
+  outcome.status = workshop_.journal->writable();
+  if (outcome.status.ok()) outcome.status = clients_.admit(client.id, Clock::now());
+  if (!outcome.status.ok()) return outcome;
+  outcome.status = why;
+  record(client, outcome);
   return outcome;
 }
 
