@@ -1,5 +1,7 @@
 #include "api/context.h"
 
+#include <utility>
+
 #include "scene/text.h"
 
 namespace lpv::api {
@@ -26,10 +28,15 @@ Status allowAdmin(const Context& context, const char* what) {
           "authorization"};
 }
 
-Expected<std::string> ownerToken(const Context& context, const std::string& id) {
-  if (!context.access->required()) return std::string();
-  const Expected<MintedToken> minted = context.access->mint(id, Role::kOwner, kDefaultTokenLife);
-  return minted ? Expected<std::string>(minted->token) : Expected<std::string>(minted.status());
+Expected<MintedToken> ownerToken(const Context& context, const std::string& id) {
+  if (!context.access->required()) return MintedToken();
+  return context.access->mint(id, Role::kOwner, kDefaultTokenLife);
+}
+
+void whenBothKept(const Context& context, const SessionPtr& session, const MintedToken& token,
+                  std::function<void(const Status&)> kept) {
+  if (token.token.empty()) return session->whenKept(std::move(kept));
+  context.registry->whenKept(token.position, std::move(kept));
 }
 
 }  // namespace lpv::api

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "lpv/engine.h"
@@ -28,7 +29,11 @@ struct Context {
 Status allow(const Context& context, const std::string& id, Role needed);
 /// PERMISSION_DENIED unless the caller is an admin; `what` is what only admins do.
 Status allowAdmin(const Context& context, const char* what);
-/// The access token of a new session's owner; empty where tokens are off.
-Expected<std::string> ownerToken(const Context& context, const std::string& id);
+/// The access token of a new session's owner, whose position is after the session's own; an empty one where tokens are
+/// off.
+Expected<MintedToken> ownerToken(const Context& context, const std::string& id);
+/// Calls `kept` once the session and its owner's token are.
+void whenBothKept(const Context& context, const SessionPtr& session, const MintedToken& token,
+                  std::function<void(const Status&)> kept);
 
 }  // namespace lpv::api

@@ -31,12 +31,18 @@ Expected<std::string> fileOf(const SavedSession& state) {
     out->set_kind(content.kind);
     out->set_bytes(*content.bytes);
   }
-  return store::seal(file);
+  return store::seal("the session's file", file);
 }
 
 /// What a session of this server may hold.
 Status checkLimits(const SavedSession& state, const Limits& limits) {
   Blobs room(limits);
+  for (const store::Content& content : contentsOf(state)) {
+    if (std::int64_t(content.bytes->size()) <= limits.maxBlobBytes) continue;
+    return exhausted("data", "max_blob_bytes: content " + content.hash + " has " +
+                                 std::to_string(content.bytes->size()) + " bytes, allowed are " +
+                                 std::to_string(limits.maxBlobBytes));
+  }
   for (const BlobPtr& blob : state.uploads) {
     const Expected<bool> added = room.add(blob, Clock::now());
     if (!added) return added.status();
@@ -205,10 +211,10 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (!state) return end(state.status());
     const Expected<SessionPtr> session = context_.registry->create(wantedId_, std::move(*state));
     if (!session) return end(session.status());
-    const Expected<std::string> token = ownerToken(context_, (*session)->id());
+    const Expected<MintedToken> token = ownerToken(context_, (*session)->id());
     if (!token) return end(token.status());
     const auto self = std::static_pointer_cast<Import>(shared_from_this());
-    (*session)->whenKept([self, session = *session, token = *token](const Status& kept) {
+    whenBothKept(context_, *session, *token, [self, session = *session, token = token->token](const Status& kept) {
       if (!kept.ok()) return self->end(kept);
       {
         const std::lock_guard lock(self->mutex_);

@@ -15,13 +15,18 @@ Expected<SessionPtr> findSession(const Context& context, const std::string& fiel
 
 namespace {
 
-/// Answers with the session once what was done to it is kept.
+/// The session as the answer to a call, where what it waited for is kept.
 template <typename Response>
-void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
-  session->whenKept([session, response, done = std::move(done)](const Status& kept) {
+Done answer(const SessionPtr& session, Response* response, Done done) {
+  return [session, response, done = std::move(done)](const Status& kept) {
     if (kept.ok()) toProto(session->summary(), response->mutable_session());
     done(kept);
-  });
+  };
+}
+
+template <typename Response>
+void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
+  session->whenKept(answer(session, response, std::move(done)));
 }
 
 }  // namespace
@@ -34,10 +39,10 @@ void createSession(const Context& context, const pb::CreateSessionRequest& reque
   const Expected<SessionPtr> session =
       context.registry->create(request.session_id(), settings->options, settings->manners, request.request_id());
   if (!session) return done(session.status());
-  const Expected<std::string> token = ownerToken(context, (*session)->id());
+  const Expected<MintedToken> token = ownerToken(context, (*session)->id());
   if (!token) return done(token.status());
-  response->set_owner_token(*token);
-  answerWhenKept(*session, response, std::move(done));
+  response->set_owner_token(token->token);
+  whenBothKept(context, *session, *token, answer(*session, response, std::move(done)));
 }
 
 Status getSession(const Context& context, const pb::GetSessionRequest& request, pb::GetSessionResponse* response) {

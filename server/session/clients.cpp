@@ -8,6 +8,18 @@
 
 namespace lpv {
 
+namespace {
+
+std::size_t nameBytes(const EditOutcome& outcome) {
+  std::size_t sum = 0;
+  for (const auto* names : {&outcome.names, &outcome.skipped}) {
+    for (const std::string& name : *names) sum += name.size() + kRememberedBytesPerName;
+  }
+  return sum;
+}
+
+}  // namespace
+
 std::string randomHex(std::size_t bytes) {
   static constexpr char kDigits[] = "0123456789abcdef";
   std::random_device device;
@@ -34,7 +46,9 @@ Expected<ClientIdentity> Clients::join() {
 }
 
 void Clients::restore(const ClientState& state) {
-  clients_[state.id] = {state, limits_.maxEditsPerSecond, Clock::now()};
+  Client& client = clients_[state.id] = {state, limits_.maxEditsPerSecond, Clock::now()};
+  for (const EditOutcome& outcome : client.outcomes) client.nameBytes += nameBytes(outcome);
+  forgetOldest(client);
 }
 
 Status Clients::verify(const ClientIdentity& identity) const {
@@ -101,9 +115,16 @@ void Clients::record(const std::string& id, const EditOutcome& outcome) {
   if (outcome.sequence == 0) return;
   client.outcomes.push_back(outcome);
   if (Status& s = client.outcomes.back().status; !s.ok()) s = {s.code(), keptText(s.message()), keptText(s.field())};
-  if (client.outcomes.size() > kRememberedOutcomes) {
-    client.forgottenUpTo = std::max(client.forgottenUpTo, client.outcomes.front().sequence);
-    client.outcomes.pop_front();
+  client.nameBytes += nameBytes(outcome);
+  forgetOldest(client);
+}
+
+void Clients::forgetOldest(Client& client) {
+  std::deque<EditOutcome>& outcomes = client.outcomes;
+  while (outcomes.size() > kRememberedOutcomes || (outcomes.size() > 1 && client.nameBytes > kRememberedNameBytes)) {
+    client.forgottenUpTo = std::max(client.forgottenUpTo, outcomes.front().sequence);
+    client.nameBytes -= nameBytes(outcomes.front());
+    outcomes.pop_front();
   }
 }
 

@@ -71,13 +71,19 @@ class Clients {
   struct Client : ClientState {
     double tokens = 0.0;
     Clock::time_point refilled;
+    std::size_t nameBytes = 0;  ///< of its outcomes
   };
+  static void forgetOldest(Client& client);
   Limits limits_;
   std::map<std::string, Client> clients_;
 };
 
-/// Outcomes kept per client (PROTOCOL.md).
+/// Outcomes kept per client (PROTOCOL.md) ...
 inline constexpr std::size_t kRememberedOutcomes = 1024;
+/// ... and bytes of the names in them: those of a thousand edits of a thousand objects each would be hundreds of
+/// megabytes. The newest stays, whatever it has.
+inline constexpr std::size_t kRememberedNameBytes = std::size_t(4) << 20;
+inline constexpr std::size_t kRememberedBytesPerName = 32;  ///< besides its own
 
 /// `bytes` random bytes from the operating system, in lower-case hexadecimal.
 std::string randomHex(std::size_t bytes);

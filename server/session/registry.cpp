@@ -166,6 +166,12 @@ Expected<SessionPtr> Registry::restore(const std::string& id) {
 }
 
 void Registry::remove(const std::string& id, std::function<void(const Status&)> done) {
+  removeIf(
+      id, [](const SessionPtr&) { return true; }, std::move(done));
+}
+
+void Registry::removeIf(const std::string& id, const std::function<bool(const SessionPtr&)>& over,
+                        std::function<void(const Status&)> done) {
   if (Status s = workshop_.journal->writable(); !s.ok()) return done(s);
   SessionPtr session;
   Position gone = 0;
@@ -177,10 +183,12 @@ void Registry::remove(const std::string& id, std::function<void(const Status&)> 
       lock.unlock();
       return done(Status(Code::kNotFound, "there is no session \"" + id + "\"", "name"));
     }
-    if (found != sessions_.end()) {
-      session = found->second;
-      sessions_.erase(found);
+    if (found != sessions_.end()) session = found->second;
+    if (!over(session)) {
+      lock.unlock();
+      return done(Status(Code::kAborted, "session \"" + id + "\" is in use again", "name"));
     }
+    if (session) sessions_.erase(found);
     moving_.insert(id);
     ++epoch_;  // a later session of the same id is another one for clients that still hold results
   }
@@ -294,9 +302,9 @@ void Registry::retire(std::chrono::system_clock::time_point now) {
   for (const SessionPtr& session : all()) {
     const std::string& id = session->id();
     if (session->durability() == Durability::kMemory) {
-      if (!session->expired(now)) continue;
-      remove(id, [](const Status&) {});
-      tell(Incident::kExpired, id);
+      if (session->expired(now)) {
+        endUnused(id, Incident::kExpired, [now](const SessionPtr& it) { return it && it->expired(now); });
+      }
       continue;
     }
     const std::lock_guard lock(mutex_);  // nobody finds the session while it is decided whether it goes
@@ -319,19 +327,28 @@ void Registry::tell(Incident incident, const std::string& id) const {
   if (workshop_.tell) workshop_.tell(incident, id, {});
 }
 
+/// Unless somebody uses it again. What is told is told when it is gone.
+void Registry::endUnused(const std::string& id, Incident incident, const std::function<bool(const SessionPtr&)>& over) {
+  removeIf(id, over, [tell = workshop_.tell, incident, id](const Status& gone) {
+    if (gone.ok() && tell) tell(incident, id, {});
+  });
+}
+
 void Registry::forgetKept(std::chrono::system_clock::time_point now) {
   if (!workshop_.journal->writable().ok()) return;
+  const auto overdue = [this, now](const KeptSession& kept) {
+    return kept.ttl.count() > 0 && now - kept.lastUsed > kept.ttl + retain_;
+  };
   std::vector<std::string> over;
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, kept] : kept_) {
-      const bool idle = !sessions_.contains(id) && !moving_.contains(id);
-      if (idle && kept.ttl.count() > 0 && now - kept.lastUsed > kept.ttl + retain_) over.push_back(id);
+      if (!sessions_.contains(id) && !moving_.contains(id) && overdue(kept)) over.push_back(id);
     }
   }
   for (const std::string& id : over) {
-    remove(id, [](const Status&) {});
-    tell(Incident::kForgotten, id);
+    endUnused(id, Incident::kForgotten,
+              [&](const SessionPtr& session) { return session == nullptr && overdue(kept_.at(id)); });
   }
 }
 

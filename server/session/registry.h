@@ -76,10 +76,14 @@ class Registry {
 
  private:
   Status checkNew(const std::string& wantedId) const;
+  /// As remove(), but ABORTED where `over`, asked with the lock held, says no of the session (null: not in memory).
+  void removeIf(const std::string& id, const std::function<bool(const SessionPtr&)>& over,
+                std::function<void(const Status&)> done);
   Status checkRoom() const;
   SessionPtr adopt(const SessionPtr& session, const std::string& requestId);
   Expected<SessionPtr> restore(const std::string& id);
   void retire(std::chrono::system_clock::time_point now);
+  void endUnused(const std::string& id, Incident incident, const std::function<bool(const SessionPtr&)>& over);
   void forgetKept(std::chrono::system_clock::time_point now);
   void sweepLater();
   void tell(Incident incident, const std::string& id) const;

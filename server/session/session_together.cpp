@@ -163,7 +163,8 @@ Status Session::lockLocked(const std::string& client, const std::vector<std::str
   if (names.empty()) return invalid("objects", "objects is empty; say what shall be locked");
   for (const std::string& name : names) {
     if (document_.object({false, name}).stands()) continue;
-    return Status(Code::kNotFound, "there is no light or surface \"" + shortened(name) + "\" in this session", "objects");
+    return Status(Code::kNotFound, "there is no light or surface \"" + shortened(name) + "\" in this session",
+                  "objects");
   }
   return locks_.lock(client, names, time, Clock::now());
 }

@@ -22,12 +22,18 @@ Status checkVersion(const std::string& what, std::uint32_t version) {
               (version > kSchemaVersion ? "; use the newer lpvd that wrote it" : "; go through the versions between")};
 }
 
-std::string seal(const google::protobuf::MessageLite& message) {
+Expected<std::string> seal(const std::string& what, const google::protobuf::MessageLite& message) {
   v1::Envelope envelope;
   envelope.set_schema_version(kSchemaVersion);
-  message.SerializeToString(envelope.mutable_payload());
-  envelope.set_checksum(wire::checksumBytes(envelope.payload().data(), envelope.payload().size()));
-  return envelope.SerializeAsString();
+  std::string out;
+  bool written = message.SerializeToString(envelope.mutable_payload());
+  if (written) {
+    envelope.set_checksum(wire::checksumBytes(envelope.payload().data(), envelope.payload().size()));
+    written = envelope.SerializeToString(&out);
+  }
+  if (written) return out;
+  return exhausted("data", what + " has " + std::to_string(message.ByteSizeLong()) +
+                               " bytes, more than can be written; remove some of what it holds");
 }
 
 Status unseal(const std::string& what, const std::string& sealed, google::protobuf::MessageLite* message) {

@@ -15,7 +15,8 @@ inline constexpr std::uint32_t kSchemaVersion = 1;
 /// Ok for a version that can be read; FAILED_PRECONDITION, naming `what` and both versions, for another.
 Status checkVersion(const std::string& what, std::uint32_t version);
 
-std::string seal(const google::protobuf::MessageLite& message);
+/// RESOURCE_EXHAUSTED, naming `what`, for a message that protobuf cannot write (2 GiB).
+Expected<std::string> seal(const std::string& what, const google::protobuf::MessageLite& message);
 /// FAILED_PRECONDITION for another schema version, DATA_LOSS for bytes that are not what was sealed; both name `what`.
 Status unseal(const std::string& what, const std::string& sealed, google::protobuf::MessageLite* message);
 

@@ -46,6 +46,24 @@ void foldSettings(const pb::Record& record, pb::Snapshot* snapshot) {
   }
 }
 
+std::size_t nameBytes(const lpv::v1::EditAck& outcome) {
+  std::size_t sum = 0;
+  for (const auto* names : {&outcome.names(), &outcome.skipped_fields()}) {
+    for (const std::string& name : *names) sum += name.size() + kBytesPerName;
+  }
+  return sum;
+}
+
+/// How many of the newest may be kept.
+std::size_t outcomesWithin(const pb::Client& client) {
+  std::size_t count = 0, bytes = 0;
+  for (int i = client.outcomes_size() - 1; i >= 0 && count < kKeptOutcomes; --i, ++count) {
+    bytes += nameBytes(client.outcomes(i));
+    if (count > 0 && bytes > kKeptNameBytes) break;
+  }
+  return count;
+}
+
 void foldOutcome(const pb::Record& record, pb::Snapshot* snapshot) {
   const auto found = snapshot->mutable_clients()->find(record.client_id());
   if (found == snapshot->mutable_clients()->end()) return;
@@ -57,7 +75,7 @@ void foldOutcome(const pb::Record& record, pb::Snapshot* snapshot) {
   }
   if (outcome.sequence() == 0) return;
   *client.add_outcomes() = outcome;
-  dropFirst(client.mutable_outcomes(), kKeptOutcomes, [&client](const lpv::v1::EditAck& dropped) {
+  dropFirst(client.mutable_outcomes(), outcomesWithin(client), [&client](const lpv::v1::EditAck& dropped) {
     client.set_forgotten_up_to(std::max(client.forgotten_up_to(), std::uint64_t(dropped.sequence())));
   });
 }

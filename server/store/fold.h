@@ -15,6 +15,8 @@ namespace pb = lpv::store::v1;
 /// As many as sessions remember (session/document.h, session/clients.h).
 inline constexpr std::size_t kKeptTombstones = 10'000;
 inline constexpr std::size_t kKeptOutcomes = 1024;
+inline constexpr std::size_t kKeptNameBytes = std::size_t(4) << 20;
+inline constexpr std::size_t kBytesPerName = 32;
 
 /// DATA_LOSS where the record's revision is neither the snapshot's nor the next: a step is missing.
 Status fold(const pb::Record& record, pb::Snapshot* snapshot);

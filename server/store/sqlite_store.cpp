@@ -1,5 +1,7 @@
 #include "store/sqlite_store.h"
 
+#include <spdlog/spdlog.h>
+
 #include <iterator>
 #include <utility>
 
@@ -190,17 +192,16 @@ void SqliteStore::tell(std::vector<Kept> waiting, const Status& status) {
   }
 }
 
-/// A log that cannot be folded now stays as it is: nothing is lost, and it is tried again after the next change.
+/// A log that cannot be folded now stays as it is: nothing is lost, and it is tried again when as much has come to it.
 void SqliteStore::compactDue() {
   for (const std::string& session : std::exchange(due_, {})) {
     Status status = tables_->begin();
     if (status.ok()) status = tables_->compact(session);
     if (status.ok()) status = tables_->commit();
-    if (status.ok()) {
-      logs_[session] = {};
-    } else {
-      tables_->rollback();
-    }
+    logs_[session] = {};
+    if (status.ok()) continue;
+    tables_->rollback();
+    spdlog::warn("the log of session \"{}\" could not be folded: {}", session, status.message());
   }
 }
 

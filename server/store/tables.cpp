@@ -103,8 +103,9 @@ Status Tables::create(const Head& head, const pb::Snapshot& snapshot, const std:
   Status status =
       database_->run("INSERT INTO sessions VALUES (?, ?, ?, ?, ?, ?)", head.id, std::int64_t(head.epoch),
                      head.requestId, seconds(head.created), seconds(head.lastUsed), std::int64_t(head.ttl.count()));
-  const std::string sealed = seal(snapshot);
-  if (status.ok()) status = database_->run("INSERT INTO snapshots VALUES (?, ?)", head.id, Bytes{sealed});
+  const Expected<std::string> sealed = seal("the snapshot of session \"" + head.id + "\"", snapshot);
+  if (status.ok()) status = sealed.status();
+  if (status.ok()) status = database_->run("INSERT INTO snapshots VALUES (?, ?)", head.id, Bytes{*sealed});
   for (const Content& content : contents) {
     if (status.ok()) status = hold(head.id, content);
   }
@@ -119,9 +120,10 @@ Status Tables::append(const std::string& session, const MakeStep& make, LogSize*
     return held && *held;
   });
   if (!failed.ok()) return failed;
-  const std::string sealed = seal(step.record);
+  const Expected<std::string> sealed = seal("a step of session \"" + session + "\"", step.record);
+  if (!sealed) return sealed.status();
   size->records += 1;
-  size->bytes += std::int64_t(sealed.size());
+  size->bytes += std::int64_t(sealed->size());
   for (const Content& content : step.contents) {
     if (Status s = hold(session, content); !s.ok()) return s;
     size->bytes += std::int64_t(content.bytes->size());
@@ -134,7 +136,7 @@ Status Tables::append(const std::string& session, const MakeStep& make, LogSize*
   // A step of a session that is gone is nobody's: it must not be found by the next of that name.
   return database_->run(
       "INSERT INTO log (session, sealed) SELECT ?, ? WHERE EXISTS (SELECT 1 FROM sessions WHERE id = ?)", session,
-      Bytes{sealed}, session);
+      Bytes{*sealed}, session);
 }
 
 Status Tables::setEpoch(const std::string& session, std::uint64_t epoch) {
@@ -175,8 +177,9 @@ Status Tables::dropToken(const std::string& tokenId) {
 Status Tables::compact(const std::string& session) {
   const Expected<pb::Snapshot> snapshot = folded(session);
   if (!snapshot) return snapshot.status().code() == Code::kNotFound ? Status() : snapshot.status();
-  const std::string sealed = seal(*snapshot);
-  Status s = database_->run("UPDATE snapshots SET sealed = ? WHERE session = ?", Bytes{sealed}, session);
+  const Expected<std::string> sealed = seal("the snapshot of session \"" + session + "\"", *snapshot);
+  if (!sealed) return sealed.status();
+  Status s = database_->run("UPDATE snapshots SET sealed = ? WHERE session = ?", Bytes{*sealed}, session);
   if (s.ok()) s = database_->run("DELETE FROM log WHERE session = ?", session);
   const auto needed = contentsOf(*snapshot);
   std::vector<std::string> idle;

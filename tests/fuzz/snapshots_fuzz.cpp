@@ -124,7 +124,7 @@ void run(Kept& input) {
   kept::SessionFile file;
   *file.mutable_snapshot() = snapshot;
   *file.mutable_contents() = input.contents();
-  useFile(store::seal(file));
+  useFile(*store::seal("the file", file));
 }
 
 const std::vector<std::string>& words() {

@@ -149,6 +149,16 @@ TEST_F(SessionFiles, AReaderThatStopsHoldsNoPlace) {
   EXPECT_THAT(stalled->Finish(), Refused(StatusCode::DEADLINE_EXCEEDED, "name", "upload_idle: "));
 }
 
+TEST_F(SessionFiles, ContentsAreAsLargeAsBlobsMayBe) {
+  const std::string session = makeLitSession(stubs_);
+  apply(stubs_, session, {client::createSurface(surface("Wall", sheet(40)))});
+  const std::string file = saved(session);
+  ServerProcess small({"--max-blob-bytes", "10000"});
+  const Status refused = clientOf(small.address()).importSession("", file).status();
+  EXPECT_EQ(refused.code(), Code::kResourceExhausted);
+  EXPECT_THAT(refused.message(), HasSubstr("max_blob_bytes: "));
+}
+
 TEST_F(SessionFiles, ATakenNameIsRefused) {
   const std::string session = makeLitSession(stubs_);
   EXPECT_EQ(client_.importSession(client::sessionId(session), saved(session)).status().code(), Code::kAlreadyExists);

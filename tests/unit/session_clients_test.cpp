@@ -101,6 +101,22 @@ TEST_F(ClientsTest, TheLast1024OutcomesAreRemembered) {
   EXPECT_FALSE(*clients_.repeated(id, kRememberedOutcomes + 2)) << "a new one";
 }
 
+// A thousand edits of a thousand objects with long names each: the newest outcomes stay, not hundreds of megabytes.
+TEST_F(ClientsTest, OutcomesWithManyNamesAreForgottenSooner) {
+  const std::string id = joined();
+  const std::vector<std::string> names(1000, std::string(200, 'n'));
+  for (std::uint64_t sequence = 1; sequence <= 100; ++sequence)
+    clients_.record(id, {sequence, Status(), sequence, names});
+  const std::size_t kept = clients_.state(id).outcomes.size();
+  EXPECT_EQ(kept, kRememberedNameBytes / (1000 * (200 + kRememberedBytesPerName)));
+  EXPECT_EQ(clients_.repeated(id, 100 - kept).status().code(), Code::kFailedPrecondition);
+  EXPECT_EQ((*clients_.repeated(id, 101 - kept))->names, names);
+  // One that is too much by itself is remembered all the same.
+  clients_.record(id, {101, Status(), 101, std::vector<std::string>(30'000, std::string(200, 'n'))});
+  EXPECT_EQ(clients_.state(id).outcomes.size(), 1U);
+  EXPECT_TRUE((*clients_.repeated(id, 101)).has_value());
+}
+
 TEST_F(ClientsTest, ASequenceThatWasLeftOutIsNewUntilItIsTooOld) {
   const std::string id = joined();
   for (std::uint64_t i = 1; i <= kRememberedOutcomes; ++i) recordAccepted(id, 2 * i, i);

@@ -216,6 +216,51 @@ TEST_F(KeptSessions, MeshesOfEditsKeepTheBytesThatNameThem) {
   }
 }
 
+/// A name that is taken gets a number, and is as long as names may be even so.
+TEST_F(KeptSessions, LongNamesThatAreTakenComeBack) {
+  std::string longest;
+  for (int i = 0; i < 100; ++i) longest += "\u00fc";
+  const EditOutcome outcome = edit(create("hall"), {light(longest), light(longest), light(longest)});
+  ASSERT_EQ(outcome.names.size(), 3U);
+  for (const std::string& name : outcome.names) EXPECT_TRUE(checkName(name).ok()) << name;
+  restart();
+  EXPECT_EQ(find("hall")->lights().size(), 3U);
+}
+
+/// What an uploaded mesh is named by are its bytes, also where this server would write others.
+TEST_F(KeptSessions, MeshesOfUploadsThatAreGoneKeepTheBytesThatNameThem) {
+  const std::string canonical = api::meshBytes(squareMesh(1.0F));
+  lpv::v1::Mesh mesh;
+  ASSERT_TRUE(mesh.ParseFromString(canonical));
+  lpv::v1::Mesh first, rest;
+  first.set_indices(mesh.indices());
+  rest.set_positions(mesh.positions());
+  const Expected<BlobPtr> blob =
+      api::blobFromBytes(lpv::v1::BLOB_KIND_MESH, first.SerializeAsString() + rest.SerializeAsString());
+  ASSERT_TRUE(blob.ok());
+  ASSERT_NE(*(*blob)->bytes, canonical);
+  const SessionPtr hall = create("hall");
+  ASSERT_TRUE(hall->addBlob(*blob).ok());
+  CreateLight lamp{"Lamp", {}};
+  lamp.fields.mesh = MeshReference{(*blob)->hash, nullptr};
+  edit(hall, {lamp});
+  SavedSession state = hall->state();
+  state.uploads.clear();  // as after an undo of the light's removal
+  const std::vector<store::Content> contents = api::contentsOf(state);
+  ASSERT_EQ(contents.size(), 1U);
+  EXPECT_EQ(sha256(*contents[0].bytes), contents[0].hash);
+}
+
+TEST_F(KeptSessions, UnreadableEditsCountAgainstTheRate) {
+  const SessionPtr hall = create("hall");
+  const ClientIdentity me = *hall->join();
+  const Status why = invalid("edit", "unreadable");
+  Code last = Code::kOk;
+  for (std::uint64_t sequence = 1; sequence < 1000 && last != Code::kResourceExhausted; ++sequence)
+    last = hall->refuse(me, sequence, why).status.code();
+  EXPECT_EQ(last, Code::kResourceExhausted);
+}
+
 TEST_F(KeptSessions, ARepeatedSequenceGetsItsFirstOutcome) {
   ClientIdentity me;
   {

@@ -8,6 +8,7 @@
 #include "api/services.h"
 #include "reference/meshes.h"
 #include "unit/session_rig.h"
+#include "unit/small_engine.h"
 
 namespace lpv::api {
 namespace {
@@ -227,6 +228,76 @@ TEST_F(StreamsTest, EachSceneChangeFollowsTheOneBefore) {
   EXPECT_EQ(told, 1 + kEdits);
   EXPECT_EQ(gaps, 0);
   watch->cancelled();
+}
+
+/// Edits after one that was not taken would be there before it when it comes again.
+// Seen to fail where the stream goes on.
+TEST_F(StreamsTest, AnEditThatCannotBeTakenEndsTheStream) {
+  const auto edits = streamEdits(context_);
+  pb::StreamEditsRequest request;
+  request.set_session("sessions/room");
+  edits->receive(request);
+  ASSERT_TRUE(registry_.freeze().ok());
+  pb::Light* lamp = request.mutable_edit()->add_operations()->mutable_create_light();
+  lamp->set_name("Lamp");
+  *lamp->mutable_inline_mesh() = meshToProto(*reference::quad());
+  edits->receive(request);
+  edits->receive(request);
+  rig_.settle();
+  pb::StreamEditsResponse response;
+  ASSERT_TRUE(edits->next(&response));
+  EXPECT_EQ(response.ack().status().code(), int(Code::kUnavailable));
+  while (edits->next(&response)) EXPECT_FALSE(response.has_ack());
+  EXPECT_EQ(endOf(edits).code(), Code::kUnavailable);
+  EXPECT_THAT(endOf(edits).message(), HasSubstr("repeat"));
+}
+
+class ResultStreams : public StreamsTest {
+ protected:
+  ResultStreams() { rig_.workshop.engine = &engine_; }
+
+  /// Acknowledges all results there may be, and gives reasons for more.
+  void acknowledgeAhead(const SessionPtr& session, const std::string& subscriber) {
+    for (std::uint64_t result = 1; result <= 50; ++result) {
+      ASSERT_TRUE(session->apply({}, test::editOf({test::createLight("Lamp")})).status.ok());
+      pb::UpdateSubscriptionRequest update;
+      update.set_session("sessions/hall");
+      update.set_subscriber(subscriber);
+      update.mutable_update()->mutable_acknowledge()->set_result_id(result);
+      pb::UpdateSubscriptionResponse response;
+      ASSERT_TRUE(updateSubscription(context_, update, &response).ok());
+      rig_.settle();
+    }
+  }
+
+  test::SmallEngine engine_;
+};
+
+/// A reader that takes nothing and acknowledges everything would have results pile up here.
+// Seen to fail where an acknowledgement needs a result that is under way, and nothing else.
+TEST_F(ResultStreams, WhatWasNotTakenCannotBeAcknowledged) {
+  Registry registry(rig_.workshop);
+  context_.registry = &registry;
+  SessionOptions options;
+  options.grid.longest = 8;
+  const SessionPtr session = *registry.create("hall", options, {}, "");
+  const auto stream = watchVolume(context_);
+  pb::WatchVolumeRequest request;
+  request.mutable_subscription()->set_session("sessions/hall");
+  stream->receive(request);
+  pb::WatchVolumeResponse response;
+  ASSERT_TRUE(test::eventually([&] { return stream->next(&response); }));
+  const std::string subscriber = response.event().subscribed().subscriber();
+  ASSERT_FALSE(subscriber.empty());
+  acknowledgeAhead(session, subscriber);
+  EXPECT_EQ(rig_.counters.resultsSent, 1);
+  // Once it is taken the next comes.
+  ASSERT_TRUE(stream->next(&response));
+  EXPECT_TRUE(response.event().has_part());
+  acknowledgeAhead(session, subscriber);
+  EXPECT_EQ(rig_.counters.resultsSent, 2);
+  stream->cancelled();
+  rig_.settle();
 }
 
 }  // namespace

@@ -15,13 +15,13 @@ using testing::HasSubstr;
 
 TEST(EnvelopeTest, GivesBackWhatWasSealed) {
   pb::Record read;
-  ASSERT_TRUE(unseal("it", seal(lampRecord(3)), &read).ok());
+  ASSERT_TRUE(unseal("it", *seal("it", lampRecord(3)), &read).ok());
   EXPECT_EQ(read.SerializeAsString(), lampRecord(3).SerializeAsString());
 }
 
 // Seen to fail at every byte of the payload when the checksum is not compared.
 TEST(EnvelopeTest, EveryFlippedBitIsFound) {
-  const std::string sealed = seal(lampRecord(3));
+  const std::string sealed = *seal("the record", lampRecord(3));
   for (std::size_t byte = 0; byte < sealed.size(); ++byte) {
     for (int bit = 0; bit < 8; ++bit) {
       std::string flipped = sealed;
@@ -33,7 +33,7 @@ TEST(EnvelopeTest, EveryFlippedBitIsFound) {
 }
 
 TEST(EnvelopeTest, EveryCutIsFound) {
-  const std::string sealed = seal(lampRecord(3));
+  const std::string sealed = *seal("the record", lampRecord(3));
   for (std::size_t size = 0; size < sealed.size(); ++size) {
     pb::Record read;
     EXPECT_EQ(unseal("it", sealed.substr(0, size), &read).code(), Code::kDataLoss) << size << " bytes";
@@ -42,7 +42,7 @@ TEST(EnvelopeTest, EveryCutIsFound) {
 
 TEST(EnvelopeTest, ANewerSchemaIsRefusedByNumber) {
   pb::Envelope envelope;
-  ASSERT_TRUE(envelope.ParseFromString(seal(lampRecord(3))));
+  ASSERT_TRUE(envelope.ParseFromString(*seal("the record", lampRecord(3))));
   envelope.set_schema_version(kSchemaVersion + 1);
   pb::Record read;
   const Status status = unseal("the snapshot", envelope.SerializeAsString(), &read);

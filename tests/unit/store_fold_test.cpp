@@ -132,5 +132,19 @@ TEST_F(FoldTest, ContentsAreWhatIsReferredToOrWasUploaded) {
   EXPECT_FALSE(contentsOf(snapshot_).contains("upload"));
 }
 
+TEST_F(FoldTest, OutcomesWithManyNamesAreForgottenSooner) {
+  for (std::uint64_t sequence = 1; sequence <= 100; ++sequence) {
+    pb::Record record = next();
+    record.set_client_id("me");
+    record.mutable_outcome()->set_sequence(sequence);
+    for (int i = 0; i < 1000; ++i) record.mutable_outcome()->add_names(std::string(200, 'n'));
+    take(record);
+  }
+  const pb::Client& me = snapshot_.clients().at("me");
+  const int kept = int(kKeptNameBytes / (1000 * (200 + kBytesPerName)));
+  EXPECT_EQ(me.outcomes_size(), kept);
+  EXPECT_EQ(me.forgotten_up_to(), std::uint64_t(100 - kept));
+}
+
 }  // namespace
 }  // namespace lpv::store
