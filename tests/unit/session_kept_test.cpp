@@ -224,7 +224,9 @@ TEST_F(KeptSessions, LongNamesThatAreTakenComeBack) {
   ASSERT_EQ(outcome.names.size(), 3U);
   for (const std::string& name : outcome.names) EXPECT_TRUE(checkName(name).ok()) << name;
   restart();
-  EXPECT_EQ(find("hall")->lights().size(), 3U);
+  const SessionPtr hall = find("hall");
+  ASSERT_NE(hall, nullptr);
+  EXPECT_EQ(hall->lights().size(), 3U);
 }
 
 /// What an uploaded mesh is named by are its bytes, also where this server would write others.
