@@ -190,7 +190,8 @@ void tamper(FuzzedDataProvider& in, std::vector<wire::BrickRun>& bricks) {
     return;
   }
   wire::BrickRun& run = bricks[in.ConsumeIntegralInRange<std::size_t>(0, bricks.size() - 1)];
-  (in.ConsumeBool() ? run.first : run.count) += smallOrAny(in, -2, 2);
+  int& number = in.ConsumeBool() ? run.first : run.count;
+  number = int(unsigned(number) + unsigned(smallOrAny(in, -2, 2)));  // round the end
 }
 
 /// Beneath the compression: nothing that is changed there comes through it by chance.
