@@ -21,7 +21,7 @@ Position FoldedJournal::append(const std::string&, JournalStep step) {
   const store::Step made = api::toStep(step, [this](const std::string& hash) { return contents_.contains(hash); });
   for (const store::Content& content : made.contents) take(content);
   kept::Record read;
-  const Status unsealed = store::unseal("the log", store::seal(made.record), &read);
+  const Status unsealed = store::unseal("the log", *store::seal("the log", made.record), &read);
   check(unsealed.ok(), "a record can be read: " + unsealed.message());
   const Status folded = store::fold(read, &snapshot_);
   check(folded.ok(), "a record follows the one before: " + folded.message());

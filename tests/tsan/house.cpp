@@ -46,6 +46,7 @@ std::string House::metrics() {
   sources.counters = &counters_;
   sources.registry = registry_.get();
   sources.journal = journal_.get();
+  sources.engine = &engine_;
   sources.storeQueue = [this] { return store_->queued(); };
   sources.started = context_->started;
   return ops::renderMetrics(sources);
