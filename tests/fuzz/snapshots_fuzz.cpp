@@ -43,10 +43,10 @@ void nameContents(Kept& input) {
 
 /// What a store reads of it: false where it would say that it is damaged.
 bool readBack(const Kept& input, kept::Snapshot* snapshot) {
-  if (!store::unseal("the snapshot", store::seal(input.snapshot()), snapshot).ok()) return false;
+  if (!store::unseal("the snapshot", *store::seal("the snapshot", input.snapshot()), snapshot).ok()) return false;
   for (const kept::Record& record : input.log()) {
     kept::Record read;
-    if (!store::unseal("the log", store::seal(record), &read).ok()) return false;
+    if (!store::unseal("the log", *store::seal("the log", record), &read).ok()) return false;
     if (const Status s = store::fold(read, snapshot); !s.ok()) return checkRefusal(s), false;
   }
   return true;
