@@ -117,10 +117,16 @@ SessionPtr Registry::adopt(const SessionPtr& session, const std::string& request
   return session;
 }
 
+/// Until nobody brings the session back or removes it; other sessions' work goes on.
+void Registry::waitForMove(std::unique_lock<std::mutex>& lock, const std::string& id) {
+  if (!moving_.contains(id)) return;
+  workshop_.pool->whileBlocked([&] { moved_.wait(lock, [&] { return !moving_.contains(id); }); });
+}
+
 Expected<SessionPtr> Registry::find(const std::string& id) {
   {
     std::unique_lock lock(mutex_);
-    moved_.wait(lock, [&] { return !moving_.contains(id); });
+    waitForMove(lock, id);
     if (const auto found = sessions_.find(id); found != sessions_.end()) {
       found->second->touch();
       return found->second;
@@ -133,7 +139,8 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
     if (Status s = checkRoom(); !s.ok()) return s;
     moving_.insert(id);
   }
-  Expected<SessionPtr> session = restore(id);
+  Expected<SessionPtr> session = SessionPtr();
+  workshop_.pool->whileBlocked([&] { session = restore(id); });
   {
     const std::lock_guard lock(mutex_);
     moving_.erase(id);
@@ -177,7 +184,7 @@ void Registry::removeIf(const std::string& id, const std::function<bool(const Se
   Position gone = 0;
   {
     std::unique_lock lock(mutex_);
-    moved_.wait(lock, [&] { return !moving_.contains(id); });
+    waitForMove(lock, id);
     const auto found = sessions_.find(id);
     if (found == sessions_.end() && !kept_.contains(id)) {
       lock.unlock();

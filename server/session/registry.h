@@ -81,6 +81,7 @@ class Registry {
                 std::function<void(const Status&)> done);
   Status checkRoom() const;
   SessionPtr adopt(const SessionPtr& session, const std::string& requestId);
+  void waitForMove(std::unique_lock<std::mutex>& lock, const std::string& id);
   Expected<SessionPtr> restore(const std::string& id);
   void retire(std::chrono::system_clock::time_point now);
   void endUnused(const std::string& id, Incident incident, const std::function<bool(const SessionPtr&)>& over);

@@ -19,18 +19,26 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   void post(std::function<void()> job);
+  /// Runs `wait`, which may take long and needs little of the processor, while another thread works in this one's place
+  /// (kMostSpares at most do). Outside a job of this pool: just runs it.
+  void whileBlocked(const std::function<void()>& wait);
   /// Runs what is queued, and what that posts, on the calling thread: a pool without threads does the same in every
-/// run.
+  /// run.
   void runQueued();
   /// Runs what is queued, then joins; what is posted later is dropped.
   void stop();
 
  private:
+  static constexpr unsigned kMostSpares = 16;
+
   void run();
 
+  const unsigned size_;  ///< jobs that run at once
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> jobs_;
+  unsigned running_ = 0;  ///< jobs, but those that are blocked
+  unsigned idle_ = 0;  ///< threads that wait for a job
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };
