@@ -198,6 +198,7 @@ void tamper(FuzzedDataProvider& in, std::vector<wire::BrickRun>& bricks) {
 void tamperContent(FuzzedDataProvider& in, wire::Compression compression, std::string& payload) {
   if (compression == wire::Compression::kNone || payload.empty()) return tamper(in, payload);
   Expected<std::string> content = wire::decompress(payload, wire::kMaxPayloadBytes);
+  if (!content) return tamper(in, payload);  // changed before
   tamper(in, *content);
   payload = wire::compress(*content);
 }
