@@ -33,8 +33,8 @@ Registry::Registry(const Workshop& workshop, std::chrono::seconds retain)
 }
 
 Registry::~Registry() {
-  const std::lock_guard lock(mutex_);
-  *alive_ = false;
+  const std::lock_guard lock(life_->mutex);  // a sweep that has begun ends first
+  life_->ended = true;
 }
 
 Status Registry::open() {
@@ -284,8 +284,9 @@ void Registry::drain() {
 }
 
 void Registry::sweepLater() {
-  workshop_.timers->at(Clock::now() + kSweepInterval, [this, alive = std::weak_ptr<bool>(alive_)] {
-    if (alive.expired()) return;
+  workshop_.timers->at(Clock::now() + kSweepInterval, [this, life = life_] {
+    const std::lock_guard lock(life->mutex);
+    if (life->ended) return;
     sweep();
     workshop_.counters->lastSweep = Clock::now();
     sweepLater();

@@ -104,7 +104,12 @@ class Registry {
   SessionKey nextKey_ = 1;
   std::uint64_t epoch_ = 1;
   bool draining_ = false;
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+  /// What the timer of the next sweep knows of this registry.
+  struct Life {
+    std::mutex mutex;  ///< held by a sweep
+    bool ended = false;
+  };
+  std::shared_ptr<Life> life_ = std::make_shared<Life>();
 };
 
 }  // namespace lpv
