@@ -144,10 +144,18 @@ std::vector<store::Content> contentsOf(const SavedSession& state) {
 
 namespace {
 
+bool isHash(const std::string& name) {
+  return name.size() == 64 && name.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
 /// Parsed contents by hash.
 class Contents {
  public:
   Status add(const store::Content& content) {
+    if (!isHash(content.hash)) {
+      return {Code::kDataLoss, "a content is named by " + std::to_string(content.hash.size()) +
+                                   " bytes, not by a SHA-256 in 64 lower-case hexadecimal digits"};
+    }
     const Expected<BlobPtr> blob = blobFromBytes(content.kind, *content.bytes);
     if (!blob) return lost(content.hash, blob.status().message());
     if ((*blob)->hash != content.hash) return lost(content.hash, "its bytes have another hash");
