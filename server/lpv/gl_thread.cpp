@@ -103,8 +103,8 @@ void GlThread::run() {
   ticks_.clear();
 }
 
-/// Where the CPU is the GPU, two pieces run beside each other, and each would be charged with the other's time: two only
-/// where both are of one tick.
+/// Where the CPU is the GPU, two pieces run beside each other, and each would be charged with the other's time: two
+/// only where both are of one tick.
 std::size_t GlThread::piecesAhead() const { return software_ && ticks_.size() > 1 ? 1 : kPiecesAhead; }
 
 void GlThread::handle(SubmitJob job) {
