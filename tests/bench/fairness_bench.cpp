@@ -23,6 +23,7 @@
 #include "reference/meshes.h"
 #include "scene/error_goal.h"
 #include "scene/workload.h"
+#include "session/limits.h"
 
 namespace {
 
@@ -31,8 +32,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::microseconds kPace{33333};
 constexpr SessionKey kSmall = 1, kLarge = 2;
-constexpr double kMaxTickSeconds = 30.0;  // lpvd's own
-constexpr int kMaxLights = 1024;  // likewise
+const Limits kLimits;  // lpvd's own
 
 glm::dvec3 position(int step) {
   return {0.5 * std::cos(0.1 * step), 1.4 + 0.2 * std::sin(0.07 * step), 0.5 * std::sin(0.1 * step)};
@@ -99,12 +99,12 @@ double predictedSeconds(const Load& load) {
 
 /// `load` with as many lights as admission lets it have, by what the device has been seen to take.
 Load largestAdmitted(Load load) {
-  int refused = kMaxLights + 1;
-  for (int step = kMaxLights; step > 0; step /= 2) {
+  int refused = kLimits.maxLights + 1;
+  for (int step = kLimits.maxLights; step > 0; step /= 2) {
     Load more = load;
     more.lights = load.lights + step;
     if (more.lights >= refused) continue;
-    if (predictedSeconds(more) <= kMaxTickSeconds) {
+    if (predictedSeconds(more) <= kLimits.maxTickSeconds) {
       load = more;
     } else {
       refused = more.lights;
