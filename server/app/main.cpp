@@ -16,6 +16,7 @@
 #include "app/options.h"
 #include "app/signals.h"
 #include "app/version.h"
+#include "gpu/device.h"
 #include "grpc/door.h"
 #include "lpv/engine.h"
 #include "ops/audit.h"
@@ -231,6 +232,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
 
 int main(int argc, char** argv) {
   using namespace lpv;
+  gpu::askForSoftwareWorkers();
   mallopt(M_MMAP_THRESHOLD, app::kMappedFrom);
   const app::Parsed parsed = app::parse(argc, argv);
   if (!parsed.run) return parsed.exitStatus;

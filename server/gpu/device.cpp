@@ -6,15 +6,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <string>
+#include <thread>
 
 namespace lpv::gpu {
 
 namespace {
 
 constexpr int kMaxDevices = 32;
+constexpr unsigned kMostSoftwareWorkers = 16;  ///< that Mesa makes
 #ifndef EGL_PLATFORM_SURFACELESS_MESA
 constexpr EGLenum EGL_PLATFORM_SURFACELESS_MESA = 0x31DD;
 #endif
@@ -64,6 +68,11 @@ EGLDisplay displayOf(const Device& device) {
 }
 
 }  // namespace
+
+void askForSoftwareWorkers() {
+  const unsigned workers = std::min(2 * std::max(1U, std::thread::hardware_concurrency()), kMostSoftwareWorkers);
+  setenv("LP_NUM_THREADS", std::to_string(workers).c_str(), 0);
+}
 
 std::vector<Device> listDevices() {
   std::vector<Device> devices = eglDevices();

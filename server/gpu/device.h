@@ -15,6 +15,11 @@ struct Device {
   void* eglDevice = nullptr;  ///< EGLDeviceEXT; null for surfaceless
 };
 
+/// Mesa's software device has a worker per core, and a kernel that finds all cores idle may wake two of them on one: on
+/// 2 cores a dispatch of some milliseconds then takes as long as on 1, with 4 workers half of that. Asks for twice as
+/// many, unless LP_NUM_THREADS is set. Changes the environment: first thing in main, before there are other threads.
+void askForSoftwareWorkers();
+
 /// All devices in EGL's order, then surfaceless. Never empty.
 std::vector<Device> listDevices();
 

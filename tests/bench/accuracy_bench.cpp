@@ -20,6 +20,7 @@
 #include <sstream>
 
 #include "core_scene.h"
+#include "gpu/device.h"
 #include "lpv/engine.h"
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
@@ -278,6 +279,7 @@ std::vector<Row> measure(Engine& engine, const Named& light, const Way& way, int
 }  // namespace
 
 int main(int argc, char** argv) {
+  gpu::askForSoftwareWorkers();
   CLI::App app("Time against error of the transports, as a table with tabs between columns");
   std::vector<int> grids = {16, 32, 64};
   std::string only, table, onlyWay;

@@ -1,5 +1,11 @@
 #include "gpu/context.h"
 
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include "gpu/device.h"
 #include "gpu/gl_test.h"
 #include "lpv/engine.h"
 
@@ -55,6 +61,19 @@ TEST(DeviceListTest, OneLinePerDeviceAndAtMostOneIsUsed) {
   int used = 0;
   for (const std::string& line : lines) used += line.find("would be used") != std::string::npos ? 1 : 0;
   EXPECT_LE(used, 1);
+}
+
+// Broken by: overwriting what the environment says.
+TEST(SoftwareWorkersTest, AreTwicePerCoreUnlessTheEnvironmentSays) {
+  const char* const before = std::getenv("LP_NUM_THREADS");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("LP_NUM_THREADS", "3", 1);
+  gpu::askForSoftwareWorkers();
+  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "3");
+  unsetenv("LP_NUM_THREADS");
+  gpu::askForSoftwareWorkers();
+  EXPECT_EQ(std::stoi(std::getenv("LP_NUM_THREADS")), std::min(16, 2 * int(std::thread::hardware_concurrency())));
+  before == nullptr ? unsetenv("LP_NUM_THREADS") : setenv("LP_NUM_THREADS", kept.c_str(), 1);
 }
 
 TEST(DeviceListTest, UnknownIndexIsUnavailable) {
