@@ -13,75 +13,116 @@ constexpr int kBasis[8][4] = {{64, 64, 64, 64},   {89, 75, 50, 18},  {83, 36, -3
 /// Elements are sums over 2^kShift.
 constexpr int kShift = 23;
 
-using Matrix = std::array<std::array<double, 8>, 8>;  // [out][in]
+/// basis(k, 7 - i) is basis(k, i) for even k, and its negative for odd: of a line's 8 values or coefficients, half a
+/// matrix is enough. [parity of k][k / 2][i]
+using Halves = std::array<std::array<std::array<double, 4>, 4>, 2>;
 
-int basis(int k, int i) { return i < 4 ? kBasis[k][i] : (k % 2 == 0 ? 1 : -1) * kBasis[k][7 - i]; }
-
-/// out_i = sum over k of basis(k, i) in_k.
-Matrix synthesis() {
-  Matrix out;
-  for (int i = 0; i < 8; ++i) {
-    for (int k = 0; k < 8; ++k) out[std::size_t(i)][std::size_t(k)] = basis(k, i);
+/// value_i = sum over k of basis(k, i) coefficient_k.
+Halves synthesis() {
+  Halves out;
+  for (std::size_t k = 0; k < 8; ++k) {
+    for (std::size_t i = 0; i < 4; ++i) out[k % 2][k / 2][i] = kBasis[k][i];
   }
   return out;
 }
 
 /// Its exact inverse. With the halves of the signal added and subtracted, even and odd rows are 4 x 4 systems.
-Matrix analysis() {
-  Matrix out;
-  for (int parity = 0; parity < 2; ++parity) {
+Halves analysis() {
+  Halves out;
+  for (std::size_t parity = 0; parity < 2; ++parity) {
     glm::dmat4 half;  // column k, row i
     for (int k = 0; k < 4; ++k) {
-      for (int i = 0; i < 4; ++i) half[k][i] = kBasis[2 * k + parity][i];
+      for (int i = 0; i < 4; ++i) half[k][i] = kBasis[2 * std::size_t(k) + parity][i];
     }
     const glm::dmat4 inverse = glm::inverse(half);
-    for (int k = 0; k < 4; ++k) {
-      for (int i = 0; i < 8; ++i) {
-        const double sign = i >= 4 && parity == 1 ? -1.0 : 1.0;
-        out[std::size_t(2 * k + parity)][std::size_t(i)] = 0.5 * sign * inverse[i < 4 ? i : 7 - i][k];
+    for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t i = 0; i < 4; ++i) out[parity][k][i] = 0.5 * inverse[int(i)][int(k)];
+    }
+  }
+  return out;
+}
+
+/// Eight values along an axis of each of so many neighbouring lines.
+template <std::size_t Lanes>
+using Lines = double[8][Lanes];
+
+struct Synthesis {
+  Halves halves = synthesis();
+
+  template <std::size_t Lanes>
+  void operator()(const Lines<Lanes>& in, Lines<Lanes>& out) const {
+    for (std::size_t i = 0; i < 4; ++i) {
+      double even[Lanes] = {};
+      double odd[Lanes] = {};
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double evenFactor = halves[0][k][i];
+        const double oddFactor = halves[1][k][i];
+        for (std::size_t lane = 0; lane < Lanes; ++lane) even[lane] += evenFactor * in[2 * k][lane];
+        for (std::size_t lane = 0; lane < Lanes; ++lane) odd[lane] += oddFactor * in[2 * k + 1][lane];
       }
+      for (std::size_t lane = 0; lane < Lanes; ++lane) out[i][lane] = even[lane] + odd[lane];
+      for (std::size_t lane = 0; lane < Lanes; ++lane) out[7 - i][lane] = even[lane] - odd[lane];
     }
   }
-  return out;
-}
+};
 
-/// Applies `m` along the axis of that stride to Lanes neighbouring lines.
-template <std::size_t Lanes, std::size_t Stride>
-void alongLanes(const Matrix& m, double* values) {
-  double in[8 * Lanes];
-  for (std::size_t k = 0; k < 8; ++k) std::copy_n(values + k * Stride, Lanes, in + k * Lanes);
-  for (std::size_t i = 0; i < 8; ++i) {
-    double sum[Lanes] = {};
-    for (std::size_t k = 0; k < 8; ++k) {
-      const double factor = m[i][k];
-      for (std::size_t lane = 0; lane < Lanes; ++lane) sum[lane] += factor * in[k * Lanes + lane];
+struct Analysis {
+  Halves halves = analysis();
+
+  template <std::size_t Lanes>
+  void operator()(const Lines<Lanes>& in, Lines<Lanes>& out) const {
+    double sum[4][Lanes];
+    double difference[4][Lanes];
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t lane = 0; lane < Lanes; ++lane) sum[i][lane] = in[i][lane] + in[7 - i][lane];
+      for (std::size_t lane = 0; lane < Lanes; ++lane) difference[i][lane] = in[i][lane] - in[7 - i][lane];
     }
-    std::copy_n(sum, Lanes, values + i * Stride);
+    for (std::size_t k = 0; k < 4; ++k) {
+      double even[Lanes] = {};
+      double odd[Lanes] = {};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double evenFactor = halves[0][k][i];
+        const double oddFactor = halves[1][k][i];
+        for (std::size_t lane = 0; lane < Lanes; ++lane) even[lane] += evenFactor * sum[i][lane];
+        for (std::size_t lane = 0; lane < Lanes; ++lane) odd[lane] += oddFactor * difference[i][lane];
+      }
+      std::copy_n(even, Lanes, out[2 * k]);
+      std::copy_n(odd, Lanes, out[2 * k + 1]);
+    }
+  }
+};
+
+constexpr std::size_t kLanes = 8;
+
+/// Eight neighbouring lines along the axis of that stride.
+template <typename Transform>
+void alongLanes(const Transform& transform, std::size_t stride, double* values) {
+  Lines<kLanes> in;
+  Lines<kLanes> out;
+  for (std::size_t i = 0; i < 8; ++i) std::copy_n(values + i * stride, kLanes, in[i]);
+  transform(in, out);
+  for (std::size_t i = 0; i < 8; ++i) std::copy_n(out[i], kLanes, values + i * stride);
+}
+
+/// Eight rows, whose values are neighbours.
+template <typename Transform>
+void alongRows(const Transform& transform, double* rows) {
+  Lines<kLanes> in;
+  Lines<kLanes> out;
+  for (std::size_t row = 0; row < kLanes; ++row) {
+    for (std::size_t i = 0; i < 8; ++i) in[i][row] = rows[row * 8 + i];
+  }
+  transform(in, out);
+  for (std::size_t row = 0; row < kLanes; ++row) {
+    for (std::size_t i = 0; i < 8; ++i) rows[row * 8 + i] = out[i][row];
   }
 }
 
-/// The same along x, where the values of a line are neighbours. `transposed` is [in][out].
-void alongRow(const Matrix& transposed, double* row) {
-  double sum[8] = {};
-  for (std::size_t k = 0; k < 8; ++k) {
-    const double value = row[k];
-    for (std::size_t i = 0; i < 8; ++i) sum[i] += value * transposed[k][i];
-  }
-  std::copy_n(sum, 8, row);
-}
-
-Matrix transpose(const Matrix& m) {
-  Matrix out;
-  for (std::size_t i = 0; i < 8; ++i) {
-    for (std::size_t k = 0; k < 8; ++k) out[k][i] = m[i][k];
-  }
-  return out;
-}
-
-void alongAllAxes(const Matrix& m, const Matrix& transposed, double* plane) {
-  for (std::size_t part = 0; part < 64; part += 16) alongLanes<16, 64>(m, plane + part);
-  for (std::size_t z = 0; z < 8; ++z) alongLanes<8, 8>(m, plane + z * 64);
-  for (std::size_t row = 0; row < 64; ++row) alongRow(transposed, plane + row * 8);
+template <typename Transform>
+void alongAllAxes(const Transform& transform, double* plane) {
+  for (std::size_t y = 0; y < 8; ++y) alongLanes(transform, 64, plane + y * 8);
+  for (std::size_t z = 0; z < 8; ++z) alongLanes(transform, 8, plane + z * 64);
+  for (std::size_t z = 0; z < 8; ++z) alongRows(transform, plane + z * 64);
 }
 
 /// value / 2^kShift to the nearest integer, ties to even: adding a number whose last bit is 2^kShift rounds.
@@ -93,8 +134,7 @@ double rounded(double value) {
 }  // namespace
 
 void elementsFrom(const std::int32_t* coefficients, Planes<std::int16_t>* elements) {
-  static const Matrix kSynthesis = synthesis();
-  static const Matrix kTransposed = transpose(kSynthesis);
+  static const Synthesis kSynthesis;
   double planes[3 * kBrickCells];
   for (std::size_t element = 0; element < 4; ++element) {
     const std::int32_t* in = coefficients + element * 3 * kBrickCells;
@@ -108,9 +148,7 @@ void elementsFrom(const std::int32_t* coefficients, Planes<std::int16_t>* elemen
     }
     const double low = element == 0 ? 0.0 : -kMaxRatio;
     const double high = element == 0 ? kMaxLevel : kMaxRatio;
-    for (std::size_t colour = 0; colour < 3; ++colour) {
-      alongAllAxes(kSynthesis, kTransposed, planes + colour * kBrickCells);
-    }
+    for (std::size_t colour = 0; colour < 3; ++colour) alongAllAxes(kSynthesis, planes + colour * kBrickCells);
     std::int16_t* out = elements->data() + element * 3 * kBrickCells;
     for (std::size_t i = 0; i < 3 * kBrickCells; ++i) {
       out[i] = std::int16_t(int(std::min(std::max(rounded(planes[i]), low), high)));
@@ -119,8 +157,7 @@ void elementsFrom(const std::int32_t* coefficients, Planes<std::int16_t>* elemen
 }
 
 void coefficientsFrom(const Planes<double>& elements, Planes<double>* coefficients) {
-  static const Matrix kAnalysis = analysis();
-  static const Matrix kTransposed = transpose(kAnalysis);
+  static const Analysis kAnalysis;
   constexpr double kScale = double(1 << kShift);
   for (std::size_t element = 0; element < 4; ++element) {
     const double* in = elements.data() + element * 3 * kBrickCells;
@@ -133,9 +170,7 @@ void coefficientsFrom(const Planes<double>& elements, Planes<double>* coefficien
       out[i + kBrickCells] = (r - b) / 4.0;
       out[i + 2 * kBrickCells] = (r - 2.0 * g + b) / 6.0;
     }
-    for (std::size_t component = 0; component < 3; ++component) {
-      alongAllAxes(kAnalysis, kTransposed, out + component * kBrickCells);
-    }
+    for (std::size_t component = 0; component < 3; ++component) alongAllAxes(kAnalysis, out + component * kBrickCells);
   }
 }
 

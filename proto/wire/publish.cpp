@@ -19,6 +19,12 @@ constexpr double kScaleSlack = 2.0;
 /// Step of COMPACT's coefficients by tolerance class, as a power of two; steps become finer where a brick needs it.
 constexpr int kStepShift[kToleranceClasses] = {2, 3, 4, 5};
 
+/// Ties to even; of what is below 2^51: adding a number whose last bit is 1 rounds.
+double nearestInteger(double value) {
+  constexpr double kRounder = 1.5 * 4503599627370496.0;
+  return (value + kRounder) - kRounder;
+}
+
 double halfScale(double largest) {
   if (largest == 0.0) return 1.0;
   int exponent = 0;
@@ -135,9 +141,8 @@ class Publisher {
     for (int shift = kStepShift[class_];; --shift) {
       auto brick = std::make_shared<Brick>();
       brick->coefficients.resize(wanted.size());
-      for (std::size_t i = 0; i < wanted.size(); ++i) {
-        brick->coefficients[i] = moved(held != nullptr ? held->coefficients[i] : 0, wanted[i], 1 << shift);
-      }
+      const std::int32_t* from = held != nullptr ? held->coefficients.data() : brick->coefficients.data();
+      for (std::size_t i = 0; i < wanted.size(); ++i) brick->coefficients[i] = moved(from[i], wanted[i], 1 << shift);
       setCompactElements(box.size(), shape_.layers(), brick.get());
       if (shift == 0 || within(truth, *brick, box.cells())) return brick;
     }
@@ -145,9 +150,9 @@ class Publisher {
 
   /// `from` moved by whole steps to within half a step of `to`.
   static std::int32_t moved(std::int32_t from, double to, int step) {
-    const double steps = (to - from) / step;
-    const double next = from + double(step) * double(std::int64_t(steps + (steps < 0.0 ? -0.5 : 0.5)));
-    return std::int32_t(std::clamp(next, -double(kMaxCoefficient), double(kMaxCoefficient)));
+    const double steps = (to - from) * (1.0 / step);  // a power of two
+    const double next = from + step * nearestInteger(steps);
+    return std::int32_t(std::min(std::max(next, -double(kMaxCoefficient)), double(kMaxCoefficient)));
   }
 
   /// Cells beyond the grid repeat the last ones inside, which costs least.
