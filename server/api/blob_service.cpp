@@ -1,3 +1,4 @@
+#include "api/berth.h"
 #include "api/blob_content.h"
 #include "api/deadline.h"
 #include "api/services.h"
@@ -9,7 +10,8 @@ namespace {
 /// An upload in progress: bytes arrive, the buffer grows with them, at the end a worker parses.
 class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse> {
  public:
-  explicit Upload(const Context& context) : context_(context), idle_(*context.timers) {}
+  explicit Upload(const Context& context)
+      : context_(context), berth_(context.counters->uploads), idle_(*context.timers) {}
 
   void expectFirst() {
     idle_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
@@ -62,6 +64,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (!session_) {
       if (!request.has_header()) return invalid("header", "the first message has no header");
       if (Status s = begin(request.header()); !s.ok()) return s.within("header");
+      if (Status s = berth_.enter("max_uploads", context_.limits.maxUploads); !s.ok()) return s;
     } else if (request.has_header()) {
       return invalid("header", "a later message has a header again");
     }
@@ -109,6 +112,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
   }
 
   const Context context_;
+  Berth berth_;
   Deadline idle_;
   SessionPtr session_;
   pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;

@@ -56,6 +56,7 @@ void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_tick_rate(in.maxTickRate);
   out->set_max_tick_seconds(in.maxTickSeconds);
   out->set_max_session_files(in.maxSessionFiles);
+  out->set_max_uploads(in.maxUploads);
   out->set_max_frame_edge(in.maxFrameEdge);
   out->set_max_probe_points(in.maxProbePoints);
   out->set_max_groups(kMaxGroups);

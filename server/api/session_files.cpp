@@ -3,6 +3,7 @@
 #include <atomic>
 #include <set>
 
+#include "api/berth.h"
 #include "api/convert_session.h"
 #include "api/convert_store.h"
 #include "api/deadline.h"
@@ -74,42 +75,16 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
   return status.code() == Code::kDataLoss ? invalid("data", status.message()) : status;
 }
 
-/// One of the session files that the server holds in memory at once, on their way in or out.
-class Berth {
- public:
-  explicit Berth(Counters& counters) : counters_(counters) {}
-  ~Berth() { leave(); }
-  Berth(const Berth&) = delete;
-  Berth& operator=(const Berth&) = delete;
-
-  /// RESOURCE_EXHAUSTED (max_session_files) where all are taken.
-  Status enter(const Limits& limits) {
-    const int before = counters_.sessionFiles.fetch_add(1);
-    taken_ = true;
-    if (before < limits.maxSessionFiles) return {};
-    leave();
-    return exhausted("max_session_files", "max_session_files: the server is busy with " + std::to_string(before) +
-                                              " session files, allowed at once are " +
-                                              std::to_string(limits.maxSessionFiles) + "; try again in a while");
-  }
-  void leave() {
-    if (taken_.exchange(false)) --counters_.sessionFiles;
-  }
-
- private:
-  Counters& counters_;
-  std::atomic<bool> taken_{false};
-};
-
 /// A session on its way out, part by part as the client takes them.
 class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
-  explicit Export(const Context& context) : context_(context), berth_(*context.counters), idle_(*context.timers) {}
+  explicit Export(const Context& context)
+      : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name(), Role::kViewer);
     if (!session) return end(session.status());
-    if (Status s = berth_.enter(context_.limits); !s.ok()) return end(s);
+    if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return giveUp(file.status());
     const std::lock_guard lock(mutex_);
@@ -160,7 +135,8 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
 /// A file on its way in; a worker makes the session at its end.
 class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionResponse> {
  public:
-  explicit Import(const Context& context) : context_(context), berth_(*context.counters), idle_(*context.timers) {}
+  explicit Import(const Context& context)
+      : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
   void expect(std::chrono::seconds patience, const char* limit) {
     idle_.restart(patience, [weak = weak_from_this(), limit] {
@@ -173,7 +149,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (hasEnded()) return;
     if (!begun_) {
       if (Status s = allowAdmin(context_, "making a session from a file"); !s.ok()) return end(s);
-      if (Status s = berth_.enter(context_.limits); !s.ok()) return end(s);
+      if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
       wantedId_ = request.session_id();
     }
     begun_ = true;

@@ -29,10 +29,12 @@ void addLimits(CLI::App& app, Limits& limits) {
   limit("--max-triangles", limits.maxTriangles, "triangles of a session", 1, 1e9);
   limit("--max-texels", limits.maxTexels, "texels of a session's textures", 1, 1e10);
   limit("--max-blob-bytes", limits.maxBlobBytes, "bytes of one blob", 1, 1e9);
-  limit("--max-edits-per-second", limits.maxEditsPerSecond, "edits of one client", 1, 100000);
+  limit("--max-edits-per-second", limits.maxEditsPerSecond,
+        "edits of one client, or of all that do not say who they are", 1, 100000);
   limit("--max-presence-updates-per-second", limits.maxPresenceUpdatesPerSecond, "presence updates of one client", 0.1,
         1000);
   limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
+  limit("--max-uploads", limits.maxUploads, "uploads of blobs on their way at once", 1, 1000);
   limit("--max-session-files", limits.maxSessionFiles, "session files on their way in or out at once", 1, 1000);
   limit("--max-tick-seconds", limits.maxTickSeconds, "seconds of this device that a tick is predicted to take", 0.001,
         86400);

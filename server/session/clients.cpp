@@ -32,10 +32,12 @@ std::string randomHex(std::size_t bytes) {
 }
 
 Expected<ClientIdentity> Clients::join() {
-  if (std::ssize(clients_) >= limits_.maxClientsPerSession) {
-    return exhausted("max_clients_per_session", "max_clients_per_session: the session has " +
-                                                    std::to_string(clients_.size()) + " clients, allowed are " +
-                                                    std::to_string(limits_.maxClientsPerSession));
+  if (full()) {
+    return exhausted("max_clients_per_session",
+                     "max_clients_per_session: the session has " + std::to_string(clients_.size()) +
+                         " clients, allowed are " + std::to_string(limits_.maxClientsPerSession) +
+                         "; one that neither has a stream nor says anything for " +
+                         std::to_string(limits_.memberSilent.count()) + " s gives its place to the next");
   }
   const ClientIdentity identity{"c-" + randomHex(8), randomHex(16)};
   ClientState state;
@@ -46,9 +48,27 @@ Expected<ClientIdentity> Clients::join() {
 }
 
 void Clients::restore(const ClientState& state) {
-  Client& client = clients_[state.id] = {state, limits_.maxEditsPerSecond, Clock::now()};
+  const Clock::time_point now = Clock::now();
+  Client& client =
+      clients_.insert_or_assign(state.id, Client{state, {limits_.maxEditsPerSecond, now}, now}).first->second;
   for (const EditOutcome& outcome : client.outcomes) client.nameBytes += nameBytes(outcome);
   forgetOldest(client);
+}
+
+void Clients::hear(const std::string& id, Clock::time_point now) {
+  const auto found = clients_.find(id);
+  if (found != clients_.end()) found->second.heard = now;
+}
+
+std::string Clients::silent(const std::set<std::string>& connected, Clock::time_point now) const {
+  std::string longest;
+  Clock::time_point since = now - limits_.memberSilent;
+  for (const auto& [id, client] : clients_) {
+    if (client.heard > since || connected.contains(id)) continue;
+    longest = id;
+    since = client.heard;
+  }
+  return longest;
 }
 
 Status Clients::verify(const ClientIdentity& identity) const {
@@ -79,18 +99,11 @@ Expected<std::optional<EditOutcome>> Clients::repeated(const std::string& id, st
 
 Status Clients::admit(const std::string& id, Clock::time_point now) {
   const auto found = clients_.find(id);
-  if (found == clients_.end()) return {};
-  Client& client = found->second;
-  const double elapsed = std::chrono::duration<double>(now - client.refilled).count();
-  client.tokens = std::min(limits_.maxEditsPerSecond, client.tokens + elapsed * limits_.maxEditsPerSecond);
-  client.refilled = now;
-  if (client.tokens < 1.0) {
-    return exhausted("max_edits_per_second", "max_edits_per_second: allowed are " +
-                                                 std::to_string(limits_.maxEditsPerSecond) +
-                                                 " edits a second per client; wait and repeat the same sequence");
-  }
-  client.tokens -= 1.0;
-  return {};
+  Allowance& edits = found == clients_.end() ? nobody_ : found->second.edits;
+  if (edits.take(limits_.maxEditsPerSecond, now)) return {};
+  return exhausted("max_edits_per_second", "max_edits_per_second: allowed are " +
+                                               std::to_string(limits_.maxEditsPerSecond) +
+                                               " edits a second per client; wait and repeat the same sequence");
 }
 
 namespace {

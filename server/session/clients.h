@@ -4,10 +4,12 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "scene/status.h"
+#include "session/allowance.h"
 #include "session/limits.h"
 #include "session/timers.h"
 
@@ -41,7 +43,7 @@ struct ClientState {
 /// The members of one session. Not thread-safe: the session's lock guards it.
 class Clients {
  public:
-  explicit Clients(const Limits& limits) : limits_(limits) {}
+  explicit Clients(const Limits& limits) : limits_(limits), nobody_(limits.maxEditsPerSecond, Clock::now()) {}
   /// From now on; what is there stays.
   void setLimits(const Limits& limits) { limits_ = limits; }
 
@@ -50,6 +52,11 @@ class Clients {
   /// Takes back a member that was.
   void restore(const ClientState& state);
   void leave(const std::string& id) { clients_.erase(id); }
+  /// The member is there still.
+  void hear(const std::string& id, Clock::time_point now);
+  bool full() const { return std::ssize(clients_) >= limits_.maxClientsPerSession; }
+  /// Who was heard of longest ago, and not for limits.memberSilent; none of `connected`. Empty: nobody.
+  std::string silent(const std::set<std::string>& connected, Clock::time_point now) const;
   /// A member as it is now.
   ClientState state(const std::string& id) const { return clients_.at(id); }
   /// PERMISSION_DENIED unless the identity was issued here. An empty identity is nobody: ok.
@@ -57,7 +64,8 @@ class Clients {
 
   /// The outcome of an edit seen before; FAILED_PRECONDITION for a sequence too old to be remembered.
   Expected<std::optional<EditOutcome>> repeated(const std::string& id, std::uint64_t sequence) const;
-  /// RESOURCE_EXHAUSTED when the client edits faster than max_edits_per_second. Not an outcome: retry.
+  /// RESOURCE_EXHAUSTED when the client edits faster than max_edits_per_second. Not an outcome: retry. All who do not
+  /// say who they are count as one client.
   Status admit(const std::string& id, Clock::time_point now);
   void record(const std::string& id, const EditOutcome& outcome);
 
@@ -69,13 +77,14 @@ class Clients {
 
  private:
   struct Client : ClientState {
-    double tokens = 0.0;
-    Clock::time_point refilled;
+    Allowance edits;
+    Clock::time_point heard;
     std::size_t nameBytes = 0;  ///< of its outcomes
   };
   static void forgetOldest(Client& client);
   Limits limits_;
   std::map<std::string, Client> clients_;
+  Allowance nobody_;  ///< edits
 };
 
 /// Outcomes kept per client (PROTOCOL.md) ...

@@ -71,6 +71,7 @@ inline constexpr std::array kReasons = {"ok",
                                         "max_texels",
                                         "max_tick_seconds",
                                         "max_triangles",
+                                        "max_uploads",
                                         "upload_idle"};
 /// Where in kReasons.
 std::size_t reasonOf(const Status& status);
@@ -142,6 +143,7 @@ struct Counters {
   std::atomic<std::int64_t> volumesEncoded{0};
   std::atomic<std::int64_t> editsAccepted{0};
   std::atomic<int> sessionFiles{0};  ///< on their way in or out
+  std::atomic<int> uploads{0};       ///< of blobs, on their way
   ReasonCounter editsRejected;
   ReasonCounter callsRefused;  ///< calls that ended with an error before anything was answered
 

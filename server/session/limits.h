@@ -24,9 +24,12 @@ struct Limits {
   std::int64_t maxUndoBytes = 256 * 1024 * 1024;  ///< of a session's steps with their meshes; the oldest are forgotten
   double maxPresenceUpdatesPerSecond = 30.0;  ///< per client
   std::chrono::seconds presenceIdle{15};  ///< a member without streams who says nothing for so long is gone
+  /// A member without streams who says nothing for so long gives its place to one who joins a full session.
+  std::chrono::seconds memberSilent{3600};
   double maxTickRate = 30.0;  ///< ticks of one session per second
   double maxTickSeconds = 30.0;  ///< that a tick from nothing is predicted to take of the device
   int maxSessionFiles = 4;  ///< on their way in or out at once, of the whole server; each is held in memory
+  int maxUploads = 32;  ///< of blobs on their way at once, of the whole server; each is held in memory
   int maxFrameEdge = 4096;  ///< pixels
   int minFrameEdge = 16;
   int maxProbePoints = 16384;

@@ -33,7 +33,7 @@ Status checkPresence(const PresenceUpdate& update) {
 }
 
 void PresentOnes::join(const std::string& client, const PresenceUpdate& update, Clock::time_point now) {
-  heard_[client] = {now, limits_.maxPresenceUpdatesPerSecond, now};
+  heard_.insert_or_assign(client, Heard{now, {limits_.maxPresenceUpdatesPerSecond, now}});
   if (update.displayName || update.colour) put(client, update);
 }
 
@@ -56,7 +56,8 @@ void PresentOnes::leave(const std::string& client) {
 void PresentOnes::setLocked(const std::string& client, const std::vector<std::string>& names) {
   const auto found = members_.find(client);
   if (found == members_.end() && names.empty()) return;
-  if (found == members_.end()) heard_.try_emplace(client, Heard{Clock::now(), limits_.maxPresenceUpdatesPerSecond, {}});
+  const Clock::time_point now = Clock::now();
+  if (found == members_.end()) heard_.try_emplace(client, Heard{now, {limits_.maxPresenceUpdatesPerSecond, now}});
   PresentMember& member = members_[client];
   if (member.presence.locked == names) return;
   member.presence.locked = names;
@@ -82,20 +83,12 @@ void PresentOnes::put(const std::string& client, const PresenceUpdate& update) {
 
 Status PresentOnes::admit(const std::string& client, Clock::time_point now) {
   const double rate = limits_.maxPresenceUpdatesPerSecond;
-  const auto [found, isNew] = heard_.try_emplace(client, Heard{now, rate, now});
-  Heard& heard = found->second;
+  Heard& heard = heard_.try_emplace(client, Heard{now, {rate, now}}).first->second;
   heard.last = now;
-  const double elapsed = std::chrono::duration<double>(now - heard.refilled).count();
-  // A rate below one lets one through as soon as it is due.
-  heard.tokens = std::min(std::max(1.0, rate), heard.tokens + elapsed * rate);
-  heard.refilled = now;
-  if (heard.tokens < 1.0) {
-    return exhausted("max_presence_updates_per_second",
-                     "max_presence_updates_per_second: allowed are " + std::to_string(rate) +
-                         " updates a second per client; send the newest a little later");
-  }
-  heard.tokens -= 1.0;
-  return {};
+  if (heard.updates.take(rate, now)) return {};
+  return exhausted("max_presence_updates_per_second",
+                   "max_presence_updates_per_second: allowed are " + std::to_string(rate) +
+                       " updates a second per client; send the newest a little later");
 }
 
 }  // namespace lpv

@@ -10,6 +10,7 @@
 
 #include "scene/camera.h"
 #include "scene/status.h"
+#include "session/allowance.h"
 #include "session/limits.h"
 #include "session/timers.h"
 
@@ -71,8 +72,7 @@ class PresentOnes {
  private:
   struct Heard {
     Clock::time_point last;
-    double tokens = 0.0;  ///< updates that it may make at once
-    Clock::time_point refilled;
+    Allowance updates;
   };
   void put(const std::string& client, const PresenceUpdate& update);
   Status admit(const std::string& client, Clock::time_point now);

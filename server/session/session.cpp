@@ -186,7 +186,7 @@ void Session::unwatch(std::uint64_t watcher) {
   const std::lock_guard lock(mutex_);
   const auto found = watchers_.find(watcher);
   if (found == watchers_.end()) return;
-  presence_.hear(found->second.client, Clock::now());
+  hear(found->second.client);
   watchers_.erase(found);
   lastUsed_ = std::chrono::system_clock::now();
 }

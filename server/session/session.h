@@ -202,6 +202,9 @@ class Session : public std::enable_shared_from_this<Session> {
   EditOutcome takeStepLocked(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
   Status lockLocked(const std::string& client, const std::vector<std::string>& names, std::chrono::seconds time);
   bool admit(const ClientIdentity& client, std::uint64_t sequence, EditOutcome* outcome);
+  void forget(const std::string& client);
+  std::set<std::string> connected() const;
+  void hear(const std::string& client);
   void record(const ClientIdentity& client, const EditOutcome& outcome);
   void keep(JournalStep step);
   JournalStep nextStep() const;

@@ -65,6 +65,7 @@ Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Wish& wish, const
 void Session::unsubscribe(const std::shared_ptr<Subscriber>& subscriber) {
   const std::lock_guard lock(mutex_);
   subscribers_.erase(subscriber->id);
+  clients_.hear(subscriber->wish.clientId, Clock::now());
   lastUsed_ = std::chrono::system_clock::now();
   workshop_.engine->forgetView(key_, subscriber->key);
 }

@@ -19,6 +19,7 @@ Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
   const std::lock_guard lock(mutex_);
   if (closed_) return closedStatus("session");
   if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+  if (clients_.full()) forget(clients_.silent(connected(), Clock::now()));
   Expected<ClientIdentity> client = clients_.join();
   if (!client) return client;
   presence_.join(client->id, seenAs, Clock::now());
@@ -31,16 +32,36 @@ Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
 void Session::leave(const ClientIdentity& client) {
   {
     const std::lock_guard lock(mutex_);
-    if (closed_ || client.id.empty() || !clients_.verify(client).ok()) return;
-    clients_.leave(client.id);
-    history_.leave(client.id);
-    presence_.leave(client.id);
-    locks_.release(client.id, {});
-    JournalStep step = nextStep();
-    step.left = client.id;
-    keep(std::move(step));
+    if (closed_ || !clients_.verify(client).ok()) return;
+    forget(client.id);
   }
   tellWatchers();
+}
+
+/// Whoever it is, and nothing where it is nobody.
+void Session::forget(const std::string& client) {
+  if (client.empty()) return;
+  clients_.leave(client);
+  history_.leave(client);
+  presence_.leave(client);
+  locks_.release(client, {});
+  JournalStep step = nextStep();
+  step.left = client;
+  keep(std::move(step));
+}
+
+/// Members with a stream.
+std::set<std::string> Session::connected() const {
+  std::set<std::string> out;
+  for (const auto& [key, watcher] : watchers_) out.insert(watcher.client);
+  for (const auto& [id, subscriber] : subscribers_) out.insert(subscriber->wish.clientId);
+  return out;
+}
+
+void Session::hear(const std::string& client) {
+  const Clock::time_point now = Clock::now();
+  clients_.hear(client, now);
+  presence_.hear(client, now);
 }
 
 EditOutcome Session::takeStep(const ClientIdentity& client, std::uint64_t sequence, Direction direction) {
@@ -102,7 +123,7 @@ bool Session::admit(const ClientIdentity& client, std::uint64_t sequence, EditOu
   }
   outcome->status = workshop_.journal->writable();
   if (outcome->status.ok()) outcome->status = clients_.admit(client.id, Clock::now());
-  presence_.hear(client.id, Clock::now());
+  hear(client.id);
   return outcome->status.ok();
 }
 
@@ -116,6 +137,7 @@ Status Session::present(const ClientIdentity& client, const PresenceUpdate& upda
     if (Status s = clients_.verify(client); !s.ok()) return s;
     if (Status s = checkPresence(update); !s.ok()) return s.within("presence");
     lastUsed_ = std::chrono::system_clock::now();
+    hear(client.id);
     if (Status s = presence_.update(client.id, update, Clock::now()); !s.ok()) return s;
   }
   tellWatchers();
@@ -143,7 +165,7 @@ Status Session::lockObjects(const ClientIdentity& client, const std::vector<std:
     if (Status s = clients_.verify(client); !s.ok()) return s;
     if (Status s = lockLocked(client.id, names, time); !s.ok()) return s;
     lastUsed_ = std::chrono::system_clock::now();
-    presence_.hear(client.id, Clock::now());
+    hear(client.id);
     presence_.setLocked(client.id, locks_.heldBy(client.id));
   }
   tellWatchers();
@@ -173,9 +195,9 @@ void Session::dropSilentMembers(Clock::time_point now) {
   {
     const std::lock_guard lock(mutex_);
     const std::uint64_t before = presence_.changes();
-    std::set<std::string> connected;
-    for (const auto& [key, watcher] : watchers_) connected.insert(watcher.client);
-    presence_.dropSilent(connected, now);
+    std::set<std::string> watching;
+    for (const auto& [key, watcher] : watchers_) watching.insert(watcher.client);
+    presence_.dropSilent(watching, now);
     for (const std::string& client : locks_.expire(now)) presence_.setLocked(client, locks_.heldBy(client));
     if (presence_.changes() == before) return;
   }

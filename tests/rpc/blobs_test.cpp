@@ -211,6 +211,27 @@ TEST_F(Blobs, CostNothingByBeingAnnounced) {
   EXPECT_THAT(upload(stubs_, session_, pb::BLOB_KIND_MESH, sheet(9).SerializeAsString()), IsOk());
 }
 
+TEST_F(Blobs, OnlySoManyAreOnTheirWayAtOnce) {
+  ServerProcess narrow({"--max-uploads", "1"});
+  Stubs stubs(narrow.address());
+  const std::string session = makeSession(stubs);
+  const std::string bytes = sheet(9).SerializeAsString();
+  const auto another = [&] { return upload(stubs, session, pb::BLOB_KIND_MESH, bytes); };
+  ASSERT_THAT(another(), IsOk());
+  {
+    Upload first(stubs);
+    pb::UploadBlobRequest begun = opening(std::int64_t(bytes.size()), bytes.substr(0, 10));
+    begun.mutable_header()->set_session(session);
+    first.writer->Write(begun);
+    grpc::Status refused;
+    ASSERT_TRUE(eventually([&] { return !(refused = another()).ok(); }));
+    EXPECT_THAT(refused, Refused(StatusCode::RESOURCE_EXHAUSTED, "max_uploads", "allowed at once are 1"));
+    first.writer->Write(more(bytes.substr(10)));
+    EXPECT_THAT(first.finish(), IsOk());
+  }
+  EXPECT_TRUE(eventually([&] { return another().ok(); })) << "its place is free again";
+}
+
 /// Every prefix of `bytes` at steps, as an upload of its own.
 template <typename Check>
 void uploadPrefixes(Stubs& stubs, const std::string& session, pb::BlobKind kind, const std::string& bytes,

@@ -112,6 +112,7 @@ TcpProxy::~TcpProxy() {
   change([](Settings& settings) { settings.stopping = true; });
   thread_.join();
   for (Connection& connection : connections_) close(connection, true);
+  for (Connection& connection : lost_) close(connection, true);
   ::close(listener_);
   ::close(wake_);
 }
@@ -144,11 +145,15 @@ void TcpProxy::cut() {
   change([](Settings& settings) { settings.cut = true; });
 }
 
-/// The settings now; a cut is done once.
+void TcpProxy::lose() {
+  change([](Settings& settings) { settings.lose = true; });
+}
+
+/// The settings now; a cut is done once, and so is a loss.
 TcpProxy::Settings TcpProxy::take() {
   const std::lock_guard lock(mutex_);
   Settings out = settings_;
-  settings_.cut = false;
+  settings_.cut = settings_.lose = false;
   return out;
 }
 
@@ -160,6 +165,7 @@ void TcpProxy::run() {
       for (Connection& connection : connections_) close(connection, true);
       connections_.clear();
     }
+    if (settings.lose) lost_.splice(lost_.end(), connections_);
     accept(settings);
     for (Connection& connection : connections_) move(connection, settings);
     connections_.remove_if([](Connection& connection) {

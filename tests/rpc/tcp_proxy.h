@@ -34,6 +34,8 @@ class TcpProxy {
   void holdAnswers(bool hold);
   /// Resets every connection; what was on its way is lost.
   void cut();
+  /// Every connection there is leads nowhere from now on, and neither end is told: a machine that has vanished.
+  void lose();
 
  private:
   /// Bytes on their way.
@@ -64,6 +66,7 @@ class TcpProxy {
     bool holdRequests = false;
     bool holdAnswers = false;
     bool cut = false;
+    bool lose = false;
     bool stopping = false;
   };
 
@@ -82,6 +85,7 @@ class TcpProxy {
   std::mutex mutex_;
   Settings settings_;
   std::list<Connection> connections_;  ///< the thread's own
+  std::list<Connection> lost_;         ///< its own too; nobody reads them
   std::thread thread_;
 };
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "unit/session_rig.h"
+
 namespace lpv {
 namespace {
 
@@ -140,7 +142,26 @@ TEST_F(ClientsTest, MayEditAtTheirRateAndOneSecondAhead) {
   int admitted = 0;
   while (clients_.admit(id, start + milliseconds(510)).ok()) ++admitted;
   EXPECT_EQ(admitted, 122);
-  EXPECT_TRUE(clients_.admit("", start).ok());
+}
+
+TEST_F(ClientsTest, TheOneWhoIsSilentForLongestGivesWay) {
+  const std::string first = joined(), second = joined(), third = joined();
+  const Clock::time_point hourLater = Clock::now() + limits_.memberSilent;
+  EXPECT_EQ(clients_.silent({}, hourLater - std::chrono::minutes(1)), "") << "nobody is silent for long enough";
+  EXPECT_EQ(clients_.silent({}, hourLater), first);
+  EXPECT_EQ(clients_.silent({first}, hourLater), second) << "whoever has a stream stays";
+  clients_.hear(first, Clock::now() + milliseconds(10));
+  clients_.hear(second, Clock::now() + milliseconds(5));
+  EXPECT_EQ(clients_.silent({}, hourLater + milliseconds(20)), third);
+}
+
+// Broken by: letting those pass that are no member.
+TEST_F(ClientsTest, ThoseWithoutAnIdentityEditAtTheRateOfOne) {
+  const Clock::time_point start = Clock::now() + std::chrono::hours(1);
+  int admitted = 0;
+  while (admitted < 1000 && clients_.admit("", start).ok()) ++admitted;
+  EXPECT_EQ(admitted, 240);
+  EXPECT_TRUE(clients_.admit(joined(), start).ok()) << "a member's rate is its own";
 }
 
 TEST_F(ClientsTest, TheSequencesInARevisionAreTheAcceptedOnes) {
@@ -155,6 +176,50 @@ TEST_F(ClientsTest, TheSequencesInARevisionAreTheAcceptedOnes) {
   EXPECT_THAT(clients_.sequencesSince(0), testing::UnorderedElementsAre(testing::Pair(a, 2U), testing::Pair(b, 1U)));
   EXPECT_THAT(clients_.sequencesSince(11), testing::ElementsAre(testing::Pair(a, 2U)));
   EXPECT_TRUE(clients_.sequencesSince(12).empty());
+}
+
+TEST(EditRateTest, CountsEditsThatCannotBeRead) {
+  Limits limits = test::Rig::quick();
+  limits.maxEditsPerSecond = 10.0;
+  test::Rig rig(limits);
+  const auto session = rig.session();
+  const ClientIdentity me = *session->join();
+  const Status why = invalid("edit", "unreadable");
+  Code last = Code::kOk;
+  for (std::uint64_t sequence = 1; sequence < 1000 && last != Code::kResourceExhausted; ++sequence)
+    last = session->refuse(me, sequence, why).status.code();
+  EXPECT_EQ(last, Code::kResourceExhausted);
+}
+
+// Broken by: forgetting those who only have a result stream; by not telling the journal.
+TEST(FullSessionTest, TakesAMemberInPlaceOfTheOneSilentForLongest) {
+  Limits limits = test::Rig::quick();
+  limits.maxClientsPerSession = 2;
+  limits.memberSilent = std::chrono::seconds(0);
+  test::Rig rig(limits);
+  const auto session = rig.session();
+  const ClientIdentity reader = *session->join(), silent = *session->join();
+  Wish wish;
+  wish.volume = VolumeStage::kTransported;
+  wish.clientId = reader.id;
+  const auto subscriber = session->subscribe(wish, std::make_shared<test::Inbox>());
+  ASSERT_TRUE(subscriber.ok()) << subscriber.status().message();
+  const Expected<ClientIdentity> third = session->join();
+  ASSERT_TRUE(third.ok()) << third.status().message();
+  EXPECT_EQ(session->apply(silent, {}).status.code(), Code::kPermissionDenied);
+  EXPECT_TRUE(session->apply(reader, {}).status.code() != Code::kPermissionDenied);
+  EXPECT_TRUE(session->apply(*third, {}).status.code() != Code::kPermissionDenied);
+}
+
+TEST(FullSessionTest, RefusesWhereNobodyIsSilentForLong) {
+  Limits limits = test::Rig::quick();
+  limits.maxClientsPerSession = 1;
+  test::Rig rig(limits);
+  const auto session = rig.session();
+  ASSERT_TRUE(session->join().ok());
+  const Status full = session->join().status();
+  EXPECT_EQ(full.field(), "max_clients_per_session");
+  EXPECT_THAT(full.message(), HasSubstr("3600 s"));
 }
 
 }  // namespace

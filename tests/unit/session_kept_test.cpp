@@ -253,16 +253,6 @@ TEST_F(KeptSessions, MeshesOfUploadsThatAreGoneKeepTheBytesThatNameThem) {
   EXPECT_EQ(sha256(*contents[0].bytes), contents[0].hash);
 }
 
-TEST_F(KeptSessions, UnreadableEditsCountAgainstTheRate) {
-  const SessionPtr hall = create("hall");
-  const ClientIdentity me = *hall->join();
-  const Status why = invalid("edit", "unreadable");
-  Code last = Code::kOk;
-  for (std::uint64_t sequence = 1; sequence < 1000 && last != Code::kResourceExhausted; ++sequence)
-    last = hall->refuse(me, sequence, why).status.code();
-  EXPECT_EQ(last, Code::kResourceExhausted);
-}
-
 TEST_F(KeptSessions, ARepeatedSequenceGetsItsFirstOutcome) {
   ClientIdentity me;
   {

@@ -104,7 +104,7 @@ std::optional<Closing> Inbox::closed() const {
 
 Limits Rig::quick() {
   Limits limits;
-  limits.maxTickRate = 1e9;
+  limits.maxTickRate = limits.maxEditsPerSecond = 1e9;
   return limits;
 }
 

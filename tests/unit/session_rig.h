@@ -73,7 +73,7 @@ class Rig {
   explicit Rig(Limits limits = quick());
   ~Rig();
 
-  /// Limits whose tick rate asks for no waiting.
+  /// Limits whose rates, of ticks and edits, ask for no waiting.
   static Limits quick();
 
   std::shared_ptr<Session> session(SessionManners manners = {});

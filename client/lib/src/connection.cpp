@@ -46,6 +46,9 @@ grpc::ChannelArguments channelArguments() {
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5000);  // which is how long one attempt may take
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  // A host that vanishes closes nothing: without pings every stream would be opened again on its dead connection.
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);  // the least that gRPC takes
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   return arguments;
 }
 

@@ -155,20 +155,20 @@ struct EditStream::State {
     v1::StreamEditsRequest first;
     first.set_session(session);
     *first.mutable_client() = identity;
-    bool writable = open.Write(first);
+    bool writable = loop.write(open, first);
     std::deque<v1::Edit> edits;
     {
       const std::lock_guard stateLock(mutex);
       edits = unanswered;
     }
-    for (const v1::Edit& edit : edits) writable = writable && write(open, edit);
+    for (const v1::Edit& edit : edits) writable = writable && loop.write(open, requestOf(edit));
     stream = &open;
   }
 
-  static bool write(Stream& open, const v1::Edit& edit) {
+  static v1::StreamEditsRequest requestOf(const v1::Edit& edit) {
     v1::StreamEditsRequest request;
     *request.mutable_edit() = edit;
-    return open.Write(request);
+    return request;
   }
 
   void acknowledge(const v1::EditAck& ack) {
@@ -225,7 +225,8 @@ Expected<std::uint64_t> EditStream::send(v1::Edit edit) {
     state_->unanswered.push_back(edit);
   }
   if (state_->latency) state_->latency->sent(edit.sequence());
-  if (state_->stream != nullptr) State::write(*state_->stream, edit);  // a failure shows in the next Read: sent again
+  // A failure shows in the next Read: sent again.
+  if (state_->stream != nullptr) state_->stream->Write(State::requestOf(edit));
   return edit.sequence();
 }
 

@@ -27,7 +27,7 @@ Reopening::Reopening(std::shared_ptr<Connection> connection, Behaviour behaviour
     : connection_(std::move(connection)), behaviour_(std::move(behaviour)) {}
 
 void Reopening::start() {
-  watchdog_ = std::thread([this] { watch(); });
+  watchdog_ = std::thread([this] { guard(); });
   reader_ = std::thread([this] { run(); });
 }
 
@@ -48,11 +48,11 @@ std::uint64_t Reopening::reopened() const {
   return attempts_ == 0 ? 0 : attempts_ - 1;
 }
 
-void Reopening::arm(bool reading) {
+void Reopening::watch(bool waiting) {
   const std::lock_guard lock(mutex_);
-  reading_ = reading;
-  readingSince_ = Clock::now();
-  if (reading) changed_.notify_all();
+  waiting_ = waiting;
+  waitingSince_ = Clock::now();
+  if (waiting) changed_.notify_all();
 }
 
 grpc::Status Reopening::attemptOnce() {
@@ -99,16 +99,16 @@ void Reopening::run() {
   if (!stopped && behaviour_.ended) behaviour_.ended(statusFrom(status, connection_->options.address));
 }
 
-void Reopening::watch() {
+void Reopening::guard() {
   std::unique_lock lock(mutex_);
   while (!stopping_ && !finished_) {
-    if (!reading_ || context_ == nullptr) {
+    if (!waiting_ || context_ == nullptr) {
       changed_.wait(lock);
-    } else if (Clock::now() < readingSince_ + kSilence) {
-      changed_.wait_until(lock, readingSince_ + kSilence);
+    } else if (Clock::now() < waitingSince_ + kSilence) {
+      changed_.wait_until(lock, waitingSince_ + kSilence);
     } else {
       context_->TryCancel();
-      reading_ = false;
+      waiting_ = false;
     }
   }
 }

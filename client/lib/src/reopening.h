@@ -31,11 +31,20 @@ class Reopening {
   /// Reads one message; the watchdog cancels the stream when none comes for 3 s.
   template <typename Stream, typename Message>
   bool read(Stream& stream, Message& message) {
-    arm(true);
+    watch(true);
     const bool got = stream.Read(&message);
-    arm(false);
+    watch(false);
     if (got) alive_ = true;
     return got;
+  }
+
+  /// Writes one message before anything is read; the watchdog cancels the stream when it is not taken for 3 s.
+  template <typename Stream, typename Message>
+  bool write(Stream& stream, const Message& message) {
+    watch(true);
+    const bool taken = stream.Write(message);
+    watch(false);
+    return taken;
   }
 
   /// Ends the stream and, from another thread, waits for the callbacks to be over.
@@ -44,9 +53,9 @@ class Reopening {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void arm(bool reading);
+  void watch(bool waiting);
   void run();
-  void watch();
+  void guard();
   grpc::Status attemptOnce();
   bool pause(int failures);
 
@@ -56,8 +65,8 @@ class Reopening {
   std::condition_variable changed_;
   bool stopping_ = false;
   bool finished_ = false;                  ///< the reading thread is past its last attempt
-  bool reading_ = false;
-  Clock::time_point readingSince_;
+  bool waiting_ = false;                   ///< for the other side
+  Clock::time_point waitingSince_;
   grpc::ClientContext* context_ = nullptr;
   std::uint64_t attempts_ = 0;
   bool alive_ = false;                     ///< something arrived in this attempt; reading thread only
