@@ -1,6 +1,5 @@
 // Sessions as files: what lpv.store.v1 keeps of them, sealed like a snapshot.
 
-#include <atomic>
 #include <set>
 
 #include "api/berth.h"

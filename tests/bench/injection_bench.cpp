@@ -19,7 +19,6 @@
 
 #include "core_scene.h"
 #include "gpu/context.h"
-#include "gpu/device.h"
 #include "gpu/gl.h"
 #include "lpv/inject.h"
 #include "lpv/voxelize.h"
@@ -196,7 +195,6 @@ int run(const std::vector<int>& grids, const std::string& only, int repeats, con
 }  // namespace
 
 int main(int argc, char** argv) {
-  gpu::askForSoftwareWorkers();
   CLI::App app{"The paper's Table 1: dense sampling against exact voxelization"};
   std::vector<int> grids = {32, 64, 128};
   int repeats = 9;
