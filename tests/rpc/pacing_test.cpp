@@ -129,7 +129,7 @@ TEST_F(Pacing, MaxRateBoundsTheResultsOfASubscriber) {
 // Seen to fail when a tick may follow at once.
 TEST_F(Pacing, MaxTickRateBoundsTheResultsOfASession) {
   constexpr int kResults = 8;
-  ServerProcess slow({"--max-tick-rate", "5"});
+  ServerProcess slow({"--max-tick-rate", "5", "--max-edits-per-second", "100000"});
   EXPECT_GE(secondsFor(kResults, slow.address(), 0.0), (kResults - 1) / 5.0);
 }
 

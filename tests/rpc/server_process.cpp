@@ -67,7 +67,7 @@ void ServerProcess::forgetPeak() const {
 }
 
 ServerProcess& server() {
-  static ServerProcess process;
+  static ServerProcess process({"--max-edits-per-second", "100000"});
   return process;
 }
 

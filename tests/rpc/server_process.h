@@ -53,7 +53,7 @@ class ServerProcess {
   int port_ = 0;
 };
 
-/// The test binary's own server, started with default options at the first use.
+/// The test binary's own server, started at the first use with default options, but as many edits a second as tests send.
 ServerProcess& server();
 
 /// lpvd run to its end.
