@@ -53,7 +53,8 @@ class ServerProcess {
   int port_ = 0;
 };
 
-/// The test binary's own server, started at the first use with default options, but as many edits a second as tests send.
+/// The test binary's own server, started at the first use with default options, but for the rate of edits: tests send
+/// as many as they can.
 ServerProcess& server();
 
 /// lpvd run to its end.
