@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <functional>
 #include <future>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -123,10 +124,15 @@ class Neighbour {
     bench::engine().forget(kLarge);
   }
   void print() const {
+    const std::lock_guard lock(mutex_);
+    if (ticks_ == 0) {
+      std::printf("    its ticks: none ended meanwhile\n");
+      return;
+    }
     std::printf(
         "    its ticks: %d, the last %.0f ms; longest piece %.1f ms (%s), largest prediction %.1f ms, %llu pieces\n",
-        ticks_.load(), 1e3 * seconds_, 1e3 * worst_.longestPiece, worst_.longestStage.c_str(),
-        1e3 * worst_.largestPrediction, static_cast<unsigned long long>(worst_.pieces));
+        ticks_, 1e3 * seconds_, 1e3 * worst_.longestPiece, worst_.longestStage.c_str(), 1e3 * worst_.largestPrediction,
+        static_cast<unsigned long long>(worst_.pieces));
   }
 
  private:
@@ -134,6 +140,7 @@ class Neighbour {
     for (int step = 0; !stop_; ++step) {
       const auto begin = SteadyClock::now();
       const TickReport report = bench::tick(requestOf(load_, scene_, kLarge, step)).report;
+      const std::lock_guard lock(mutex_);
       seconds_ = std::chrono::duration<double>(SteadyClock::now() - begin).count();
       if (step == 0 || report.longestPiece > worst_.longestPiece) worst_ = report;
       ++ticks_;
@@ -143,7 +150,8 @@ class Neighbour {
   const Load load_;
   const Scene scene_;
   std::atomic<bool> stop_{false};
-  std::atomic<int> ticks_{0};
+  mutable std::mutex mutex_;
+  int ticks_ = 0;  ///< that have ended
   double seconds_ = 0.0;
   TickReport worst_;
   std::thread thread_;
