@@ -319,6 +319,35 @@ Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
   return {};
 }
 
+/// Revisions count on from the session's, and nothing in it is from after that.
+Status checkRevisions(const DocumentState& document) {
+  constexpr auto kLast = std::uint64_t(std::numeric_limits<std::int64_t>::max());
+  if (document.revision > kLast) {
+    return {Code::kDataLoss,
+            "its revision is " + std::to_string(document.revision) + ", allowed are up to " + std::to_string(kLast)};
+  }
+  const auto check = [&](const std::string& what, std::uint64_t revision) -> Status {
+    if (revision <= document.revision) return {};
+    return {Code::kDataLoss, what + " is of revision " + std::to_string(revision) + ", the session of " +
+                                 std::to_string(document.revision)};
+  };
+  Status status = check("a setting", document.optionsRevision);
+  if (status.ok()) status = check("the grid", document.gridRevision);
+  if (status.ok()) status = check("a forgotten deletion", document.forgottenUpTo);
+  const auto checkEach = [&](const auto& all, const auto& nameOf) {
+    for (const auto& one : all) {
+      if (status.ok()) status = check("\"" + nameOf(one) + "\"", one.revision);
+    }
+  };
+  const auto ofObject = [](const auto& one) { return one.object->name; };
+  const auto ofItself = [](const auto& one) { return one.name; };
+  checkEach(document.lights, ofObject);
+  checkEach(document.surfaces, ofObject);
+  checkEach(document.cameras, ofItself);
+  checkEach(document.tombstones, ofItself);
+  return status;
+}
+
 /// Textures have no bytes but those of their upload: what an object wears is kept as one, whatever a file says.
 void addTextures(const Contents& contents, SavedSession* out) {
   std::set<BlobHash> there;
@@ -338,6 +367,7 @@ Status fill(const store::Loaded& loaded, SavedSession* out) {
     if (Status s = contents.add(content); !s.ok()) return s;
   }
   if (Status s = objectsFrom(snapshot, contents, &out->document); !s.ok()) return s;
+  if (Status s = checkRevisions(out->document); !s.ok()) return s;
   for (const auto& [id, client] : snapshot.clients()) out->clients.push_back(clientFrom(id, client));
   for (const auto& [hash, kind] : snapshot.uploads()) {
     const BlobPtr blob = contents.blob(hash);

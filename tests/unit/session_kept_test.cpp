@@ -191,7 +191,6 @@ TEST_F(KeptSessions, SoDoTheirUploadsUsedOrNot) {
   edit(find("hall"), {lamp});
 }
 
-// Seen to fail when outcomes of refused edits are not kept.
 // A mesh that an edit brings is named by its bytes: a file of the session that came back has to have the same ones, or
 // nobody can read it. Red when normals that have unit length are divided by it again.
 TEST_F(KeptSessions, MeshesOfEditsKeepTheBytesThatNameThem) {
@@ -253,6 +252,7 @@ TEST_F(KeptSessions, MeshesOfUploadsThatAreGoneKeepTheBytesThatNameThem) {
   EXPECT_EQ(sha256(*contents[0].bytes), contents[0].hash);
 }
 
+// Seen to fail when outcomes of refused edits are not kept.
 TEST_F(KeptSessions, ARepeatedSequenceGetsItsFirstOutcome) {
   ClientIdentity me;
   {

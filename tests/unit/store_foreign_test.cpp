@@ -96,5 +96,29 @@ TEST_F(ForeignSession, ACameraWithoutANameIsRefused) {
   expectLost("camera \"a/b\"");
 }
 
+// Red, each, without its check.
+TEST_F(ForeignSession, ARevisionThatCannotBeCountedOnIsRefused) {
+  snapshot().set_revision(std::numeric_limits<std::int64_t>::max());
+  EXPECT_TRUE(fromStore(loaded_).ok());
+  snapshot().set_revision(snapshot().revision() + 1);
+  expectLost("its revision is 9223372036854775808, allowed are up to 9223372036854775807");
+}
+
+TEST_F(ForeignSession, WhatIsFromAfterTheSessionsRevisionIsRefused) {
+  snapshot().set_revision(7);
+  pb::LightStatus& lamp = *light("Lamp", "Lamp").mutable_status();
+  lamp.set_revision(7);
+  EXPECT_TRUE(fromStore(loaded_).ok());
+  lamp.set_revision(8);
+  expectLost("\"Lamp\" is of revision 8, the session of 7");
+  lamp.set_revision(1);
+  snapshot().set_grid_revision(8);
+  expectLost("the grid is of revision 8, the session of 7");
+  snapshot().set_grid_revision(0);
+  snapshot().add_tombstones()->set_name("Gone");
+  snapshot().mutable_tombstones(0)->set_revision(9);
+  expectLost("\"Gone\" is of revision 9, the session of 7");
+}
+
 }  // namespace
 }  // namespace lpv::api
