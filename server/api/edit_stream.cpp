@@ -70,6 +70,11 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     first_.stop();
     pulse_.stop();
     if (session_) session_->unwatch(watcher_);
+    {
+      // Nobody is told of them: whoever comes back repeats them, and whose token was revoked has none applied.
+      const std::lock_guard lock(mutex_);
+      waiting_.clear();
+    }
     end(Status(Code::kCancelled, "the client went away"));
   }
 
