@@ -60,6 +60,7 @@ class VolumeFeed final : public Feed<pb::VolumeEvent> {
         order_(order),
         chain_(volumeChains().get(this->session(), order, *context.counters)) {}
   void offer(const Result& result) override;
+  void prepare(const Result& result) override { (void)chain_->encode(result, order_); }
 
  private:
   VolumeOrder order_;

@@ -13,6 +13,7 @@
 #include "scene/camera.h"
 #include "scene/volume.h"
 #include "session/frame_adapter.h"
+#include "session/round_trip.h"
 #include "session/timers.h"
 
 namespace lpv {
@@ -76,12 +77,20 @@ class ResultSink {
  public:
   virtual ~ResultSink() = default;
   virtual void offer(const Result& result) = 0;
+  /// This is likely to be offered soon: what it takes can be done now.
+  virtual void prepare(const Result& /*result*/) {}
   virtual void close(Closing why) = 0;
 };
 
 /// A result on its way to a subscriber.
 struct Sent {
   std::uint64_t resultId = 0;
+  Clock::time_point at{};
+};
+
+/// A volume that was made for a credit that is about to come back.
+struct Ahead {
+  Result result;
   Clock::time_point at{};
 };
 
@@ -101,9 +110,10 @@ struct Subscriber {
   std::uint64_t shownRevision = 0;  ///< of the last result sent
   bool shownAny = false;
   bool wishChanged = false;  ///< camera, size or exposure since the last frame asked for
-  bool inTick = false;  ///< the tick under way makes its frame
   Clock::time_point notBefore{};  ///< rate limit
-  double roundTrip = 0.0;  ///< seconds, smoothed
+  RoundTrip roundTrip;
+  std::optional<Ahead> ahead;
+  std::uint64_t aheadOf = 0;  ///< the result whose acknowledgement a volume was last made ahead of
   std::optional<FrameAdapter> adapter;  ///< where the wish has a rate to adapt to
 };
 

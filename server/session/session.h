@@ -2,6 +2,7 @@
 // One session: a document, its members, its readers. Every public method is thread-safe, takes the session's lock for
 // microseconds and never waits for the GPU.
 
+#include <algorithm>
 #include <functional>
 #include <list>
 #include <map>
@@ -174,12 +175,16 @@ class Session : public std::enable_shared_from_this<Session> {
     TickRequest request;
     std::uint64_t epoch = 0;
     Lookup lookup = Lookup::kSh2;
-    std::vector<std::shared_ptr<Subscriber>> volumeReaders;
+    std::vector<std::shared_ptr<Subscriber>> aheadOf;  ///< readers of volumes whose credit is out
+    Clock::time_point begun;
     std::vector<std::pair<std::shared_ptr<Subscriber>, std::uint64_t>> frameReaders;  ///< with camera sequence
     std::vector<std::shared_ptr<WaitingCall>> volumeCalls;
     std::vector<std::shared_ptr<WaitingCall>> frameCalls;
     std::map<std::string, std::uint64_t> clientSequences;
 
+    bool isAheadOf(const Subscriber& subscriber) const {
+      return std::any_of(aheadOf.begin(), aheadOf.end(), [&](const auto& one) { return one.get() == &subscriber; });
+    }
     /// Highest accepted sequence of `client` that the scene contains; 0 for nobody.
     std::uint64_t sequenceOf(const std::string& client) const {
       const auto found = clientSequences.find(client);
@@ -194,7 +199,9 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Delivery {
     std::shared_ptr<Subscriber> subscriber;
     Result result;
+    bool ahead = false;  ///< to be prepared, not offered
   };
+  static constexpr Clock::time_point kNever = Clock::time_point::max();
 
   void predictCosts();
   Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs);
@@ -224,7 +231,9 @@ class Session : public std::enable_shared_from_this<Session> {
   // Planning (session_results.cpp).
   void kick();
   bool wants(const Subscriber& subscriber) const;
+  bool takeBack(Subscriber& subscriber, std::uint64_t resultId);
   bool hasCredit(const Subscriber& subscriber) const;
+  bool longTrip(const Subscriber& subscriber) const;
   void kickLater(Clock::time_point when);
   std::optional<Planned> planTick(Clock::time_point now);
   void planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next);
@@ -241,6 +250,17 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
   void deliver(std::vector<Delivery> deliveries);
   void countCoalesced(std::uint64_t revision, Clock::time_point now);
+
+  // Ahead of credits (session_ahead.cpp).
+  Clock::time_point dueAt(const Subscriber& subscriber) const;
+  Clock::time_point aheadAt(const Subscriber& subscriber) const;
+  bool canKeepAhead(const Subscriber& subscriber) const;
+  static Result keepAhead(Subscriber& subscriber, Result result);
+  void dropOldAhead(Subscriber& subscriber, Clock::time_point now);
+  std::optional<Result> takeAhead(Subscriber& subscriber);
+  void tickTook(Clock::duration time);
+  void encodingTook(Clock::duration time);
+
   void checkLater(const ScenePtr& scene, const VolumePtr& volume);
 
   const std::string id_;
@@ -267,6 +287,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t nextKey_ = 1;
   std::uint64_t nextResult_ = 1;
   bool tickUnderWay_ = false;
+  double tickSeconds_ = 0.0;  ///< from a tick's plan to its results, smoothed
+  double encodeSeconds_ = 0.0;  ///< of a volume, smoothed
   std::optional<Closing> closed_;  ///< why, once it is
   bool closeTold_ = false;  ///< to streams and calls
   Position kept_ = 0;  ///< of the last step that was given to the journal

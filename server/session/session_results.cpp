@@ -10,7 +10,6 @@
 namespace lpv {
 namespace {
 
-constexpr double kSmoothing = 0.2;                            // weight of a new round trip in the running mean
 constexpr std::chrono::milliseconds kRetryAfterFailure{1000};  // a failed tick is not repeated at once
 
 /// Of the frames that calls wait for, pixels that one tick makes: its targets are held until it ends. The others wait.
@@ -77,21 +76,31 @@ std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const
 }
 
 void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId) {
-  const std::lock_guard lock(mutex_);
-  std::deque<Sent>& inFlight = subscriber->inFlight;
-  if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) return;
-  // An acknowledgement covers everything before it.
+  std::vector<Delivery> ready;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!takeBack(*subscriber, resultId)) return;
+    if (std::optional<Result> ahead = takeAhead(*subscriber)) ready.push_back({subscriber, std::move(*ahead)});
+    kick();
+  }
+  deliver(std::move(ready));
+}
+
+/// The credits of `resultId` and of everything before it; false where none of them is out.
+bool Session::takeBack(Subscriber& subscriber, std::uint64_t resultId) {
+  std::deque<Sent>& inFlight = subscriber.inFlight;
+  if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) return false;
   Clock::time_point sentAt;
   while (!inFlight.empty() && inFlight.front().resultId <= resultId) {
     sentAt = inFlight.front().at;
     inFlight.pop_front();
   }
-  if (resultId > subscriber->basesAfter) subscriber->baseId = resultId;
+  if (resultId > subscriber.basesAfter) subscriber.baseId = resultId;
   const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
-  subscriber->roundTrip += kSmoothing * (seconds - subscriber->roundTrip);
+  subscriber.roundTrip.measured(seconds);
   workshop_.counters->acknowledgeLag.observe(seconds);
-  if (subscriber->adapter) subscriber->adapter->acknowledged(seconds);
-  kick();
+  if (subscriber.adapter) subscriber.adapter->acknowledged(seconds);
+  return true;
 }
 
 void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
@@ -99,6 +108,7 @@ void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
   subscriber->shownAny = false;
   subscriber->baseId = 0;
   subscriber->basesAfter = subscriber->lastSent;
+  subscriber->ahead.reset();
   kick();
 }
 
@@ -148,8 +158,13 @@ bool Session::wants(const Subscriber& subscriber) const {
 
 bool Session::hasCredit(const Subscriber& subscriber) const {
   if (subscriber.inFlight.empty()) return true;
+  return subscriber.wish.twoCredits && subscriber.inFlight.size() == 1 && longTrip(subscriber);
+}
+
+/// Its round trip lasts for more than one of its intervals.
+bool Session::longTrip(const Subscriber& subscriber) const {
   const double rate = subscriber.wish.maxRate > 0.0 ? subscriber.wish.maxRate : workshop_.limits.maxTickRate;
-  return subscriber.wish.twoCredits && subscriber.inFlight.size() == 1 && subscriber.roundTrip > 1.0 / rate;
+  return subscriber.roundTrip.mean() > 1.0 / rate;
 }
 
 void Session::kickLater(Clock::time_point when) {
@@ -171,6 +186,7 @@ void Session::kick() {
   if (!plan) return;
   tickUnderWay_ = true;
   const Clock::time_point now = Clock::now();
+  plan->begun = now;
   nextTick_ = now + interval(workshop_.limits.maxTickRate);
   workshop_.counters->tickWatch.begun(now);
   TickRequest request = plan->request;
@@ -186,19 +202,18 @@ void Session::kick() {
 
 std::optional<Session::Planned> Session::planTick(Clock::time_point now) {
   Planned plan;
-  Clock::time_point next = Clock::time_point::max();
+  Clock::time_point next = kNever;
   if (now < nextTick_) {
-    const bool due = !calls_.empty() || std::any_of(subscribers_.begin(), subscribers_.end(), [this](const auto& s) {
-      return hasCredit(*s.second) && wants(*s.second);
-    });
-    if (due) kickLater(nextTick_);
+    for (const auto& [id, subscriber] : subscribers_) next = std::min(next, dueAt(*subscriber));
+    if (!calls_.empty()) next = now;
+    if (next != kNever) kickLater(std::max(next, nextTick_));
     return std::nullopt;
   }
   planSubscribers(plan, now, next);
   planCalls(plan);
   const TickRequest& request = plan.request;
   if (!request.transported && !request.injected && request.frames.empty()) {
-    if (next != Clock::time_point::max()) kickLater(next);
+    if (next != kNever) kickLater(next);
     return std::nullopt;
   }
   plan.request.session = key_;
@@ -215,15 +230,14 @@ std::optional<Session::Planned> Session::planTick(Clock::time_point now) {
 
 void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next) {
   for (const auto& [id, subscriber] : subscribers_) {
-    if (!hasCredit(*subscriber) || !wants(*subscriber)) continue;
-    if (now < subscriber->notBefore) {
-      next = std::min(next, subscriber->notBefore);
+    if (const Clock::time_point due = dueAt(*subscriber); now < due) {
+      next = std::min(next, due);
       continue;
     }
     if (subscriber->wish.frame && !hasView(*subscriber->wish.frame, 0)) continue;
     if (subscriber->wish.volume) {
       addVolume(plan.request, *subscriber->wish.volume);
-      plan.volumeReaders.push_back(subscriber);
+      if (!hasCredit(*subscriber)) plan.aheadOf.push_back(subscriber);
     } else {
       plan.request.frames.push_back(frameRequest(*subscriber));
       plan.frameReaders.emplace_back(subscriber, subscriber->wish.frame->cameraSequence);
@@ -276,6 +290,7 @@ void Session::tickDone(const Planned& plan, Expected<TickResult> result) {
   {
     const std::lock_guard lock(mutex_);
     tickUnderWay_ = false;
+    tickTook(Clock::now() - plan.begun);
     deliveries = settle(plan, *result);
   }
   deliver(std::move(deliveries));
@@ -317,17 +332,23 @@ void Session::checkLater(const ScenePtr& scene, const VolumePtr& volume) {
 }
 
 /// A volume goes to every reader with credit that lacks it, also to those that came or got their credit back while the
-/// tick ran, and to the calls that waited.
+/// tick ran, and to the calls that waited; it is kept for readers whose credit is about to come back.
 void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
                            std::vector<Delivery>* out) {
   const Clock::time_point now = Clock::now();
   meta.resultId = nextResult_++;
   const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0, 0};
   for (const auto& [id, subscriber] : subscribers_) {
+    dropOldAhead(*subscriber, now);
     const bool lacks = !subscriber->shownAny || subscriber->shownRevision < meta.revision;
-    if (subscriber->wish.volume != stage || !hasCredit(*subscriber) || !lacks || now < subscriber->notBefore) continue;
+    const bool due = now >= dueAt(*subscriber) || (plan.isAheadOf(*subscriber) && canKeepAhead(*subscriber));
+    if (subscriber->wish.volume != stage || !lacks || !due) continue;
     Result result = latest;
     result.meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
+    if (!hasCredit(*subscriber)) {
+      out->push_back({subscriber, keepAhead(*subscriber, std::move(result)), true});
+      continue;
+    }
     result.baseId = subscriber->baseId;
     markSent(*subscriber, result, now);
     out->push_back({subscriber, std::move(result)});
@@ -362,11 +383,12 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
 void Session::countCoalesced(std::uint64_t revision, Clock::time_point now) {
   for (const auto& [id, subscriber] : subscribers_) {
     const bool lacks = !subscriber->shownAny || subscriber->shownRevision < revision;
-    if (lacks && (!hasCredit(*subscriber) || now < subscriber->notBefore)) ++workshop_.counters->resultsCoalesced;
+    if (lacks && !subscriber->ahead && now < dueAt(*subscriber)) ++workshop_.counters->resultsCoalesced;
   }
 }
 
 void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
+  subscriber.ahead.reset();
   subscriber.inFlight.push_back({result.meta.resultId, now});
   subscriber.lastSent = result.meta.resultId;
   subscriber.shownRevision = result.meta.revision;
@@ -385,12 +407,18 @@ void Session::fail(const Planned& plan, const Status& status) {
   kick();
 }
 
-/// Each on a worker of its own: encoding one reader's frame keeps no other reader waiting.
+/// Each on a worker of its own: encoding one reader's frame keeps no other reader waiting. The first is timed: it is
+/// the one that encodes a volume which others have the same.
 void Session::deliver(std::vector<Delivery> deliveries) {
-  for (Delivery& delivery : deliveries) {
-    ++workshop_.counters->resultsSent;
-    workshop_.pool->post([sink = delivery.subscriber->sink, result = std::move(delivery.result)] {
-      if (const std::shared_ptr<ResultSink> alive = sink.lock()) alive->offer(result);
+  for (std::size_t i = 0; i < deliveries.size(); ++i) {
+    if (!deliveries[i].ahead) ++workshop_.counters->resultsSent;
+    workshop_.pool->post([weak = weak_from_this(), timed = i == 0, delivery = std::move(deliveries[i])] {
+      const std::shared_ptr<ResultSink> sink = delivery.subscriber->sink.lock();
+      if (!sink) return;
+      const Clock::time_point begun = Clock::now();
+      delivery.ahead ? sink->prepare(delivery.result) : sink->offer(delivery.result);
+      const SessionPtr self = timed && delivery.result.volume ? weak.lock() : nullptr;
+      if (self) self->encodingTook(Clock::now() - begun);
     });
   }
 }

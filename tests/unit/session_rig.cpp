@@ -82,6 +82,16 @@ void Inbox::offer(const Result& result) {
   results_.push_back(result);
 }
 
+void Inbox::prepare(const Result& result) {
+  const std::lock_guard lock(mutex_);
+  prepared_.push_back(result);
+}
+
+std::vector<Result> Inbox::prepared() const {
+  const std::lock_guard lock(mutex_);
+  return prepared_;
+}
+
 void Inbox::close(Closing why) {
   const std::lock_guard lock(mutex_);
   closed_ = why;

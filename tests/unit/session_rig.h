@@ -55,15 +55,19 @@ class InstantEngine final : public Engine {
 class Inbox final : public ResultSink {
  public:
   void offer(const Result& result) override;
+  void prepare(const Result& result) override;
   void close(Closing why) override;
 
   std::size_t count() const;
   Result last() const;
+  /// What was to be prepared, in order.
+  std::vector<Result> prepared() const;
   std::optional<Closing> closed() const;
 
  private:
   mutable std::mutex mutex_;
   std::vector<Result> results_;
+  std::vector<Result> prepared_;
   std::optional<Closing> closed_;
 };
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <future>
 #include <thread>
 
 #include "api/blob_content.h"
@@ -60,6 +61,7 @@ class StreamsTest : public testing::Test {
     return endOf(upload);
   }
 
+  test::SmallEngine engine_;  ///< of those who have ticks made; goes last: sessions tell it that they go
   test::Rig rig_{impatient()};
   Registry registry_{rig_.workshop};
   Context context_{&registry_, &rig_.pool, &rig_.timers, &rig_.counters, rig_.workshop.limits, {}, "", {}};
@@ -252,6 +254,25 @@ TEST_F(StreamsTest, AnEditThatCannotBeTakenEndsTheStream) {
   EXPECT_THAT(endOf(edits).message(), HasSubstr("repeat"));
 }
 
+/// Somebody whose token was revoked, or who went, has nothing more applied than what is being applied.
+// Seen to fail where what waits is left in the queue.
+TEST_F(StreamsTest, EditsThatWaitAreDroppedWithTheirStream) {
+  const auto edits = streamEdits(context_);
+  pb::StreamEditsRequest request;
+  request.set_session("sessions/room");
+  edits->receive(request);
+  std::promise<void> release;
+  rig_.pool.post([&release] { release.get_future().wait(); });
+  pb::Light* lamp = request.mutable_edit()->add_operations()->mutable_create_light();
+  lamp->set_name("Lamp");
+  *lamp->mutable_inline_mesh() = meshToProto(*reference::quad());
+  for (int i = 0; i < 5; ++i) edits->receive(request);
+  edits->cancelled();
+  release.set_value();
+  rig_.settle();
+  EXPECT_LE(session_->revision(), 1U) << "the first was with a worker already";
+}
+
 class ResultStreams : public StreamsTest {
  protected:
   ResultStreams() { rig_.workshop.engine = &engine_; }
@@ -269,8 +290,6 @@ class ResultStreams : public StreamsTest {
       rig_.settle();
     }
   }
-
-  test::SmallEngine engine_;
 };
 
 /// A reader that takes nothing and acknowledges everything would have results pile up here.
@@ -296,6 +315,40 @@ TEST_F(ResultStreams, WhatWasNotTakenCannotBeAcknowledged) {
   EXPECT_TRUE(response.event().has_part());
   acknowledgeAhead(session, subscriber);
   EXPECT_EQ(rig_.counters.resultsSent, 2);
+  stream->cancelled();
+  rig_.settle();
+}
+
+/// A volume that is made ahead is encoded ahead.
+// Seen to fail when prepare() does nothing.
+TEST_F(ResultStreams, WhatIsMadeAheadOfACreditIsEncodedOnce) {
+  Registry registry(rig_.workshop);
+  context_.registry = &registry;
+  SessionOptions options;
+  options.grid.longest = 8;
+  const SessionPtr session = *registry.create("hall", options, {}, "");
+  ASSERT_TRUE(session->apply({}, test::editOf({test::createLight("Lamp")})).status.ok());
+  const auto stream = watchVolume(context_);
+  pb::WatchVolumeRequest request;
+  request.mutable_subscription()->set_session("sessions/hall");
+  stream->receive(request);
+  pb::WatchVolumeResponse response;
+  ASSERT_TRUE(test::eventually([&] { return stream->next(&response); }));
+  const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(response.event().subscribed().subscriber());
+  ASSERT_NE(subscriber, nullptr);
+  ASSERT_TRUE(test::eventually([&] { return stream->next(&response) && response.event().has_part(); }));
+  rig_.settle();
+  for (int i = 0; i < 100; ++i) subscriber->roundTrip.measured(0.05);
+  ASSERT_TRUE(session->apply({}, test::editOf({test::setRadiance("Lamp", 2.0)})).status.ok());
+  EXPECT_TRUE(test::eventually([&] { return rig_.counters.volumesEncoded == 2; }));
+  rig_.settle();
+  EXPECT_EQ(rig_.counters.resultsSent, 1);
+  session->acknowledge(subscriber, subscriber->taken);
+  rig_.settle();
+  EXPECT_EQ(rig_.counters.resultsSent, 2);
+  EXPECT_EQ(rig_.counters.volumesEncoded, 2);
+  ASSERT_TRUE(stream->next(&response));
+  EXPECT_EQ(response.event().part().header().base_result_id(), 1U);
   stream->cancelled();
   rig_.settle();
 }
