@@ -326,25 +326,20 @@ Status checkRevisions(const DocumentState& document) {
     return {Code::kDataLoss,
             "its revision is " + std::to_string(document.revision) + ", allowed are up to " + std::to_string(kLast)};
   }
-  const auto check = [&](const std::string& what, std::uint64_t revision) -> Status {
-    if (revision <= document.revision) return {};
-    return {Code::kDataLoss, what + " is of revision " + std::to_string(revision) + ", the session of " +
-                                 std::to_string(document.revision)};
+  Status status;
+  const auto check = [&](const char* kind, const std::string& name, std::uint64_t revision) {
+    if (revision <= document.revision || !status.ok()) return;
+    const std::string why =
+        "is of revision " + std::to_string(revision) + ", the session of " + std::to_string(document.revision);
+    status = outOfRange(kind, name, invalid("revision", why));
   };
-  Status status = check("a setting", document.optionsRevision);
-  if (status.ok()) status = check("the grid", document.gridRevision);
-  if (status.ok()) status = check("a forgotten deletion", document.forgottenUpTo);
-  const auto checkEach = [&](const auto& all, const auto& nameOf) {
-    for (const auto& one : all) {
-      if (status.ok()) status = check("\"" + nameOf(one) + "\"", one.revision);
-    }
-  };
-  const auto ofObject = [](const auto& one) { return one.object->name; };
-  const auto ofItself = [](const auto& one) { return one.name; };
-  checkEach(document.lights, ofObject);
-  checkEach(document.surfaces, ofObject);
-  checkEach(document.cameras, ofItself);
-  checkEach(document.tombstones, ofItself);
+  check("part", "settings", document.optionsRevision);
+  check("part", "grid", document.gridRevision);
+  check("part", "deletions", document.forgottenUpTo);
+  for (const Versioned<Light>& light : document.lights) check("light", light.object->name, light.revision);
+  for (const Versioned<Surface>& surface : document.surfaces) check("surface", surface.object->name, surface.revision);
+  for (const DocumentState::Camera& camera : document.cameras) check("camera", camera.name, camera.revision);
+  for (const Deleted& deleted : document.tombstones) check("deletion of", deleted.name, deleted.revision);
   return status;
 }
 

@@ -110,14 +110,14 @@ TEST_F(ForeignSession, WhatIsFromAfterTheSessionsRevisionIsRefused) {
   lamp.set_revision(7);
   EXPECT_TRUE(fromStore(loaded_).ok());
   lamp.set_revision(8);
-  expectLost("\"Lamp\" is of revision 8, the session of 7");
+  expectLost("light \"Lamp\": is of revision 8, the session of 7");
   lamp.set_revision(1);
   snapshot().set_grid_revision(8);
-  expectLost("the grid is of revision 8, the session of 7");
+  expectLost("part \"grid\": is of revision 8, the session of 7");
   snapshot().set_grid_revision(0);
   snapshot().add_tombstones()->set_name("Gone");
   snapshot().mutable_tombstones(0)->set_revision(9);
-  expectLost("\"Gone\" is of revision 9, the session of 7");
+  expectLost("deletion of \"Gone\": is of revision 9, the session of 7");
 }
 
 }  // namespace
