@@ -108,7 +108,6 @@ void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
   subscriber->shownAny = false;
   subscriber->baseId = 0;
   subscriber->basesAfter = subscriber->lastSent;
-  subscriber->ahead.reset();
   kick();
 }
 

@@ -216,7 +216,7 @@ TEST_F(FarReaders, GetNothingOldWhereTheSceneWentOn) {
   EXPECT_EQ(inbox_->last().baseId, first_);
 }
 
-// Seen to fail when a resend leaves what was kept.
+// Seen to fail when the base is not compared.
 TEST_F(FarReaders, GetNoDeltaToWhatTheyHaveLost) {
   const auto subscriber = far();
   const Result made = ahead();
