@@ -91,6 +91,7 @@ TEST(Turns, ATickThatTakesLongLetsShortOnesPass) {
   EXPECT_NEAR(beside.at(kSmall) / beside.at(kLarge), 2.0, 0.05);
 }
 
+// Broken by: charge() that counts a tick's time by its square.
 TEST(Turns, TicksThatAllTakeLongHaveEqualTime) {
   const auto equals = shares({{1, 10.0}, {2, 30.0}, {3, 60.0}});
   EXPECT_NEAR(equals.at(1) / equals.at(3), 1.0, 0.05);
