@@ -199,7 +199,7 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Delivery {
     std::shared_ptr<Subscriber> subscriber;
     Result result;
-    bool ahead = false;  ///< to be prepared, not offered
+    enum { kOffer, kPrepare, kOfferPrepared } how = kOffer;
   };
   static constexpr Clock::time_point kNever = Clock::time_point::max();
 

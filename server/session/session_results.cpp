@@ -80,7 +80,8 @@ void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::ui
   {
     const std::lock_guard lock(mutex_);
     if (!takeBack(*subscriber, resultId)) return;
-    if (std::optional<Result> ahead = takeAhead(*subscriber)) ready.push_back({subscriber, std::move(*ahead)});
+    std::optional<Result> ahead = takeAhead(*subscriber);
+    if (ahead) ready.push_back({subscriber, std::move(*ahead), Delivery::kOfferPrepared});
     kick();
   }
   deliver(std::move(ready));
@@ -345,7 +346,7 @@ void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage sta
     Result result = latest;
     result.meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
     if (!hasCredit(*subscriber)) {
-      out->push_back({subscriber, keepAhead(*subscriber, std::move(result)), true});
+      out->push_back({subscriber, keepAhead(*subscriber, std::move(result)), Delivery::kPrepare});
       continue;
     }
     result.baseId = subscriber->baseId;
@@ -406,17 +407,18 @@ void Session::fail(const Planned& plan, const Status& status) {
   kick();
 }
 
-/// Each on a worker of its own: encoding one reader's frame keeps no other reader waiting. The first is timed: it is
-/// the one that encodes a volume which others have the same.
+/// Each on a worker of its own: encoding one reader's frame keeps no other reader waiting. The first is timed: it
+/// encodes the volume that others share.
 void Session::deliver(std::vector<Delivery> deliveries) {
   for (std::size_t i = 0; i < deliveries.size(); ++i) {
-    if (!deliveries[i].ahead) ++workshop_.counters->resultsSent;
-    workshop_.pool->post([weak = weak_from_this(), timed = i == 0, delivery = std::move(deliveries[i])] {
+    if (deliveries[i].how != Delivery::kPrepare) ++workshop_.counters->resultsSent;
+    const bool timed = i == 0 && deliveries[i].how != Delivery::kOfferPrepared && deliveries[i].result.volume;
+    workshop_.pool->post([weak = weak_from_this(), timed, delivery = std::move(deliveries[i])] {
       const std::shared_ptr<ResultSink> sink = delivery.subscriber->sink.lock();
       if (!sink) return;
       const Clock::time_point begun = Clock::now();
-      delivery.ahead ? sink->prepare(delivery.result) : sink->offer(delivery.result);
-      const SessionPtr self = timed && delivery.result.volume ? weak.lock() : nullptr;
+      delivery.how == Delivery::kPrepare ? sink->prepare(delivery.result) : sink->offer(delivery.result);
+      const SessionPtr self = timed ? weak.lock() : nullptr;
       if (self) self->encodingTook(Clock::now() - begun);
     });
   }
