@@ -228,12 +228,14 @@ class Session : public std::enable_shared_from_this<Session> {
   FrameRequest frameRequest(const Subscriber& subscriber) const;
   FrameRequest frameRequest(const FrameWish& wish, std::uint64_t view) const;
 
-  // Planning (session_results.cpp).
-  void kick();
+  // Credit (session_subscribers.cpp).
   bool wants(const Subscriber& subscriber) const;
   bool takeBack(Subscriber& subscriber, std::uint64_t resultId);
   bool hasCredit(const Subscriber& subscriber) const;
   bool longTrip(const Subscriber& subscriber) const;
+
+  // Planning (session_results.cpp).
+  void kick();
   void kickLater(Clock::time_point when);
   std::optional<Planned> planTick(Clock::time_point now);
   void planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next);
