@@ -114,6 +114,7 @@ class OpenImport {
   std::unique_ptr<grpc::ClientWriter<pb::ImportSessionRequest>> writer_;
 };
 
+// Seen to fail when the places are counted and not compared.
 TEST_F(SessionFiles, OnlySoManyAreOnTheirWayAtOnce) {
   ServerProcess narrow({"--max-session-files", "1"});
   Stubs stubs(narrow.address());
@@ -160,6 +161,7 @@ TEST_F(SessionFiles, AReaderThatStopsHoldsNoPlace) {
   EXPECT_THAT(stalled->Finish(), Refused(StatusCode::DEADLINE_EXCEEDED, "name", "upload_idle: "));
 }
 
+// Seen to fail when contents are not measured.
 TEST_F(SessionFiles, ContentsAreAsLargeAsBlobsMayBe) {
   const std::string session = makeLitSession(stubs_);
   apply(stubs_, session, {client::createSurface(surface("Wall", sheet(40)))});

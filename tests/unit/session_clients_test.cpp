@@ -155,7 +155,7 @@ TEST_F(ClientsTest, TheOneWhoIsSilentForLongestGivesWay) {
   EXPECT_EQ(clients_.silent({}, hourLater + milliseconds(20)), third);
 }
 
-// Broken by: letting those pass that are no member.
+// Seen to fail when those pass that are no member.
 TEST_F(ClientsTest, ThoseWithoutAnIdentityEditAtTheRateOfOne) {
   const Clock::time_point start = Clock::now() + std::chrono::hours(1);
   int admitted = 0;
