@@ -159,7 +159,12 @@ class Run {
 
   void undoAndRedo(const Member* member) {
     const std::string before = scene(*session_);
-    if (!session_->takeStep(identityOf(member), 0, Direction::kUndo).status.ok()) return;
+    const EditOutcome undone = session_->takeStep(identityOf(member), 0, Direction::kUndo);
+    if (!undone.status.ok()) return;
+    if (undone.names.empty()) {
+      check(!undone.skipped.empty(), "what takes nothing back says why");
+      return check(scene(*session_) == before, "what takes nothing back changes nothing");
+    }
     const EditOutcome redone = session_->takeStep(identityOf(member), 0, Direction::kRedo);
     check(redone.status.ok(), "what was taken back can be made again: " + redone.status.message());
     check(scene(*session_) == before, "undo and redo in turn change nothing");
