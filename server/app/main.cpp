@@ -173,11 +173,25 @@ class Reloader {
   Registry& registry_;
 };
 
-int serve(int argc, char** argv, Options options, Signals& signals) {
-  // Whoever waits for the files must not find the ports of an earlier run.
+/// Whoever waits for the files must not find the ports of an earlier run.
+void removePortFiles(const Options& options) {
   for (const std::string& file : {options.portFile, options.opsPortFile}) {
     if (!file.empty()) std::remove(file.c_str());
   }
+}
+
+void announce(const Options& options, const Access& access, int port, const DeviceInfo& device) {
+  if (options.insecure && !access.required()) {
+    spdlog::warn("--insecure: anybody who reaches {} can use this server", options.listen);
+  } else if (options.insecure && !options.tls.given()) {
+    spdlog::warn("--insecure: access tokens come to {} in plain text", options.listen);
+  }
+  spdlog::info("lpvd {} on {} (port {}), {} [{}{}]", kVersion, options.listen, port, device.name, device.platform,
+               device.software ? ", software" : "");
+}
+
+int serve(int argc, char** argv, Options options, Signals& signals) {
+  removePortFiles(options);
   Counters counters;
   ops::Health health(counters);
   Expected<std::unique_ptr<ops::Endpoint>> early = openOps(options, health);
@@ -210,13 +224,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   if (endpoint) publish(*endpoint, context, workshop, **opened);
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
-  if (options.insecure && !access.required()) {
-    spdlog::warn("--insecure: anybody who reaches {} can use this server", options.listen);
-  } else if (options.insecure && !options.tls.given()) {
-    spdlog::warn("--insecure: access tokens come to {} in plain text", options.listen);
-  }
-  spdlog::info("lpvd {} on {} (port {}), {} [{}{}]", kVersion, options.listen, door.port(), context.device.name,
-               context.device.platform, context.device.software ? ", software" : "");
+  announce(options, access, door.port(), context.device);
   Reloader reloader(argc, argv, options, access, registry);
   const int signal = signals.waitForEnd([&] { reloader.run(); });
   spdlog::info("signal {}: draining", signal);
