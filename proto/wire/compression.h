@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::wire {
 

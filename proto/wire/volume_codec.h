@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/status.h"
+#include "base/status.h"
 #include "wire/bricks.h"
 #include "wire/volume_state.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/status.h"
 #include "scene/grid.h"
-#include "scene/status.h"
 #include "scene/volume.h"
 #include "wire/bricks.h"
 

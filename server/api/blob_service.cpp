@@ -1,8 +1,8 @@
-#include "api/berth.h"
-#include "api/blob_content.h"
-#include "api/deadline.h"
+#include "api/call/admission_slot.h"
+#include "api/call/deadline.h"
 #include "api/services.h"
-#include "scene/text.h"
+#include "base/text.h"
+#include "convert/blob_content.h"
 
 namespace lpv::api {
 namespace {

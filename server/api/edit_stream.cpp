@@ -2,10 +2,10 @@
 
 #include <deque>
 
-#include "api/convert_scene.h"
-#include "api/convert_session.h"
-#include "api/pulse.h"
+#include "api/results/heartbeat.h"
 #include "api/services.h"
+#include "convert/scene.h"
+#include "convert/session.h"
 
 namespace lpv::api {
 namespace {

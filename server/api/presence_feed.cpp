@@ -1,6 +1,6 @@
 #include "api/presence_feed.h"
 
-#include "api/convert_presence.h"
+#include "convert/presence.h"
 
 namespace lpv::api {
 

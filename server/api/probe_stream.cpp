@@ -2,8 +2,8 @@
 
 #include <deque>
 
-#include "api/deadline.h"
-#include "api/probing.h"
+#include "api/call/deadline.h"
+#include "api/results/probing.h"
 #include "api/services.h"
 
 namespace lpv::api {

@@ -1,11 +1,11 @@
 // Single answers: volumes, frames, probes, picks. Each waits for a result at or after its revision.
 
-#include "api/convert_geometry.h"
-#include "api/feeds.h"
-#include "api/probing.h"
+#include "api/results/probing.h"
+#include "api/results/subscription_stream.h"
 #include "api/services.h"
+#include "base/text.h"
+#include "convert/geometry.h"
 #include "scene/raycast.h"
-#include "scene/text.h"
 
 namespace lpv::api {
 namespace {

@@ -1,8 +1,8 @@
 // Subscriptions as streams: the bidirectional form and its server-streaming twin over the same feeds.
 
-#include "api/feeds.h"
+#include "api/results/subscription_stream.h"
 #include "api/services.h"
-#include "scene/text.h"
+#include "base/text.h"
 
 namespace lpv::api {
 namespace {

@@ -1,8 +1,8 @@
-#include "api/convert_geometry.h"
-#include "api/convert_scene.h"
-#include "api/convert_session.h"
-#include "api/paging.h"
+#include "api/call/paging.h"
 #include "api/services.h"
+#include "convert/geometry.h"
+#include "convert/scene.h"
+#include "convert/session.h"
 
 namespace lpv::api {
 

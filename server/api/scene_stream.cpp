@@ -3,11 +3,11 @@
 #include <deque>
 #include <optional>
 
-#include "api/convert_scene.h"
-#include "api/convert_session.h"
 #include "api/presence_feed.h"
-#include "api/pulse.h"
+#include "api/results/heartbeat.h"
 #include "api/services.h"
+#include "convert/scene.h"
+#include "convert/session.h"
 
 namespace lpv::api {
 namespace {

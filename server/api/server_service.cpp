@@ -1,6 +1,6 @@
 
-#include "api/convert_session.h"
 #include "api/services.h"
+#include "convert/session.h"
 #include "ops/process.h"
 
 namespace lpv::api {

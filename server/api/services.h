@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
-#include "api/context.h"
-#include "api/stream.h"
+#include "api/call/context.h"
+#include "api/call/stream.h"
 #include "lpv/v1/blob.pb.h"
 #include "lpv/v1/result.pb.h"
 #include "lpv/v1/scene.pb.h"

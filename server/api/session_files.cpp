@@ -2,11 +2,11 @@
 
 #include <set>
 
-#include "api/berth.h"
-#include "api/convert_session.h"
-#include "api/convert_store.h"
-#include "api/deadline.h"
+#include "api/call/admission_slot.h"
+#include "api/call/deadline.h"
 #include "api/services.h"
+#include "convert/session.h"
+#include "persistence/snapshot.h"
 #include "store/envelope.h"
 
 namespace lpv::api {

@@ -1,7 +1,7 @@
-#include "api/convert_presence.h"
-#include "api/convert_session.h"
-#include "api/paging.h"
+#include "api/call/paging.h"
 #include "api/services.h"
+#include "convert/presence.h"
+#include "convert/session.h"
 
 namespace lpv::api {
 

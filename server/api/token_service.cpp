@@ -1,7 +1,7 @@
 #include <google/protobuf/util/time_util.h>
 
-#include "api/convert_session.h"
 #include "api/services.h"
+#include "convert/session.h"
 
 namespace lpv::api {
 namespace {

@@ -10,24 +10,24 @@
 #include <iostream>
 #include <thread>
 
-#include "api/blob_content.h"
-#include "api/context.h"
-#include "api/store_journal.h"
+#include "api/call/context.h"
 #include "app/options.h"
 #include "app/signals.h"
 #include "app/version.h"
+#include "convert/blob_content.h"
+#include "engine/engine.h"
 #include "gpu/device.h"
 #include "grpc/door.h"
-#include "lpv/engine.h"
 #include "ops/audit.h"
 #include "ops/endpoint.h"
 #include "ops/health.h"
 #include "ops/log.h"
 #include "ops/log_scope.h"
 #include "ops/metrics.h"
+#include "persistence/persistent_journal.h"
 #include "session/access.h"
 #include "session/registry.h"
-#include "store/sqlite_store.h"
+#include "store/sqlite/sqlite_store.h"
 
 namespace lpv::app {
 namespace {

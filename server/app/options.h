@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/engine.h"
 #include "grpc/certificates.h"
-#include "lpv/engine.h"
 #include "session/limits.h"
 
 namespace lpv::app {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::encode {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
+#include "base/status.h"
 #include "gpu/capabilities.h"
 #include "gpu/device.h"
-#include "scene/status.h"
 
 namespace lpv::gpu {
 

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::gpu {
 

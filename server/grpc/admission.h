@@ -2,7 +2,7 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include "api/context.h"
+#include "api/call/context.h"
 
 namespace lpv::door {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::door {
 

@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "api/context.h"
+#include "api/call/context.h"
+#include "base/status.h"
 #include "grpc/certificates.h"
 #include "grpc/services.h"
-#include "scene/status.h"
 
 namespace lpv::door {
 

@@ -15,11 +15,11 @@
 #include <optional>
 #include <utility>
 
-#include "api/context.h"
+#include "api/call/context.h"
+#include "api/call/stream.h"
 #include "api/services.h"
-#include "api/stream.h"
 #include "grpc/admission.h"
-#include "grpc/record.h"
+#include "grpc/finish.h"
 
 namespace lpv::door {
 

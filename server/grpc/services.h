@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "api/context.h"
+#include "api/call/context.h"
 
 namespace lpv::door {
 

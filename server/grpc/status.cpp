@@ -1,7 +1,7 @@
 #include "grpc/status.h"
 
-#include "api/convert_scene.h"
-#include "scene/text.h"
+#include "base/text.h"
+#include "convert/scene.h"
 
 namespace lpv::door {
 

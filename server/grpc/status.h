@@ -2,7 +2,7 @@
 
 #include <grpcpp/support/status.h>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::door {
 

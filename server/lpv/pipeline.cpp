@@ -6,7 +6,7 @@
 #include <set>
 
 #include "gpu/failure.h"
-#include "lpv/bulk.h"
+#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {

@@ -1,21 +1,21 @@
 #pragma once
 // The story of a tick: physical stages in physical order.
 
-#include "lpv/clock.h"
-#include "lpv/draw.h"
-#include "lpv/emitters.h"
-#include "lpv/engine.h"
-#include "lpv/gather.h"
-#include "lpv/gbuffer.h"
-#include "lpv/inject.h"
-#include "lpv/pieces.h"
-#include "lpv/propagate.h"
+#include "engine/engine.h"
+#include "lpv/frame/draw.h"
+#include "lpv/frame/emitters.h"
+#include "lpv/frame/gbuffer.h"
+#include "lpv/frame/shading.h"
+#include "lpv/pacing/gpu_task.h"
+#include "lpv/pacing/stage_clock.h"
 #include "lpv/readback.h"
-#include "lpv/scene_cache.h"
+#include "lpv/resources/scene_cache.h"
 #include "lpv/session_state.h"
-#include "lpv/shade.h"
-#include "lpv/volume.h"
-#include "lpv/voxelize.h"
+#include "lpv/transport/gather.h"
+#include "lpv/transport/inject.h"
+#include "lpv/transport/propagate.h"
+#include "lpv/transport/volume.h"
+#include "lpv/voxelize/voxelize.h"
 
 namespace lpv {
 

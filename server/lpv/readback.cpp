@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "gpu/gl.h"
-#include "lpv/bulk.h"
+#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {

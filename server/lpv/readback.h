@@ -2,7 +2,7 @@
 // Stage: results from the GPU to the CPU, without waiting: queue the copy, fence, poll, then read the mapping.
 
 #include "gpu/fence.h"
-#include "lpv/pieces.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/session_state.h"
 
 namespace lpv {

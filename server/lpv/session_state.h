@@ -6,18 +6,18 @@
 #include <optional>
 #include <vector>
 
+#include "engine/engine.h"
 #include "gpu/readback.h"
-#include "lpv/clock.h"
-#include "lpv/direct.h"
-#include "lpv/engine.h"
-#include "lpv/field.h"
-#include "lpv/gather.h"
-#include "lpv/grouping.h"
-#include "lpv/lights.h"
-#include "lpv/scene_cache.h"
-#include "lpv/shade.h"
-#include "lpv/volume.h"
-#include "lpv/voxels.h"
+#include "lpv/frame/shading.h"
+#include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/light_field.h"
+#include "lpv/resources/light_voxels.h"
+#include "lpv/resources/lights.h"
+#include "lpv/resources/scene_cache.h"
+#include "lpv/transport/emitter_list.h"
+#include "lpv/transport/gather.h"
+#include "lpv/transport/light_grouping.h"
+#include "lpv/transport/volume.h"
 
 namespace lpv {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "base/status.h"
 #include "ops/health.h"
-#include "scene/status.h"
 
 namespace lpv::ops {
 

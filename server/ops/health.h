@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "scene/status.h"
+#include "base/status.h"
 #include "session/counters.h"
 #include "session/journal.h"
 

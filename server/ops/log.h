@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::ops {
 

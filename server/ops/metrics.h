@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "lpv/engine.h"
+#include "engine/engine.h"
 #include "session/counters.h"
 #include "session/registry.h"
 

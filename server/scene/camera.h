@@ -2,8 +2,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/status.h"
 #include "scene/bounds.h"
-#include "scene/status.h"
 
 namespace lpv {
 

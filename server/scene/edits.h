@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/status.h"
 #include "scene/scene.h"
-#include "scene/status.h"
 
 namespace lpv {
 

@@ -3,9 +3,9 @@
 //
 // Raw relative L2 of irradiance on the walls of a room without occluders against the closed form for polygons, of
 // lights a quarter as long as the room: the worst of the paper's five meshes over several poses
-// (tests/bench/ACCURACY.md; tests/gpu/gather_accuracy_test.cpp measures the table again). Receivers near emitters, and
-// normals towards whose horizon a light reaches, are not in it; nor are textures whose texels differ in colour, which
-// are up to twice as far off (a VPL has one place for all colours).
+// (tests/bench/ACCURACY.md; tests/gpu/transport/gather_accuracy_test.cpp measures the table again). Receivers near
+// emitters, and normals towards whose horizon a light reaches, are not in it; nor are textures whose texels differ in
+// colour, which are up to twice as far off (a VPL has one place for all colours).
 
 #include "scene/options.h"
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 
+#include "base/status.h"
 #include "scene/bounds.h"
-#include "scene/status.h"
 
 namespace lpv {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/status.h"
 #include "scene/bounds.h"
-#include "scene/status.h"
 #include "scene/transform.h"
 
 namespace lpv {

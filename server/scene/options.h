@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/status.h"
 #include "scene/grid.h"
-#include "scene/status.h"
 
 namespace lpv {
 

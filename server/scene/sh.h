@@ -1,7 +1,7 @@
 #pragma once
 // Real, orthonormal, 2-band spherical harmonics, without the Condon-Shortley sign (MATHS.md 1).
 // Y00 = 1/(2 sqrt pi); (Y1-1, Y10, Y11) = sqrt(3/(4 pi)) (y, z, x). Order of coefficients, on the wire, in files
-// and in shaders: (L00, L1-1, L10, L11). The GLSL twin is shaders/sh.glsl; tests/gpu compares the two.
+// and in shaders: (L00, L1-1, L10, L11). The GLSL twin is shaders/common/sh.glsl; tests/gpu compares the two.
 
 #include <glm/glm.hpp>
 

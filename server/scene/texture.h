@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/status.h"
 #include "scene/mesh.h"
-#include "scene/status.h"
 
 namespace lpv {
 

@@ -1,5 +1,5 @@
 #pragma once
-// The published tone curve of live frames and PNG/JPEG stills. The GLSL twin is shaders/tonemap.glsl.
+// The published tone curve of live frames and PNG/JPEG stills. The GLSL twin is shaders/common/tonemap.glsl.
 
 #include <cstdint>
 #include <glm/glm.hpp>

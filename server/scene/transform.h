@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/direct.h"
+#include "scene/emitter_list.h"
 #include "scene/grid.h"
 #include "scene/options.h"
 #include "scene/sh.h"
@@ -46,7 +46,7 @@ struct Irradiance {
 
 /// Irradiance at world position p on a surface with unit normal n: trilinear (kNearest: nearest cell), clamped to the
 /// outermost cell centres within half a cell outside the grid; then kCap, or phi/4 + D.n/2 (MATHS.md 4). Layers are
-/// looked up one by one and summed. The GLSL twin is shaders/lookup.glsl.
+/// looked up one by one and summed. The GLSL twin is shaders/transport/lookup.glsl.
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
 /// The same with the near field: the lights themselves where emitters are near, or outside the grid, blended by

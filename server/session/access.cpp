@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "scene/text.h"
-#include "session/clients.h"
-#include "session/digest.h"
+#include "base/digest.h"
+#include "base/text.h"
+#include "session/members/members.h"
 
 namespace lpv {
 namespace {

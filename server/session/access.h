@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/status.h"
+#include "base/status.h"
+#include "base/timers.h"
 #include "session/journal.h"
-#include "session/timers.h"
 
 namespace lpv {
 

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <string>
 
-#include "lpv/stage.h"
-#include "scene/status.h"
+#include "base/status.h"
+#include "engine/stage.h"
 
 namespace lpv {
 

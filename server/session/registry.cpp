@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "scene/error_goal.h"
-#include "scene/text.h"
 #include "session/access.h"
 
 namespace lpv {

@@ -13,21 +13,21 @@
 #include <string>
 #include <vector>
 
-#include "lpv/engine.h"
+#include "base/timers.h"
+#include "base/worker_pool.h"
+#include "engine/engine.h"
 #include "scene/default_view.h"
-#include "session/blobs.h"
-#include "session/clients.h"
 #include "session/counters.h"
-#include "session/document.h"
-#include "session/history.h"
+#include "session/delivery/results.h"
+#include "session/document/blobs.h"
+#include "session/document/document.h"
+#include "session/document/history.h"
 #include "session/journal.h"
 #include "session/limits.h"
-#include "session/locks.h"
-#include "session/presence.h"
-#include "session/results.h"
+#include "session/members/locks.h"
+#include "session/members/members.h"
+#include "session/members/presence.h"
 #include "session/state.h"
-#include "session/timers.h"
-#include "session/worker_pool.h"
 
 namespace lpv {
 
@@ -87,8 +87,8 @@ class Session : public std::enable_shared_from_this<Session> {
   EditOutcome apply(const ClientIdentity& client, Edit edit);
   /// The outcome of an edit that could not even be read: recorded under its sequence like any other.
   EditOutcome refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
-  /// Takes back the member's newest step, or makes one again that was taken back (session/history.h): an edit in every
-  /// other respect. FAILED_PRECONDITION where there is none; INVALID_ARGUMENT for nobody.
+  /// Takes back the member's newest step, or makes one again that was taken back (session/document/history.h): an edit
+  /// in every other respect. FAILED_PRECONDITION where there is none; INVALID_ARGUMENT for nobody.
   EditOutcome takeStep(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
   /// Puts what `change` makes of the settings in their place; nobody else changes them meanwhile. `change` is called
   /// under the session's lock.

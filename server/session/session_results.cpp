@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "session/self_check.h"
+#include "session/delivery/self_check.h"
 #include "session/session.h"
 
 namespace lpv {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "scene/text.h"
+#include "base/text.h"
 #include "session/session.h"
 
 namespace lpv {

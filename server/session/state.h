@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "session/blobs.h"
-#include "session/clients.h"
-#include "session/document.h"
+#include "session/document/blobs.h"
+#include "session/document/document.h"
+#include "session/members/members.h"
 
 namespace lpv {
 

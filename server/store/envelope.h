@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::store {
 

@@ -5,14 +5,14 @@
 #include <map>
 #include <string>
 
+#include "base/status.h"
 #include "lpv/store/v1/store.pb.h"
-#include "scene/status.h"
 
 namespace lpv::store {
 
 namespace pb = lpv::store::v1;
 
-/// As many as sessions remember (session/document.h, session/clients.h).
+/// As many as sessions remember (session/document/document.h, session/members/members.h).
 inline constexpr std::size_t kKeptTombstones = 10'000;
 inline constexpr std::size_t kKeptOutcomes = 1024;
 inline constexpr std::size_t kKeptNameBytes = std::size_t(4) << 20;

@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "base/status.h"
 #include "lpv/store/v1/store.pb.h"
-#include "scene/status.h"
 
 namespace lpv::store {
 

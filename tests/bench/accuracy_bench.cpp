@@ -20,8 +20,8 @@
 #include <sstream>
 
 #include "core_scene.h"
+#include "engine/engine.h"
 #include "gpu/device.h"
-#include "lpv/engine.h"
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
 #include "reference/receivers.h"

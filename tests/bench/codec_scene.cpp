@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/core_scene.h"
-#include "lpv/engine.h"
+#include "engine/engine.h"
 #include "scene/scene.h"
 
 namespace lpv::bench {

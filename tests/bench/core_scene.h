@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lpv/engine.h"
+#include "engine/engine.h"
 #include "scene/scene.h"
 
 namespace lpv::bench {

@@ -20,8 +20,8 @@
 #include "core_scene.h"
 #include "gpu/context.h"
 #include "gpu/gl.h"
-#include "lpv/inject.h"
-#include "lpv/voxelize.h"
+#include "lpv/transport/inject.h"
+#include "lpv/voxelize/voxelize.h"
 #include "reference/meshes.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bench/load_meshes.h"
-#include "rpc/child_process.h"
+#include "rpc/support/child_process.h"
 
 namespace lpv::bench {
 namespace {

@@ -13,7 +13,7 @@
 #include "lpv/client.h"
 #include "lpv/editor.h"
 #include "lpv/watch.h"
-#include "rpc/server_process.h"
+#include "rpc/support/server_process.h"
 
 namespace lpv::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/status.h"
 #include "lpv/latency.h"
-#include "scene/status.h"
 
 namespace lpv::bench {
 

@@ -24,8 +24,8 @@
 #include "bench/service_load.h"
 #include "lpv/client.h"
 #include "lpv/watch.h"
-#include "rpc/server_process.h"
-#include "rpc/tcp_proxy.h"
+#include "rpc/support/server_process.h"
+#include "rpc/support/tcp_proxy.h"
 
 namespace lpv::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "api/blob_content.h"
+#include "convert/blob_content.h"
 #include "fuzz/check.h"
 #include "fuzz/message_input.h"
 #include "reference/meshes.h"

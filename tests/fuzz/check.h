@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 
 namespace lpv::fuzz {
 

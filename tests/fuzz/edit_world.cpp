@@ -1,9 +1,9 @@
 #include "fuzz/edit_world.h"
 
-#include "api/convert_geometry.h"
-#include "api/convert_scene.h"
-#include "api/convert_store.h"
+#include "convert/geometry.h"
+#include "convert/scene.h"
 #include "fuzz/check.h"
+#include "persistence/snapshot.h"
 #include "store/envelope.h"
 #include "store/fold.h"
 

@@ -5,10 +5,10 @@
 
 #include <fuzzer/FuzzedDataProvider.h>
 
-#include "api/blob_content.h"
-#include "api/convert_store.h"
+#include "convert/blob_content.h"
 #include "fuzz/check.h"
 #include "fuzz/edit_world.h"
+#include "persistence/snapshot.h"
 #include "reference/meshes.h"
 
 namespace lpv::fuzz {

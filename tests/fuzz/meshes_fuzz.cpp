@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "api/blob_content.h"
+#include "convert/blob_content.h"
 #include "fuzz/check.h"
 #include "scene/raycast.h"
 

@@ -8,7 +8,7 @@
 
 #include <set>
 
-#include "api/blob_content.h"
+#include "convert/blob_content.h"
 #include "fuzz/calls.h"
 #include "fuzz/check.h"
 #include "fuzz/message_input.h"

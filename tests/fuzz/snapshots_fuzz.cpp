@@ -5,13 +5,13 @@
 
 #include <google/protobuf/stubs/logging.h>
 
-#include "api/convert_store.h"
 #include "api/services.h"
+#include "base/digest.h"
 #include "fuzz/check.h"
 #include "fuzz/inputs.pb.h"
 #include "fuzz/message_input.h"
 #include "fuzz/world.h"
-#include "session/digest.h"
+#include "persistence/snapshot.h"
 #include "store/envelope.h"
 #include "store/fold.h"
 

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "api/convert_session.h"
+#include "convert/session.h"
 #include "fuzz/check.h"
 #include "fuzz/world.h"
 #include "ops/log_lines.h"

@@ -9,7 +9,7 @@
 
 #include "assemble.h"
 #include "fuzz/check.h"
-#include "unit/wire_rig.h"
+#include "unit/wire/wire_rig.h"
 #include "wire/compression.h"
 
 namespace lpv::fuzz {

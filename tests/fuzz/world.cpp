@@ -3,9 +3,9 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include "api/blob_content.h"
-#include "api/convert_store.h"
+#include "convert/blob_content.h"
 #include "fuzz/check.h"
+#include "persistence/snapshot.h"
 #include "reference/meshes.h"
 
 namespace lpv::fuzz {

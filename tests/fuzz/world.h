@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "api/context.h"
-#include "api/store_journal.h"
-#include "unit/small_engine.h"
+#include "api/call/context.h"
+#include "persistence/persistent_journal.h"
+#include "unit/session/small_engine.h"
 
 namespace lpv::fuzz {
 

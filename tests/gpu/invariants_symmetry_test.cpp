@@ -2,7 +2,7 @@
 // its limit (11).
 
 #include "gpu/failure.h"
-#include "gpu/light_rig.h"
+#include "gpu/support/light_rig.h"
 #include "reference/compare.h"
 #include "reference/inject.h"
 #include "reference/meshes.h"

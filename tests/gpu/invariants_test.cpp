@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "gpu/light_rig.h"
+#include "gpu/support/light_rig.h"
 #include "reference/inject.h"
 #include "reference/meshes.h"
 #include "reference/textures.h"

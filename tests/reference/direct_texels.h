@@ -1,6 +1,6 @@
 #pragma once
-// Lights as shaders/direct.glsl describes them, put together by hand, and what they send to a point, from the
-// definitions (MATHS.md 3b.3-4, 3c, 5).
+// Lights as shaders/transport/emitter_list.glsl describes them, put together by hand, and what they send to a point,
+// from the definitions (MATHS.md 3b.3-4, 3c, 5).
 
 #include <array>
 #include <cstdint>

@@ -84,7 +84,8 @@ inline constexpr int kReceiverBlock = 4;
 /// h]. Has the power pi A: by bisection of the integral's closed form; 0 where all directions are alike, A where they
 /// cancel.
 double spreadOf(const Vpl& vpl);
-/// What it sends to a receiver that sees it in direction w (a departure from MATHS.md 3b.4, see shaders/vpls.glsl).
+/// What it sends to a receiver that sees it in direction w (a departure from MATHS.md 3b.4, see
+/// shaders/transport/vpls.glsl).
 double intensityOf(const Vpl& vpl, const glm::dvec3& w);
 
 /// Fluence and vector irradiance at x of one VPL of radiance 1 (MATHS.md 3b.4), expanded to second order in where it

@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "api/stream.h"
+#include "api/call/stream.h"
 
 namespace lpv::test {
 

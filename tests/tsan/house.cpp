@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "api/blob_content.h"
+#include "convert/blob_content.h"
 #include "ops/metrics.h"
 
 namespace lpv::test {

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "api/services.h"
-#include "api/store_journal.h"
-#include "unit/small_engine.h"
-#include "unit/store_rig.h"
+#include "persistence/persistent_journal.h"
+#include "unit/session/small_engine.h"
+#include "unit/store/store_rig.h"
 
 namespace lpv::test {
 

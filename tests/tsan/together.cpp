@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "api/blob_content.h"
+#include "convert/blob_content.h"
 #include "reference/meshes.h"
 
 namespace lpv::test {

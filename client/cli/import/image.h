@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 #include "scene/texture.h"
 
 namespace lpv::cli {

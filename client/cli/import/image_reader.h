@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/status.h"
+#include "base/status.h"
 #include "scene/texture.h"
 
 namespace lpv::cli {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/status.h"
 #include "scene/bounds.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
-#include "scene/status.h"
 
 namespace lpv::cli {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
+#include "base/status.h"
 #include "lpv/results.h"
-#include "scene/status.h"
 #include "wire/volume_codec.h"
 
 namespace lpv::client {

@@ -1,5 +1,5 @@
 #pragma once
-// The lpv.v1 services as C++ calls. Everything that can fail says so by value (scene/status.h); nothing throws.
+// The lpv.v1 services as C++ calls. Everything that can fail says so by value (base/status.h); nothing throws.
 //
 //   auto client = lpv::client::Client::connect({.address = "localhost:50051"});
 //   if (!client) return report(client.status());
@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/status.h"
 #include "lpv/results.h"
 #include "lpv/v1/blob.pb.h"
 #include "lpv/v1/result.pb.h"
@@ -23,7 +24,6 @@
 #include "lpv/v1/server.pb.h"
 #include "lpv/v1/session.pb.h"
 #include "scene/mesh.h"
-#include "scene/status.h"
 
 namespace lpv::client {
 

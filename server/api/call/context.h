@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "engine/engine.h"
+#include "session/access.h"
+#include "session/registry.h"
+
+namespace lpv::api {
+
+/// What a call can reach, and who makes it. The doors copy the server's for every call; what is pointed to outlives
+/// them.
+struct Context {
+  Registry* registry = nullptr;
+  WorkerPool* pool = nullptr;
+  Timers* timers = nullptr;
+  Counters* counters = nullptr;
+  Limits limits;  ///< of when the call began
+  DeviceInfo device;
+  std::string version;
+  std::chrono::system_clock::time_point started;
+  Access* access = nullptr;
+  Grant caller = {};
+};
+
+/// PERMISSION_DENIED unless the caller may do in session `id` what `needed` may.
+Status allow(const Context& context, const std::string& id, Role needed);
+/// PERMISSION_DENIED unless the caller is an admin; `what` is what only admins do.
+Status allowAdmin(const Context& context, const char* what);
+/// The access token of a new session's owner, whose position is after the session's own; an empty one where tokens are
+/// off.
+Expected<MintedToken> ownerToken(const Context& context, const std::string& id);
+/// Calls `kept` once the session and its owner's token are.
+void whenBothKept(const Context& context, const SessionPtr& session, const MintedToken& token,
+                  std::function<void(const Status&)> kept);
+
+}  // namespace lpv::api

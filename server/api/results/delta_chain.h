@@ -1,0 +1,83 @@
+#pragma once
+// The last published volumes of one session, stage, format and tolerance class: what deltas are relative to, encoded
+// once for everybody who needs the same.
+
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <tuple>
+
+#include "session/delivery/results.h"
+#include "session/session.h"
+#include "wire/publish.h"
+#include "wire/volume_codec.h"
+
+namespace lpv::api {
+
+/// How a reader wants its volumes.
+struct VolumeOrder {
+  VolumeStage stage = VolumeStage::kTransported;
+  wire::Format format = wire::Format::kHalf;
+  wire::Compression compression = wire::Compression::kNone;
+  int toleranceClass = 0;
+  std::optional<Bounds> region;  ///< world, metres
+};
+
+/// A volume ready to be sent.
+struct Encoding {
+  wire::EncodedVolume volume;
+  std::uint64_t baseId = 0;  ///< result it is relative to; 0: none
+};
+using EncodingPtr = std::shared_ptr<const Encoding>;
+
+/// Thread-safe.
+class VolumeChain {
+ public:
+  explicit VolumeChain(Counters& counters) : counters_(counters) {}
+
+  /// `result` for a reader who holds result.baseId; a key frame where that is not among the last kept. A result older
+  /// than the newest published is a key frame outside the chain.
+  EncodingPtr encode(const Result& result, const VolumeOrder& order);
+
+ private:
+  struct Published {
+    std::uint64_t resultId = 0;
+    wire::VolumeStatePtr state;
+  };
+  struct Made {
+    std::uint64_t resultId = 0;
+    std::uint64_t baseId = 0;
+    wire::Compression compression;
+    std::optional<Bounds> region;
+    EncodingPtr encoding;
+  };
+
+  wire::VolumeStatePtr stateOf(const Result& result, const VolumeOrder& order);
+  wire::VolumeStatePtr find(std::uint64_t resultId) const;
+  wire::EncodedVolume make(const wire::VolumeState& target, const wire::VolumeState* base, const VolumeOrder& order);
+
+  Counters& counters_;
+  std::mutex mutex_;  ///< held while encoding: a second reader waits instead of encoding again
+  std::deque<Published> published_;  ///< oldest first
+  std::list<Made> made_;  ///< newest first
+};
+
+/// The chains that live subscribers share: one is gone when its last reader is.
+class VolumeChains {
+ public:
+  std::shared_ptr<VolumeChain> get(const SessionPtr& session, const VolumeOrder& order, Counters& counters);
+
+ private:
+  using Key = std::tuple<std::string, std::uint64_t, VolumeStage, wire::Format, int>;
+  std::mutex mutex_;
+  std::map<Key, std::weak_ptr<VolumeChain>> chains_;
+};
+
+/// The process's.
+VolumeChains& volumeChains();
+
+}  // namespace lpv::api

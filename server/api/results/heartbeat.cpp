@@ -1,0 +1,98 @@
+#include "api/results/heartbeat.h"
+
+namespace lpv::api {
+
+void Pulse::start(std::function<void()> wake) {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->wake = std::move(wake);
+  }
+  beatLater(state_);
+}
+
+void Pulse::stop() {
+  state_->deadline.stop();
+  const std::lock_guard lock(state_->mutex);
+  state_->wake = nullptr;
+}
+
+void Pulse::close(Closing why) {
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (!state_->closing) state_->closing = why;
+  }
+  wake(*state_);
+}
+
+void Pulse::quiet() {
+  const std::lock_guard lock(state_->mutex);
+  state_->beatDue = false;
+}
+
+bool Pulse::over() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->over;
+}
+
+void Pulse::beatLater(const std::shared_ptr<State>& state) {
+  state->deadline.restart(kHeartbeatInterval, [weak = std::weak_ptr<State>(state)] {
+    const std::shared_ptr<State> self = weak.lock();
+    if (!self) return;
+    {
+      const std::lock_guard lock(self->mutex);
+      if (!self->wake) return;
+      self->beatDue = true;
+    }
+    wake(*self);
+    beatLater(self);
+  });
+}
+
+void Pulse::wake(State& state) {
+  std::function<void()> call;
+  {
+    const std::lock_guard lock(state.mutex);
+    call = state.wake;
+  }
+  if (call) call();
+}
+
+std::optional<Closing> Pulse::takeClosing() {
+  const std::lock_guard lock(state_->mutex);
+  if (!state_->closing || state_->over) return std::nullopt;
+  state_->over = true;
+  return state_->closing;
+}
+
+bool Pulse::takeBeat() {
+  const std::lock_guard lock(state_->mutex);
+  return std::exchange(state_->beatDue, false) && !state_->over;
+}
+
+bool Pulse::takeReadOnly(bool readOnly) {
+  const std::lock_guard lock(state_->mutex);
+  return std::exchange(state_->readOnly, readOnly) != readOnly;
+}
+
+void Pulse::fillNotice(bool readOnly, pb::Notice* out) {
+  out->set_kind(readOnly ? pb::Notice::KIND_READ_ONLY : pb::Notice::KIND_READ_WRITE);
+  out->set_message(readOnly ? "the state directory cannot be written: edits are refused for now"
+                            : "the state directory can be written again");
+}
+
+void Pulse::fillNotice(Closing why, pb::Notice* out) {
+  const bool deleted = why == Closing::kDeleted;
+  out->set_kind(deleted ? pb::Notice::KIND_DELETED : pb::Notice::KIND_DRAINING);
+  out->set_message(deleted                    ? "the session was deleted"
+                   : why == Closing::kRetired ? "the session was idle and is being put away; open it again"
+                                              : "the server is draining");
+}
+
+void Pulse::fillHeartbeat(const Session& session, pb::Heartbeat* out) {
+  out->set_epoch(session.epoch());
+  out->set_revision(session.revision());
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  out->set_server_time_ns(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+}  // namespace lpv::api

@@ -1,0 +1,157 @@
+#include "api/results/parts.h"
+
+#include "convert/geometry.h"
+#include "session/limits.h"
+#include "wire/publish.h"
+
+namespace lpv::api {
+namespace {
+
+constexpr std::size_t kCachedEncodings = 16;
+
+std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
+  std::int64_t bytes = 0;
+  for (const wire::Part& part : encoded.parts) bytes += std::int64_t(part.payload.size());
+  return bytes;
+}
+
+}  // namespace
+
+EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeOrder& order, Counters& counters) {
+  const std::lock_guard lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
+  for (const Entry& entry : entries_) {
+    const bool coding = entry.format == order.format && entry.compression == order.compression;
+    if (coding && entry.volume.lock() == volume) return entry.encoding;
+  }
+  ++counters.volumesEncoded;
+  auto encoding = std::make_shared<Encoding>();
+  encoding->volume =
+      wire::encodeVolume(*wire::publish(*volume, order.format, 0, nullptr), nullptr, order.compression, kMaxPartBytes);
+  std::erase_if(entries_, [](const Entry& entry) { return entry.volume.expired(); });
+  entries_.push_front({volume, order.format, order.compression, encoding});
+  if (entries_.size() > kCachedEncodings) entries_.pop_back();
+  return encoding;
+}
+
+VolumeEncodings& volumeEncodings() {
+  static VolumeEncodings encodings;
+  return encodings;
+}
+
+VolumeParts::VolumeParts(const Result& result, const VolumeOrder& order, EncodingPtr encoding)
+    : result_(result), order_(order), encoding_(std::move(encoding)), bytes_(payloadBytes(encoding_->volume)) {}
+
+void VolumeParts::fill(pb::VolumeHeader* header) const {
+  const wire::EncodedVolume& volume = encoding_->volume;
+  toProto(result_.meta, header->mutable_result());
+  header->mutable_result()->set_checksum(volume.checksum);
+  toProto(result_.volume->grid, header->mutable_grid());
+  header->set_stage(order_.stage == VolumeStage::kInjected ? pb::VOLUME_STAGE_INJECTED : pb::VOLUME_STAGE_TRANSPORTED);
+  header->set_sh_bands(2);
+  header->set_format(toProto(order_.format));
+  header->set_compression(toProto(order_.compression));
+  for (std::size_t i = 0; i < volume.scales.size(); ++i) {
+    pb::VolumeLayer* layer = header->add_layers();
+    layer->set_group(result_.volume->layers[i].group);
+    layer->set_scale(volume.scales[i]);
+  }
+  header->set_base_result_id(encoding_->baseId);
+  header->set_brick_edge(wire::kBrickEdge);
+  header->set_part_count(int(volume.parts.size()));
+}
+
+bool VolumeParts::next(pb::VolumePart* out) {
+  if (index_ == encoding_->volume.parts.size()) return false;
+  if (index_ == 0) fill(out->mutable_header());
+  const wire::Part& part = encoding_->volume.parts[index_];
+  out->set_result_id(result_.meta.resultId);
+  out->set_index(int(index_));
+  for (const wire::BrickRun& run : part.bricks) {
+    pb::BrickRun* bricks = out->add_bricks();
+    bricks->set_first(run.first);
+    bricks->set_count(run.count);
+  }
+  out->set_payload(part.payload);
+  ++index_;
+  return true;
+}
+
+FrameParts::FrameParts(const Result& result, pb::FrameFormat format, std::string file)
+    : result_(result), format_(format), file_(std::move(file)) {}
+
+bool FrameParts::next(pb::FramePart* out) {
+  if (done_) return false;
+  if (index_ == 0) {
+    pb::FrameHeader* header = out->mutable_header();
+    toProto(result_.meta, header->mutable_result());
+    header->mutable_result()->set_checksum(wire::checksumBytes(file_.data(), file_.size()));
+    header->set_width(result_.frame->size.x);
+    header->set_height(result_.frame->size.y);
+    header->set_format(format_);
+    if (format_ == pb::FRAME_FORMAT_JPEG) header->set_quality(result_.quality);
+    header->set_exposure_ev(result_.frame->exposureEv);
+    header->set_camera_sequence(result_.cameraSequence);
+    header->set_size(std::int64_t(file_.size()));
+    header->set_part_count(int((file_.size() + kMaxPartBytes - 1) / kMaxPartBytes));
+  }
+  const std::size_t count = std::min(kMaxPartBytes, file_.size() - offset_);
+  out->set_result_id(result_.meta.resultId);
+  out->set_index(index_++);
+  out->set_payload(file_.data() + offset_, count);
+  offset_ += count;
+  done_ = offset_ == file_.size();
+  return true;
+}
+
+void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
+  out->set_epoch(meta.epoch);
+  out->set_revision(meta.revision);
+  out->set_result_id(meta.resultId);
+  out->set_server_time_ns(meta.completedNs);
+  out->set_client_sequence(meta.clientSequence);
+  const TickReport& report = *meta.report;
+  for (const StageTime& time : report.stages) {
+    pb::StageTime* stage = out->add_stage_times();
+    stage->set_stage(time.stage);
+    stage->set_seconds(time.seconds);
+  }
+  for (const std::string& feature : report.features) out->add_features(feature);
+  out->set_triangles_skipped(report.trianglesSkipped);
+  out->set_touched_cells(report.touchedCells);
+  out->set_clamped_cells(report.clampedCells);
+}
+
+pb::VolumeFormat toProto(wire::Format format) {
+  switch (format) {
+    case wire::Format::kHalf:
+      return pb::VOLUME_FORMAT_HALF_FLOAT;
+    case wire::Format::kFloat:
+      return pb::VOLUME_FORMAT_FLOAT;
+    case wire::Format::kCompact:
+      return pb::VOLUME_FORMAT_COMPACT;
+  }
+  return pb::VOLUME_FORMAT_UNSPECIFIED;
+}
+
+SentAs sentAs(wire::Format format) {
+  switch (format) {
+    case wire::Format::kHalf:
+      return SentAs::kVolumeHalf;
+    case wire::Format::kFloat:
+      return SentAs::kVolumeFloat;
+    case wire::Format::kCompact:
+      break;
+  }
+  return SentAs::kVolumeCompact;
+}
+
+SentAs sentAs(pb::FrameFormat format) {
+  if (format == pb::FRAME_FORMAT_PNG) return SentAs::kFramePng;
+  return format == pb::FRAME_FORMAT_EXR ? SentAs::kFrameExr : SentAs::kFrameJpeg;
+}
+
+pb::PayloadCompression toProto(wire::Compression compression) {
+  return compression == wire::Compression::kZstd ? pb::PAYLOAD_COMPRESSION_ZSTD : pb::PAYLOAD_COMPRESSION_NONE;
+}
+
+}  // namespace lpv::api

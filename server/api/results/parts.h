@@ -1,0 +1,79 @@
+#pragma once
+// Results as messages: volumes and frames cut into parts below the size limit, encoded once for all who want the same.
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "api/results/delta_chain.h"
+#include "encode/frame_codec.h"
+#include "lpv/v1/result.pb.h"
+#include "session/delivery/results.h"
+
+namespace lpv::api {
+
+namespace pb = lpv::v1;
+
+/// The last few whole volumes, so that calls for one volume in one coding share one.
+class VolumeEncodings {
+ public:
+  EncodingPtr get(const VolumePtr& volume, const VolumeOrder& order, Counters& counters);
+
+ private:
+  struct Entry {
+    std::weak_ptr<const Volume> volume;
+    wire::Format format;
+    wire::Compression compression;
+    EncodingPtr encoding;
+  };
+  std::mutex mutex_;
+  std::list<Entry> entries_;  // newest first
+};
+
+/// The process's cache.
+VolumeEncodings& volumeEncodings();
+
+/// A finished result, ready to be pulled part by part.
+class VolumeParts {
+ public:
+  VolumeParts(const Result& result, const VolumeOrder& order, EncodingPtr encoding);
+  /// False after the last part.
+  bool next(pb::VolumePart* part);
+  std::int64_t bytes() const { return bytes_; }
+
+ private:
+  void fill(pb::VolumeHeader* header) const;
+
+  Result result_;
+  VolumeOrder order_;
+  EncodingPtr encoding_;
+  std::size_t index_ = 0;
+  std::int64_t bytes_ = 0;
+};
+
+class FrameParts {
+ public:
+  /// `file` is the encoded picture.
+  FrameParts(const Result& result, pb::FrameFormat format, std::string file);
+  bool next(pb::FramePart* part);
+  std::int64_t bytes() const { return std::int64_t(file_.size()); }
+
+ private:
+  Result result_;
+  pb::FrameFormat format_;
+  std::string file_;
+  std::size_t offset_ = 0;
+  int index_ = 0;
+  bool done_ = false;
+};
+
+void toProto(const ResultMeta& meta, pb::ResultInfo* out);
+
+pb::VolumeFormat toProto(wire::Format format);
+/// What a result of that format is counted as.
+SentAs sentAs(wire::Format format);
+SentAs sentAs(pb::FrameFormat format);
+pb::PayloadCompression toProto(wire::Compression compression);
+
+}  // namespace lpv::api

@@ -1,0 +1,192 @@
+#include "api/results/subscription_stream.h"
+
+#include <spdlog/spdlog.h>
+
+#include "api/services.h"
+#include "convert/session.h"
+#include "ops/log_scope.h"
+
+namespace lpv::api {
+
+template <typename Event>
+Status Feed<Event>::start(const Wish& wish, std::function<void()> wake) {
+  {
+    const std::lock_guard lock(mutex_);
+    wake_ = wake;
+  }
+  pulse_.start(std::move(wake));
+  const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(wish, this->shared_from_this());
+  if (!subscriber) return subscriber.status();
+  {
+    const std::lock_guard lock(mutex_);
+    subscriber_ = *subscriber;
+  }
+  return {};
+}
+
+template <typename Event>
+bool Feed<Event>::next(Event* event) {
+  const std::lock_guard lock(mutex_);
+  if (!subscriber_ || pulse_.over()) return false;
+  if (!greeted_) {
+    greeted_ = true;
+    event->mutable_subscribed()->set_subscriber(subscriber_->id);
+    event->mutable_subscribed()->set_epoch(session_->epoch());
+    event->mutable_subscribed()->set_revision(session_->revision());
+    return true;
+  }
+  while (!results_.empty()) {
+    if (results_.front().parts(event)) {
+      subscriber_->taken = results_.front().id;
+      pulse_.quiet();
+      return true;
+    }
+    results_.pop_front();
+  }
+  return pulse_.next(*session_, event);
+}
+
+template <typename Event>
+void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts, SentAs as, std::int64_t bytes) {
+  std::function<void()> wake;
+  {
+    const std::lock_guard lock(mutex_);
+    if (resultId < newest_) {  // its credit comes back with the later one's acknowledgement
+      ++context_.counters->resultsCoalesced;
+      return;
+    }
+    newest_ = resultId;
+    results_.push_back({resultId, std::move(parts)});
+    wake = wake_;
+  }
+  context_.counters->countSent(as, bytes);
+  if (wake) wake();
+}
+
+template <typename Event>
+void Feed<Event>::stop() {
+  pulse_.stop();
+  std::shared_ptr<Subscriber> subscriber;
+  {
+    const std::lock_guard lock(mutex_);
+    wake_ = nullptr;
+    subscriber = subscriber_;
+  }
+  if (subscriber) session_->unsubscribe(subscriber);
+}
+
+template <typename Event>
+Status Feed<Event>::update(const pb::SubscriberUpdate& update) {
+  return applyUpdate(session_, subscriber_, update, context_.limits);
+}
+
+template class Feed<pb::VolumeEvent>;
+template class Feed<pb::FrameEvent>;
+
+void VolumeFeed::offer(const Result& result) {
+  const auto parts = std::make_shared<VolumeParts>(result, order_, chain_->encode(result, order_));
+  push(
+      result.meta.resultId,
+      [parts](pb::VolumeEvent* event) {
+        pb::VolumePart part;
+        if (!parts->next(&part)) return false;
+        *event->mutable_part() = std::move(part);
+        return true;
+      },
+      sentAs(order_.format), parts->bytes());
+}
+
+void FrameFeed::offer(const Result& result) {
+  Expected<std::string> file = encodeFrame(*result.frame, format_, result.quality);
+  if (!file) {
+    const ops::LogScope scope({session()->id(), {}, {}});
+    spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());
+    close(Closing::kDraining);
+    return;
+  }
+  const auto parts = std::make_shared<FrameParts>(result, format_, std::move(*file));
+  push(
+      result.meta.resultId,
+      [parts](pb::FrameEvent* event) {
+        pb::FramePart part;
+        if (!parts->next(&part)) return false;
+        *event->mutable_part() = std::move(part);
+        return true;
+      },
+      sentAs(format_), parts->bytes());
+}
+
+Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& in,
+                                               std::function<void()> wake) {
+  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  if (!session) return session.status();
+  const ClientIdentity client = fromProto(in.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return s;
+  const Expected<VolumeOrder> order = orderFrom(in);
+  if (!order) return order.status();
+  Wish wish;
+  wish.volume = order->stage;
+  wish.clientId = client.id;
+  wish.maxRate = in.max_rate();
+  wish.twoCredits = in.two_credits();
+  auto feed = std::make_shared<VolumeFeed>(context, *session, *order);
+  if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
+  return feed;
+}
+
+Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::FrameSubscription& in,
+                                              std::function<void()> wake) {
+  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  if (!session) return session.status();
+  const ClientIdentity client = fromProto(in.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return s;
+  const Expected<FrameOrder> order = orderFrom(in, context.limits);
+  if (!order) return order.status();
+  if (Status s = (*session)->checkCamera(order->wish.camera); !s.ok()) return s;
+  Wish wish;
+  wish.frame = order->wish;
+  wish.clientId = client.id;
+  wish.maxRate = in.max_rate();
+  wish.twoCredits = in.two_credits();
+  if (Status s = checkRate(in.adapt_rate()); !s.ok()) return s.within("adapt_rate");
+  if (in.adapt_rate() > 0.0 && order->format != pb::FRAME_FORMAT_JPEG) {
+    return invalid("adapt_rate", "adapt_rate is given for a format that has no quality; want JPEG, or leave it out");
+  }
+  wish.adaptRate = in.adapt_rate();
+  auto feed = std::make_shared<FrameFeed>(context, *session, order->format);
+  if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
+  return feed;
+}
+
+Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
+                   const pb::SubscriberUpdate& update, const Limits& limits) {
+  if (Status s = checkRate(update.max_rate()); !s.ok()) return s;
+  if (update.request_key_frame()) session->resend(subscriber);
+  // Who acknowledges what was never taken would have results pile up here.
+  const std::uint64_t acknowledged = update.acknowledge().result_id();
+  if (update.has_acknowledge() && acknowledged <= subscriber->taken) session->acknowledge(subscriber, acknowledged);
+  const bool rewishes = update.has_camera() || update.width() != 0 || update.height() != 0 || update.has_exposure() ||
+                        update.max_rate() != 0.0;
+  if (!rewishes) return {};
+  const Wish now = session->wishOf(subscriber);
+  FrameWish wish;
+  if (now.frame) {
+    const Expected<FrameWish> next = updated(*now.frame, update, limits);
+    if (!next) return next.status();
+    wish = *next;
+  }
+  return session->rewish(subscriber, wish, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
+}
+
+Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {
+  switch (format) {
+    case pb::FRAME_FORMAT_PNG:
+      return encode::png(frame.size, frame.rgb8);
+    case pb::FRAME_FORMAT_EXR:
+      return encode::exr(frame.size, frame.rgb32f);
+    default:
+      return encode::jpeg(frame.size, frame.rgb8, quality);
+  }
+}
+
+}  // namespace lpv::api

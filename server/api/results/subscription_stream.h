@@ -1,0 +1,93 @@
+#pragma once
+// The sending end of a subscriber: results as events, heartbeats in between, a notice at the end. One credit means
+// that at most two results can be here; what the client has not taken is never more than that.
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "api/call/context.h"
+#include "api/results/heartbeat.h"
+#include "api/results/parts.h"
+#include "api/results/subscription.h"
+
+namespace lpv::api {
+
+/// What volume and frame feeds share. Event is VolumeEvent or FrameEvent.
+template <typename Event>
+class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>> {
+ public:
+  Feed(const Context& context, SessionPtr session)
+      : context_(context), session_(std::move(session)), pulse_(*context.timers) {}
+
+  /// Subscribes and starts the heartbeat; `wake` is called when next() may have something.
+  Status start(const Wish& wish, std::function<void()> wake);
+  /// The next event; false where there is none.
+  bool next(Event* event);
+  /// True after the closing notice has been taken.
+  bool closed() const { return pulse_.over(); }
+  Status update(const pb::SubscriberUpdate& update);
+  void stop();
+
+  void close(Closing why) override { pulse_.close(why); }
+  const SessionPtr& session() const { return session_; }
+
+ protected:
+  /// Adds the messages of a finished result, unless a later one was encoded before it.
+  void push(std::uint64_t resultId, std::function<bool(Event*)> parts, SentAs as, std::int64_t bytes);
+  const Context context_;
+
+ private:
+  SessionPtr session_;
+  std::shared_ptr<Subscriber> subscriber_;
+  Pulse pulse_;
+  std::mutex mutex_;
+  std::function<void()> wake_;
+  struct Queued {
+    std::uint64_t id;
+    std::function<bool(Event*)> parts;
+  };
+  std::deque<Queued> results_;
+  std::uint64_t newest_ = 0;  ///< result id
+  bool greeted_ = false;
+};
+
+class VolumeFeed final : public Feed<pb::VolumeEvent> {
+ public:
+  VolumeFeed(const Context& context, SessionPtr session, const VolumeOrder& order)
+      : Feed(context, std::move(session)),
+        order_(order),
+        chain_(volumeChains().get(this->session(), order, *context.counters)) {}
+  void offer(const Result& result) override;
+  void prepare(const Result& result) override { (void)chain_->encode(result, order_); }
+
+ private:
+  VolumeOrder order_;
+  std::shared_ptr<VolumeChain> chain_;
+};
+
+class FrameFeed final : public Feed<pb::FrameEvent> {
+ public:
+  FrameFeed(const Context& context, SessionPtr session, pb::FrameFormat format)
+      : Feed(context, std::move(session)), format_(format) {}
+  void offer(const Result& result) override;
+
+ private:
+  pb::FrameFormat format_;
+};
+
+/// A feed for what a subscription asks, subscribed; errors by field.
+Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& subscription,
+                                               std::function<void()> wake);
+Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::FrameSubscription& subscription,
+                                              std::function<void()> wake);
+
+/// An update's effect on a live subscriber.
+Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
+                   const pb::SubscriberUpdate& update, const Limits& limits);
+
+/// Encodes pixels; the result is a file.
+Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality);
+
+}  // namespace lpv::api

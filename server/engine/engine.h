@@ -1,0 +1,146 @@
+#pragma once
+// The lighting engine as sessions see it: work goes in, finished results come back. No GL type passes this header.
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+#include "scene/volume.h"
+#include "scene/workload.h"
+
+namespace lpv {
+
+using SessionKey = std::uint64_t;
+
+/// How a frame's pixels come back.
+enum class PixelFormat {
+  kRgb8,     ///< exposed, tone-mapped, sRGB-coded: 3 bytes per pixel (scene/tonemap.h)
+  kRgb32F,   ///< linear radiance, W/(sr m^2), before exposure and tone curve: 3 floats per pixel
+};
+
+/// Exposure is fixed in stops, or chosen from the picture's own mean lightness.
+struct Exposure {
+  bool automatic = true;
+  double ev = 0.0;  ///< stops added: colours are multiplied by 2^ev
+};
+
+/// One picture of the scene. `view` names the subscriber (or call) whose G-buffer may be kept while its camera, size
+/// and the surfaces stay the same; 0 keeps nothing.
+struct FrameRequest {
+  std::uint64_t view = 0;
+  Camera camera;
+  glm::ivec2 size{0};  ///< pixels, each 16..4096
+  Exposure exposure;
+  PixelFormat format = PixelFormat::kRgb8;
+};
+
+/// Pixels, rows from top to bottom, tightly packed.
+struct Frame {
+  glm::ivec2 size{0};
+  PixelFormat format = PixelFormat::kRgb8;
+  std::vector<std::uint8_t> rgb8;
+  std::vector<float> rgb32f;
+  double exposureEv = 0.0;  ///< what was applied (automatic exposure says its choice)
+};
+using FramePtr = std::shared_ptr<const Frame>;
+
+/// One tick: bring the session's volume to `scene`'s revision, running only stages whose inputs changed, then read
+/// back and render what is asked for.
+struct TickRequest {
+  SessionKey session = 0;
+  ScenePtr scene;
+  bool transported = false;           ///< read the transported volume back
+  bool injected = false;              ///< read the injected volume back
+  std::vector<FrameRequest> frames;
+};
+
+struct StageTime {
+  std::string stage;  ///< "upload", "voxelize", "inject", "propagate", "gather", "volume", "gbuffer", "emitters",
+ ///< "shade", "readback"
+  double seconds = 0.0;  ///< wall clock from the stage's first piece to its fence, other sessions' pieces left out
+};
+
+/// What ran and what was seen, for logs, metrics and the client.
+struct TickReport {
+  std::vector<StageTime> stages;  ///< in order; skipped stages are absent
+  std::vector<std::string> features;  ///< compiled variants that ran, e.g. "count", "propagate", "two-sided"
+  std::uint64_t trianglesSkipped = 0;  ///< degenerate light triangles
+  std::uint64_t lightsVoxelized = 0;  ///< lights whose geometry was not in the grid yet
+  std::uint64_t touchedCells = 0;  ///< cells that hold emitted light, counted per light without PROPAGATE
+  std::uint64_t vpls = 0;          ///< GATHER: VPLs that the lights are made of
+  std::uint64_t clampedCells = 0;  ///< output cells clamped to phi >= 0, |D| <= phi (MATHS.md 3a)
+  double fixedPointError =
+      0.0;  ///< bound of the rounding of one injected coefficient, relative to the largest possible
+  std::uint64_t pieces = 0;        ///< bounded pieces of work the tick was made of
+  std::uint64_t othersPieces = 0;  ///< other sessions' pieces that were begun while it was under way
+  double longestPiece = 0.0;       ///< seconds; other sessions had to wait so long for the device
+  std::string longestStage;        ///< whose piece that was; "other": work without a stage
+  double largestPrediction = 0.0;  ///< seconds that a piece was predicted to take
+};
+
+struct TickResult {
+  std::uint64_t revision = 0;
+  VolumePtr transported;  ///< null unless asked for
+  VolumePtr injected;  ///< null unless asked for
+  std::vector<FramePtr> frames;  ///< one per request, in order
+  TickReport report;
+};
+
+/// What a tick that starts from nothing is expected to take of the device.
+struct Prediction {
+  double seconds = 0.0;
+  std::string mostly;  ///< the stage that takes the most of it
+};
+
+/// Called once, on the GL thread: take the result away and return at once.
+using TickDone = std::function<void(Expected<TickResult>)>;
+
+/// What the engine runs on.
+struct DeviceInfo {
+  int index = -1;  ///< among the listed devices
+  std::string name;  ///< GL_RENDERER
+  std::string vendor;  ///< GL_VENDOR
+  std::string version;  ///< GL_VERSION
+  std::string platform;  ///< "device" or "surfaceless"
+  bool software = false;
+};
+
+/// Owner of one device's GL thread. Thread-safe.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual const DeviceInfo& device() const = 0;
+  /// Queues a tick. Sessions take turns, a bounded piece of GPU work at a time. At most one tick per session may be
+  /// under way: the caller waits for `done` before the next.
+  virtual void submit(TickRequest request, TickDone done) = 0;
+  /// From what this device was measured to take so far.
+  virtual Prediction predict(const Workload& workload) const = 0;
+  /// How often the graphics context was lost. Sessions do not notice: what was under way is made again from its scene,
+  /// in a new context; UNAVAILABLE only where there is none to be had.
+  virtual std::int64_t contextLosses() const = 0;
+  /// Drops a session's GPU state once its tick under way, if any, has ended.
+  virtual void forget(SessionKey session) = 0;
+  /// Drops what is kept for one view.
+  virtual void forgetView(SessionKey session, std::uint64_t view) = 0;
+};
+
+/// "auto" (hardware before software), "software", or an index of listDevices().
+struct DeviceChoice {
+  enum class Kind { kAuto, kSoftware, kIndex } kind = Kind::kAuto;
+  int index = 0;
+};
+Expected<DeviceChoice> parseDeviceChoice(const std::string& text);
+
+/// One line per EGL device and fallback: what it is, whether it would be used and why. Starts no thread.
+std::vector<std::string> describeDevices(const DeviceChoice& choice);
+
+/// Starts the GL thread; UNAVAILABLE with the reasons per device when no OpenGL 4.5 context can be made.
+Expected<std::unique_ptr<Engine>> startEngine(const DeviceChoice& choice);
+
+}  // namespace lpv

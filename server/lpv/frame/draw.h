@@ -1,0 +1,55 @@
+#pragma once
+// Drawing meshes: what the G-buffer and the emitter pass have in common.
+
+#include <functional>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+#include "lpv/frame/frame_view.h"
+#include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/scene_cache.h"
+
+namespace lpv {
+
+/// One mesh to be drawn.
+struct DrawItem {
+  const GpuMesh* mesh = nullptr;
+  const gpu::Texture* texture = nullptr;  ///< or null
+  bool mirrored = false;                  ///< the transform turns its front over
+  bool cullBack = false;
+  layout::DrawParams params;
+};
+
+/// The part of DrawItem's params that follows from where the mesh is.
+layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject);
+
+/// Draws lists of meshes, a bounded number of pixels and triangles at a time.
+class MeshDrawer {
+ public:
+  /// Which program draws an item.
+  using ProgramOf = std::function<gpu::Program&(const DrawItem&)>;
+
+  MeshDrawer();
+  MeshDrawer(const MeshDrawer&) = delete;
+  MeshDrawer& operator=(const MeshDrawer&) = delete;
+  ~MeshDrawer();
+
+  /// Clears `target` and draws all of `items` into it as pieces of `stage`: reversed depth test, no blending. The
+  /// arguments by reference outlive the coroutine.
+  Pieces run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
+             const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const;
+
+ private:
+  /// `band`: first row and rows.
+  Pieces drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const glm::ivec2& band,
+                  double unitsPerTriangle, const std::vector<DrawItem>& items, const gpu::Buffer& drawParams,
+                  const ProgramOf& programOf, Pacing pacing) const;
+  void begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams) const;
+  void bind(const DrawItem& item, std::size_t index, const gpu::Buffer& drawParams) const;
+
+  std::uint32_t vertexArray_ = 0;
+};
+
+}  // namespace lpv

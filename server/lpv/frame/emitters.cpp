@@ -1,0 +1,44 @@
+#include "lpv/frame/emitters.h"
+
+#include "gpu/gl.h"
+
+namespace lpv {
+
+namespace {
+
+/// Every enabled light, also one whose radiance is 0: it is there, and black. So is the back of a one-sided light.
+std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, const SceneResources& resources) {
+  std::vector<DrawItem> items;
+  for (const auto& [name, light] : scene.lights) {
+    const glm::dmat4 worldFromObject = light->transform.worldFromObject();
+    if (!light->enabled || !view.sees(light->mesh->bounds, worldFromObject)) continue;
+    DrawItem& item = items.emplace_back();
+    item.mesh = resources.meshes.at(light->mesh).get();
+    if (light->texture != nullptr && item.mesh->uvs != nullptr)
+      item.texture = &resources.lightTextures.at(light->texture)->radiance;
+    item.mirrored = light->transform.mirrors();
+    item.params = placed(view, worldFromObject);
+    item.params.colour = glm::vec4(emittedRadiance(*light), 0.0);
+    item.params.backColour = light->twoSided ? item.params.colour : glm::vec4(0.0F);
+  }
+  return items;
+}
+
+}  // namespace
+
+EmitterBuffer::EmitterBuffer(const glm::ivec2& size)
+    : emission(gpu::Texture::make2d("emission", size, GL_RGBA32F, gpu::Sampling::kNearestClamp)),
+      depth(gpu::Texture::make2d("emitter depth", size, GL_DEPTH_COMPONENT32F, gpu::Sampling::kNearestClamp)),
+      target("emitters", {&emission}, &depth) {}
+
+Pieces EmitterRenderer::run(const EmitterBuffer& buffer, const FrameRequest& request, const Scene& scene,
+                            const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
+                            Pacing pacing) {
+  const std::vector<DrawItem> items = visibleLights(FrameView(request.camera, request.size), scene, resources);
+  const auto programOf = [this](const DrawItem& item) -> gpu::Program& {
+    return programs_.get({{"LPV_TEXTURE", item.texture != nullptr ? "1" : "0"}});
+  };
+  co_await drawer.run(Stage::kEmitters, buffer.target, frameParams, items, programOf, pacing);
+}
+
+}  // namespace lpv

@@ -1,0 +1,60 @@
+#include "lpv/frame/gbuffer.h"
+
+#include <algorithm>
+
+#include "gpu/gl.h"
+
+namespace lpv {
+
+namespace {
+
+std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene, const SceneResources& resources) {
+  std::vector<DrawItem> items;
+  for (const auto& [name, surface] : scene.surfaces) {
+    const glm::dmat4 worldFromObject = surface->transform.worldFromObject();
+    if (!view.sees(surface->mesh->bounds, worldFromObject)) continue;
+    DrawItem& item = items.emplace_back();
+    item.mesh = resources.meshes.at(surface->mesh).get();
+    if (surface->albedoTexture != nullptr && item.mesh->uvs != nullptr)
+      item.texture = resources.textures.at(surface->albedoTexture).get();
+    item.mirrored = surface->transform.mirrors();
+    item.cullBack = !surface->twoSided;
+    item.params = placed(view, worldFromObject);
+    item.params.colour = glm::vec4(surface->albedo, 1.0);
+  }
+  return items;
+}
+
+gpu::Defines variantOf(const DrawItem& item) {
+  return {{"LPV_NORMALS", item.mesh->normals != nullptr ? "1" : "0"},
+          {"LPV_TEXTURE", item.texture != nullptr ? "1" : "0"}};
+}
+
+}  // namespace
+
+Gbuffer::Gbuffer(const glm::ivec2& size)
+    : albedo(gpu::Texture::make2d("albedo", size, GL_RGBA16F, gpu::Sampling::kNearestClamp)),
+      normal(gpu::Texture::make2d("normal", size, GL_RG16, gpu::Sampling::kNearestClamp)),
+      depth(gpu::Texture::make2d("surface depth", size, GL_DEPTH_COMPONENT32F, gpu::Sampling::kNearestClamp)),
+      target("G-buffer", {&albedo, &normal}, &depth) {}
+
+bool Gbuffer::shows(const FrameRequest& request, const Scene& scene) const {
+  return complete && camera == request.camera && target.size() == request.size &&
+         std::equal(surfaces.begin(), surfaces.end(), scene.surfaces.begin(), scene.surfaces.end(),
+                    [](const SurfacePtr& a, const auto& b) { return a == b.second; });
+}
+
+Pieces GbufferRenderer::run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene,
+                            const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
+                            Pacing pacing) {
+  gbuffer.complete = false;
+  gbuffer.camera = request.camera;
+  gbuffer.surfaces.clear();
+  for (const auto& [name, surface] : scene.surfaces) gbuffer.surfaces.push_back(surface);
+  const std::vector<DrawItem> items = visibleSurfaces(FrameView(request.camera, request.size), scene, resources);
+  const auto programOf = [this](const DrawItem& item) -> gpu::Program& { return programs_.get(variantOf(item)); };
+  co_await drawer.run(Stage::kGbuffer, gbuffer.target, frameParams, items, programOf, pacing);
+  gbuffer.complete = true;
+}
+
+}  // namespace lpv

@@ -1,0 +1,149 @@
+#include "lpv/frame/shading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "gpu/gl.h"
+#include "scene/tonemap.h"
+
+namespace lpv {
+
+namespace {
+
+int exposureGroups(const glm::ivec2& size) {
+  return (size.x * size.y + layout::kExposurePixels - 1) / layout::kExposurePixels;
+}
+
+gpu::Texture colourTarget(const char* label, const glm::ivec2& size, GLenum format) {
+  return gpu::Texture::make2d(label, size, format, gpu::Sampling::kNearestClamp);
+}
+
+/// `lit` is null for the pass from radiance to the display.
+void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy* lit) {
+  targets.frameParams.bindUniform(layout::kParams);
+  gbuffer.albedo.bind(layout::kAlbedo);
+  gbuffer.normal.bind(layout::kNormal);
+  gbuffer.depth.bind(layout::kSurfaceDepth);
+  targets.emitters.emission.bind(layout::kEmission);
+  targets.emitters.depth.bind(layout::kEmitterDepth);
+  if (lit == nullptr) {
+    targets.radiance.bind(layout::kRadiance);
+    targets.exposure.bindStorage(layout::kExposure);
+    return;
+  }
+  if (lit->transport != Transport::kPropagate) lit->direct->view.bind(layout::kDirect);
+  if (lit->volume == nullptr) return;
+  const int count = lit->volume->channels == 1 ? 1 : 3;
+  for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
+  if (lit->volume->proximity) lit->volume->proximity.bind(layout::kProximity);
+}
+
+/// Where receivers look at the lights themselves: the values of LPV_DIRECT in shade.frag.
+enum class LightsSeen { kNowhere, kBeyondTheGrid, kNearEmittersToo, kEverywhere };
+
+LightsSeen lightsSeen(const LitBy& lit) {
+  if (lit.volume == nullptr) return LightsSeen::kEverywhere;
+  if (lit.transport != Transport::kGather) return LightsSeen::kNowhere;
+  return lit.nearField ? LightsSeen::kNearEmittersToo : LightsSeen::kBeyondTheGrid;
+}
+
+void prepareFullScreen() {
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glEnable(GL_SCISSOR_TEST);
+}
+
+}  // namespace
+
+FrameTargets::FrameTargets(const glm::ivec2& s, PixelFormat format, bool automaticExposure)
+    : size(s), emitters(s), frameParams("frame params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic) {
+  const bool toDisplay = format == PixelFormat::kRgb8;
+  if (!toDisplay || automaticExposure) {
+    radiance = colourTarget("radiance", size, GL_RGBA32F);
+    radianceTarget = gpu::Framebuffer("radiance", {&radiance}, nullptr);
+  }
+  if (toDisplay) {
+    display = colourTarget("display", size, GL_RGBA8);
+    displayTarget = gpu::Framebuffer("display", {&display}, nullptr);
+  }
+  if (toDisplay && automaticExposure)
+    exposure = gpu::Buffer("exposure", (1 + std::size_t(exposureGroups(size))) * sizeof(glm::vec4));
+}
+
+bool FrameTargets::fits(const FrameRequest& request) const {
+  const bool toDisplay = request.format == PixelFormat::kRgb8;
+  return size == request.size && bool(display) == toDisplay &&
+         bool(exposure) == (toDisplay && request.exposure.automatic);
+}
+
+glm::vec4 exposureParams(const Exposure& exposure) {
+  return {float(std::exp2(exposure.ev)), float(kAutoExposureKey), 0.0F, 0.0F};
+}
+
+Shader::Shader() { glCreateVertexArrays(1, &noVertices_); }
+
+Shader::~Shader() { glDeleteVertexArrays(1, &noVertices_); }
+
+/// A full-screen pass, band by band.
+Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
+                    const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing) {
+  const glm::ivec2 size = target.size();
+  for (int row = 0; row < size.y;) {
+    const int rows = std::clamp(pacing.unitsFor(Stage::kShade) / size.x, 1, size.y - row);
+    target.bind();
+    prepareFullScreen();
+    bindInputs(targets, gbuffer, lit);
+    glScissor(0, row, size.x, rows);
+    glBindVertexArray(noVertices_);
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_SCISSOR_TEST);  // it would cut clears too
+    row += rows;
+    co_yield piece(Stage::kShade, double(rows) * size.x);
+  }
+}
+
+void Shader::bindExposure(const FrameTargets& targets) {
+  gpu::memoryBarrier();
+  targets.frameParams.bindUniform(layout::kParams);
+  targets.radiance.bind(layout::kRadiance);
+  targets.exposure.bindStorage(layout::kExposure);
+}
+
+Pieces Shader::findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing) {
+  const int groups = exposureGroups(targets.size);
+  for (int first = 0; first < groups;) {
+    const int count = std::clamp(pacing.unitsFor(Stage::kShade) / layout::kExposurePixels, 1, groups - first);
+    params.z = float(first);
+    targets.frameParams.update(offsetof(layout::FrameParams, exposure), gpu::bytesOfValue(params));
+    bindExposure(targets);
+    exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(count));
+    first += count;
+    co_yield piece(Stage::kShade, double(count) * layout::kExposurePixels);
+  }
+  bindExposure(targets);
+  exposure_.get({{"LPV_FINISH", "1"}}).dispatch(1);
+  gpu::memoryBarrier();
+}
+
+Pieces Shader::run(FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
+                   Pacing pacing) {
+  const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
+  const bool direct = toDisplay && !automatic;  // exposure known: one pass
+  const bool grid = lit.volume != nullptr;
+  gpu::Program& program = shade_.get({{"LPV_CHANNELS", grid && lit.volume->channels > 1 ? "3" : "1"},
+                                      {"LPV_GROUPS", std::to_string(grid ? lit.volume->groups : 1)},
+                                      {"LPV_LOOKUP", std::to_string(int(lit.lookup))},
+                                      {"LPV_DIRECT", std::to_string(int(lightsSeen(lit)))},
+                                      {"LPV_DISPLAY", direct ? "1" : "0"}});
+  co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
+  if (!automatic) co_return;
+  co_await findExposure(targets, exposureParams(request.exposure), pacing);
+  co_await fill(targets.displayTarget, display_.get({}), targets, gbuffer, nullptr, pacing);
+}
+
+}  // namespace lpv

@@ -1,0 +1,69 @@
+#pragma once
+// Stage: from G-buffer, emitters and volume to the picture, exposed and tone-mapped where it is for display.
+
+#include <optional>
+
+#include "engine/engine.h"
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+#include "lpv/frame/emitters.h"
+#include "lpv/frame/gbuffer.h"
+#include "lpv/pacing/stage_clock.h"
+#include "lpv/transport/emitter_list.h"
+#include "lpv/transport/volume.h"
+
+namespace lpv {
+
+/// What one frame is made in; only what its format and exposure need.
+struct FrameTargets {
+  FrameTargets(const glm::ivec2& size, PixelFormat format, bool automaticExposure);
+
+  glm::ivec2 size;
+  EmitterBuffer emitters;
+  gpu::Buffer frameParams;      ///< layout::FrameParams
+  gpu::Texture radiance;        ///< RGBA32F, linear; for 32-bit frames and automatic exposure
+  gpu::Framebuffer radianceTarget;
+  gpu::Texture display;         ///< RGBA8, sRGB-coded; for 8-bit frames
+  gpu::Framebuffer displayTarget;
+  gpu::Buffer exposure;         ///< vec4 (factor, stops, -, -), then sums; for automatic exposure
+
+  /// Where the finished picture is.
+  const gpu::Framebuffer& result() const { return display ? displayTarget : radianceTarget; }
+  bool fits(const FrameRequest& request) const;
+};
+
+/// What FrameParams::exposure begins with.
+glm::vec4 exposureParams(const Exposure& exposure);
+
+/// Where a surface's irradiance comes from.
+struct LitBy {
+  Transport transport = Transport::kPropagate;
+  Lookup lookup = Lookup::kSh2;
+  bool nearField = false;  ///< GATHER: near emitters receivers look at the lights; else the volume is all they see
+  const IncidentTextures* volume = nullptr;  ///< null with DIRECT
+  const DirectBuffer* direct = nullptr;      ///< not read with PROPAGATE
+};
+
+class Shader {
+ public:
+  Shader();
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+  ~Shader();
+
+  Pieces run(FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
+             Pacing pacing);
+
+ private:
+  Pieces fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
+              const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing);
+  static void bindExposure(const FrameTargets& targets);
+  Pieces findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing);
+
+  gpu::ProgramVariants shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
+  gpu::ProgramVariants display_{{"frame/fullscreen.vert", "frame/display.frag"}};
+  gpu::ProgramVariants exposure_{{"frame/exposure.comp"}};
+  std::uint32_t noVertices_ = 0;  ///< a vertex array without attributes
+};
+
+}  // namespace lpv

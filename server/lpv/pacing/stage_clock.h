@@ -1,0 +1,90 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "engine/stage.h"
+#include "gpu/fence.h"
+#include "lpv/pacing/cost_model.h"
+#include "lpv/pacing/gpu_task.h"
+
+namespace lpv {
+
+/// How long one session's stages took, and how fast they go: what a tick reports and what the next piece's size is
+/// predicted from. One per session; it outlives the pieces in flight.
+class StageClock {
+ public:
+  /// `device`: what is known of it from all sessions; null where there is no other.
+  explicit StageClock(std::shared_ptr<CostModel> device);
+  StageClock() : StageClock(nullptr) {}
+
+  /// Forgets the times, not the rates: a tick begins.
+  void restart();
+  void add(Stage stage, double seconds, double units);
+
+  bool ran(Stage stage) const { return ran_[std::size_t(stage)]; }
+  double seconds(Stage stage) const { return seconds_[std::size_t(stage)]; }
+  /// What the session's last pieces took, or, while nothing has been measured, the device's.
+  double secondsPerUnit(Stage stage) const;
+  /// Units of `stage` that should take `target` seconds; at least 1.
+  double unitsFor(Stage stage, double target) const;
+
+ private:
+  std::shared_ptr<CostModel> device_;
+  std::array<double, kStages> seconds_{};
+  std::array<bool, kStages> ran_{};
+  std::array<double, kStages> secondsPerUnit_{};  ///< 0: not known
+  std::array<std::uint64_t, kStages> samples_{};
+};
+
+/// How much a stage may queue before it gives the turn away.
+struct Pacing {
+  const StageClock* clock = nullptr;
+  double target = 0.003;  ///< seconds a piece should take
+
+  int unitsFor(Stage stage) const { return int(std::min(1e9, clock->unitsFor(stage, target))); }
+};
+
+/// Pieces under way on the device, in the order of submission. A piece's time runs from its first command, or from the
+/// end of the piece before it, to its fence.
+class Timeline {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// A piece that has ended, and what it was predicted to take, seconds.
+  struct Ended {
+    std::shared_ptr<StageClock> owner;
+    Stage stage;
+    double seconds;
+    double predicted;
+  };
+
+  /// Marks the end of a piece that began at `begin`.
+  void add(const Pause& piece, double predicted, Clock::time_point begin, std::shared_ptr<StageClock> owner);
+  /// Takes note of what has ended, oldest first, and tells it; never waits.
+  std::vector<Ended> poll();
+  /// Waits at most this long for the oldest piece; poll() afterwards.
+  void waitForOldest(std::chrono::microseconds atMost) const;
+  std::size_t underway() const { return entries_.size(); }
+  /// Whether a piece of this session is under way.
+  bool holds(const StageClock& owner) const;
+
+ private:
+  struct Entry {
+    gpu::Fence fence;
+    Stage stage;
+    double units;
+    double predicted;
+    Clock::time_point begin;
+    std::shared_ptr<StageClock> owner;
+  };
+  std::deque<Entry> entries_;
+  Clock::time_point lastEnd_{};
+};
+
+}  // namespace lpv

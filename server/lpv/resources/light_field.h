@@ -1,0 +1,62 @@
+#pragma once
+// GPU memory of one session's grid.
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "gpu/buffer.h"
+#include "gpu/buffer_texture.h"
+#include "gpu/readback.h"
+#include "lpv/pacing/gpu_task.h"
+#include "lpv/resources/lights.h"
+#include "scene/grid.h"
+#include "scene/options.h"
+
+namespace lpv {
+
+/// Coefficients of every cell and channel, with a halo of one zero cell around the grid (shaders/common/field.glsl).
+struct FieldBuffer {
+  FieldBuffer() = default;
+  /// Its content is undefined.
+  FieldBuffer(const std::string& label, const glm::ivec3& dims, int channels);
+  gpu::Buffer buffer;
+  gpu::BufferTexture texels;
+};
+
+/// Everything whose size follows from grid, channels and groups. Made anew when one of them or the transport changes.
+struct LightField {
+  /// With what `transport` needs from the start; blank() comes before anything is put into it.
+  LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate);
+
+  Grid grid;
+  int channels;  ///< 1..3 (lights.h, Palette)
+  int groups;    ///< of lights: each has channels of its own, one group after the other
+  gpu::Buffer
+      accumulators;  ///< words per cell (shaders/voxelize/deposit.glsl), or a table of VPLs; all zero between lights
+  gpu::Buffer vplList;       ///< header and used entries of that table (layout::kVoxelCells)
+  gpu::Readback vplHeader;
+  gpu::Buffer lobeCounts;                  ///< float per cell: N of eq. 1, negative once divided by
+  gpu::Buffer counters;                    ///< layout::Counters
+  Transport transport;
+  FieldBuffer injected;                    ///< emitted intensity of unit palette radiance, W/sr per W/(sr m^2)
+  std::array<FieldBuffer, 2> steps;        ///< propagation goes back and forth between them; GATHER sums in one
+  std::optional<FieldBuffer> sum;          ///< clamped form only
+  int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does):
+                   ///< PROPAGATE flux through cells, else SH of incident radiance
+  bool isBlank = false;
+  bool clamped = false;  ///< the transported field is in `sum`
+  gpu::Buffer nearestVpl;  ///< GATHER: float per cell, cells to the nearest VPL near it
+  gpu::Buffer receivers, cursors;  ///< GATHER: blocks under way, and how far each has come
+
+  /// Clears what is added to, once: the injected field and what counts lobes.
+  Pieces blank();
+  /// The injected field, for transports that do not start from one. Its content is undefined.
+  void makeInjected();
+
+  int allChannels() const { return channels * groups; }
+
+  const FieldBuffer& transported() const { return clamped ? *sum : steps[std::size_t(result)]; }
+};
+
+}  // namespace lpv

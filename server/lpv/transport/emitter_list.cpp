@@ -1,0 +1,91 @@
+#include "lpv/transport/emitter_list.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "gpu/gl.h"
+
+#include "scene/emitter_list.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+static_assert(float(kNearBegin) == layout::kNearBegin && float(kNearEnd) == layout::kNearEnd);
+
+namespace {
+
+/// Corners in grid space, counter-clockwise seen from the front: a mirrored transform keeps the object-space outer
+/// side.
+void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
+  for (glm::uvec3 t : light.mesh->triangles) {
+    if (light.mirrored) std::swap(t.y, t.z);
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec4 object(glm::dvec3(light.mesh->positions[t[i]]), 1.0);
+      texels.emplace_back(glm::vec3(light.gridFromObject * object), 0.0F);
+    }
+  }
+}
+
+int texelsPerRecord(const LightVoxels& voxels) {
+  return voxels.sets > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+}
+
+/// Texels of a tree's records.
+std::size_t recordTexels(const LightVoxels& voxels) {
+  return voxels.tree->recordCount * std::size_t(texelsPerRecord(voxels));
+}
+
+}  // namespace
+
+void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k) {
+  const bool accurate = transport == Transport::kDirect && k >= kAccurateRule;
+  const std::size_t most = accurate ? kMostPolygons : kFewPolygons;
+  std::vector<EmittingLight*> candidates;
+  for (EmittingLight& light : lights) {
+    light.polygons = false;
+    if (light.texture == nullptr && light.mesh->directions.empty() && light.mesh->triangles.size() <= most)
+      candidates.push_back(&light);
+  }
+  std::ranges::stable_sort(candidates, {}, [](const EmittingLight* l) { return l->mesh->triangles.size(); });
+  std::size_t all = 0;
+  for (EmittingLight* light : candidates) {
+    all += light->mesh->triangles.size();
+    light->polygons = all <= kMostPolygonsOfAll;
+  }
+}
+
+void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels, double k) {
+  std::vector<glm::vec4> head(1 + 2 * lights.size());
+  head[0] = {float(lights.size()), float(std::min(k, 1e15)), 0.0F, 0.0F};
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (!lights[i].polygons) continue;
+    const std::size_t first = head.size();
+    addPolygons(lights[i], head);
+    head[1 + 2 * i] = glm::vec4(lights[i].radiance, 0.0);
+    head[2 + 2 * i] = {float(first), float(lights[i].mesh->triangles.size()), lights[i].twoSided ? 2.0F : 1.0F, 0.0F};
+  }
+  count = head.size();
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (lights[i].polygons) continue;
+    head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->brightest, 1.0);
+    head[2 + 2 * i] = {float(count), float(voxels[i]->tree->recordCount), lights[i].twoSided ? 2.0F : 1.0F,
+                       float(texelsPerRecord(*voxels[i]))};
+    count += recordTexels(*voxels[i]);
+  }
+  if (texels.size() < count * sizeof(glm::vec4)) {
+    view = {};
+    texels = {};  // first the old memory, then the new
+    texels = gpu::Buffer("direct lights", std::bit_ceil(count * sizeof(glm::vec4)), gpu::BufferUse::kDynamic);
+    view = gpu::BufferTexture("direct lights", texels);
+  }
+  texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(head)));
+  for (std::size_t i = 0, at = head.size(); i < lights.size(); ++i) {
+    if (lights[i].polygons || voxels[i]->tree->recordCount == 0) continue;
+    const std::size_t records = recordTexels(*voxels[i]);
+    glCopyNamedBufferSubData(voxels[i]->tree->records.id(), texels.id(), 0, GLintptr(at * sizeof(glm::vec4)),
+                             GLsizeiptr(records * sizeof(glm::vec4)));
+    at += records;
+  }
+}
+
+}  // namespace lpv

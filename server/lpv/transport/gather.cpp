@@ -1,0 +1,100 @@
+#include "lpv/transport/gather.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+constexpr float kFarthest = 1e15F;       ///< stands for an infinite k: its square is a float
+
+const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
+
+glm::ivec3 blocksAcross(const glm::ivec3& dims) { return (dims + kBlock - 1) / kBlock; }
+
+std::uint32_t packed(const glm::ivec3& block) {
+  return std::uint32_t(block.x) | std::uint32_t(block.y) << 8 | std::uint32_t(block.z) << 16;
+}
+
+/// What a block costs with a tree of so many records, in records visited: a walk sees most of a small tree, and of a
+/// large one what is near and a few nodes of each size.
+double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.recordCount)); }
+
+layout::GatherParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
+                              const glm::dvec3& weight, double k) {
+  layout::GatherParams params{};
+  params.dims = glm::ivec4(field.grid.dims, 0);
+  params.weight = glm::vec4(weight * voxels.brightest, 0.0);
+  params.rule.x = std::min(float(k), kFarthest);
+  params.tree = glm::ivec4(voxels.tree->recordCount, 0, light.group * field.channels, 0);
+  return params;
+}
+
+/// Walks that one dispatch may have to leave unfinished.
+int dispatchesFor(const VplTree& tree) { return int(tree.recordCount) / layout::kMaxRounds + 1; }
+
+}  // namespace
+
+ReceiverBlocks allBlocks(const glm::ivec3& dims) {
+  ReceiverBlocks blocks;
+  const glm::ivec3 across = blocksAcross(dims);
+  for (int z = 0; z < across.z; ++z) {
+    for (int y = 0; y < across.y; ++y) {
+      for (int x = 0; x < across.x; ++x) blocks.push_back(packed({x, y, z}));
+    }
+  }
+  return blocks;
+}
+
+Gatherer::Gatherer() : params_("gather params", sizeof(layout::GatherParams), gpu::BufferUse::kDynamic) {}
+
+void Gatherer::bind(const LightField& field, const LightVoxels& voxels) {
+  params_.bindUniform(layout::kParams);
+  voxels.tree->texels.bind(layout::kTree);
+  field.receivers.bindStorage(layout::kReceiverBlocks);
+  field.cursors.bindStorage(layout::kCursors);
+  field.nearestVpl.bindStorage(layout::kNearestVpl);
+  field.transported().buffer.bindStorage(layout::kFieldOut);
+}
+
+Pieces Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
+                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k,
+                     const ReceiverBlocks& blocks, Pacing pacing) {
+  const auto blockCount = std::uint32_t(blocks.size());
+  field.receivers = gpu::Buffer("receiver blocks", gpu::bytesOf(std::span(blocks)));
+  field.cursors = gpu::Buffer("cursors", blocks.size() * sizeof(glm::uvec2));
+  double queued = 0.0;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const LightVoxels& light = *voxels[i];
+    if (light.tree->recordCount == 0) continue;
+    layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
+    gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
+                                           {"LPV_TEXTURED", light.sets > 1 ? "1" : "0"},
+                                           {"LPV_TWO_SIDED", lights[i].twoSided ? "1" : "0"}});
+    const double units = unitsPerBlock(*light.tree);
+    for (std::uint32_t first = 0; first < blockCount;) {
+      const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
+      const std::uint32_t count =
+          std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
+      params.dims.w = int(first);
+      for (int turn = 0; turn < dispatchesFor(*light.tree); ++turn) {
+        params.tree.w = turn;
+        params_.update(0, gpu::bytesOfValue(params));
+        bind(field, light);
+        program.dispatch(count);
+        gpu::memoryBarrier();
+      }
+      first += count;
+      queued += count * units;
+      if (queued < 0.9 * pacing.unitsFor(Stage::kGather)) continue;
+      co_yield piece(Stage::kGather, queued);
+      queued = 0.0;
+    }
+  }
+  co_yield piece(Stage::kGather, queued);
+}
+
+}  // namespace lpv

@@ -1,0 +1,127 @@
+#include "lpv/transport/inject.h"
+
+#include "lpv/pacing/chunked.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+/// What a light costs besides its cells, in cells.
+constexpr double kLightCells = 1000.0;
+
+/// Cells that a light may have put something into.
+double cellsOf(const LightVoxels& voxels) {
+  if (voxels.tree == nullptr) return kLightCells + double(voxels.capacity);
+  const glm::dvec3 size(voxels.tree->box.upper - voxels.tree->box.lower);
+  return kLightCells + size.x * size.y * size.z;
+}
+
+layout::InjectParams whereOf(const LightField& field, const LightVoxels& voxels) {
+  layout::InjectParams params{};
+  params.dims = glm::ivec4(field.grid.dims, voxels.group);
+  return params;
+}
+
+layout::InjectParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
+                              const glm::dvec3& weight) {
+  layout::InjectParams params{};
+  params.dims = glm::ivec4(field.grid.dims, light.group);
+  const double face = field.grid.cell * field.grid.cell;  // m^2
+  params.weight = glm::vec4(weight * (face * voxels.unit * voxels.brightest), 0.0);
+  params.lobe = light.twoSided ? glm::vec4(2.0F, 0.0F, 0.0F, 0.0F) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
+  return params;
+}
+
+}  // namespace
+
+Injector::Injector() : params_("inject params", sizeof(layout::InjectParams), gpu::BufferUse::kDynamic) {}
+
+void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Passes& passes) {
+  params_.bindUniform(layout::kParams);
+  field.injected.buffer.bindStorage(layout::kFieldOut);
+  field.lobeCounts.bindStorage(layout::kLobeCounts);
+  field.counters.bindStorage(layout::kCounters);
+  voxels.cells.bindStorage(layout::kVoxelCells);
+  voxels.moments.bindStorage(layout::kVoxelMoments);
+  voxels.cells.bindAsDispatchArguments();
+  gpu::Defines variant = {{"LPV_CHANNELS", std::to_string(field.channels)},
+                          {"LPV_TEXTURED", voxels.sets > 1 ? "1" : "0"}};
+  for (const char* pass : passes) variant.emplace_back(pass, "1");
+  programs_.get(variant).dispatchIndirect(0);
+  gpu::memoryBarrier();
+}
+
+Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing) {
+  double queued = 0.0;
+  for (const LightVoxelsPtr& light : voxels) {
+    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+      co_yield piece(Stage::kInject, queued);
+      queued = 0.0;
+    }
+    params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
+    dispatch(field, *light, {"LPV_RETIRE"});
+    queued += cellsOf(*light);
+  }
+  co_yield piece(Stage::kInject, queued);
+}
+
+Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
+                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
+  field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
+  const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
+  double queued = 0.0;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (queued > 0.0 && queued + cellsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
+      co_yield piece(Stage::kInject, queued);
+      queued = 0.0;
+    }
+    voxels[i]->group = lights[i].group;
+    params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
+    dispatch(field, *voxels[i], only ? Passes{"LPV_ADD", "LPV_DIVIDE"} : Passes{"LPV_ADD"});
+    queued += cellsOf(*voxels[i]);
+  }
+  for (const LightVoxelsPtr& light : voxels) {
+    if (only || light->source.method.injection != Injection::kCount) continue;
+    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+      co_yield piece(Stage::kInject, queued);
+      queued = 0.0;
+    }
+    params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
+    dispatch(field, *light, {"LPV_DIVIDE"});
+    queued += cellsOf(*light);
+  }
+  co_yield piece(Stage::kInject, queued);
+}
+
+Pieces Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
+                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
+  field.makeInjected();
+  co_await fillInPieces(field.injected.buffer);
+  double queued = 0.0;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const VplTree& tree = *voxels[i]->tree;
+    if (tree.recordCount == 0) continue;
+    layout::InjectParams params = paramsOf(field, lights[i], *voxels[i], palette.weights[i]);
+    params.weight /= float(voxels[i]->unit);  // VPLs have areas, not shares of one
+    const glm::ivec3 size = tree.box.upper - tree.box.lower;
+    params.boxLower = glm::ivec4(tree.box.lower, 0);
+    params.boxSize = glm::ivec4(size, 0);
+    params_.update(0, gpu::bytesOfValue(params));
+    params_.bindUniform(layout::kParams);
+    tree.nodes.bindStorage(layout::kTreeNodes);
+    tree.records.bindStorage(layout::kTreeRecords);
+    field.injected.buffer.bindStorage(layout::kFieldOut);
+    vplPrograms_
+        .get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_TEXTURED", voxels[i]->sets > 1 ? "1" : "0"}})
+        .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
+    gpu::memoryBarrier();
+    queued += cellsOf(*voxels[i]);
+    if (queued < pacing.unitsFor(Stage::kInject)) continue;
+    co_yield piece(Stage::kInject, queued);
+    queued = 0.0;
+  }
+  co_yield piece(Stage::kInject, queued);
+}
+
+}  // namespace lpv

@@ -1,0 +1,25 @@
+#pragma once
+// Stage: transport by propagation (Kaplanyan & Dachsbacher 2010; MATHS.md 3a).
+
+#include "gpu/program.h"
+#include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/light_field.h"
+
+namespace lpv {
+
+class Propagator {
+ public:
+  Propagator();
+
+  /// The injected field and `iterations` steps of it, summed. `box` holds every cell that emits: step i is computed
+  /// only as far as light has come, which loses nothing.
+  Pieces run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing);
+
+ private:
+  void step(LightField& field, const CellBox& box, int iteration, bool clampFaces);
+
+  gpu::ProgramVariants programs_{{"transport/propagate.comp"}};
+  gpu::Buffer params_;
+};
+
+}  // namespace lpv

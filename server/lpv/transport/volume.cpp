@@ -1,0 +1,77 @@
+#include "lpv/transport/volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gpu/gl.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+layout::VolumeParams paramsOf(const LightField& field, const Palette& palette) {
+  layout::VolumeParams params{};
+  for (std::size_t k = 0; k < 3; ++k) params.palette[k] = glm::vec4(palette.radiance[k], 0.0);
+  const double factor = 1.0 / (1.5 * field.grid.cell * field.grid.cell);
+  const bool flux = field.transport == Transport::kPropagate;
+  params.factors = flux ? glm::vec4(factor, -factor, 0.0, 0.0) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
+  return params;
+}
+
+void bindOutputs(VolumeTarget target, const IncidentTextures* textures, const gpu::Buffer* product) {
+  if (target != VolumeTarget::kTextures) {
+    product->bindStorage(layout::kProduct);
+    return;
+  }
+  const int count = textures->channels == 1 ? 1 : 3;
+  for (int i = 0; i < count; ++i)
+    textures->colours[std::size_t(i)].bindImage(std::uint32_t(layout::kIncidentOut + i), GL_WRITE_ONLY);
+  if (textures->proximity) textures->proximity.bindImage(layout::kProximityOut, GL_WRITE_ONLY);
+}
+
+std::uint32_t groups(int cells, int perGroup) { return std::uint32_t((cells + perGroup - 1) / perGroup); }
+
+}  // namespace
+
+IncidentTextures::IncidentTextures(const glm::ivec3& d, int c, int g, bool near) : dims(d), channels(c), groups(g) {
+  const glm::ivec3 size(dims.x, dims.y, dims.z * groups);
+  const std::size_t count = channels == 1 ? 1 : 3;
+  for (std::size_t i = 0; i < count; ++i)
+    colours[i] = gpu::Texture::make3d("incident radiance", size, GL_RGBA32F, gpu::Sampling::kLinearClamp);
+  if (near) proximity = gpu::Texture::make3d("proximity", dims, GL_R32F, gpu::Sampling::kLinearClamp);
+}
+
+VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
+
+Pieces VolumeMaker::run(const LightField& field, const Palette& palette, VolumeTarget target,
+                        const IncidentTextures* textures, const gpu::Buffer* product, Pacing pacing) {
+  const glm::ivec3 dims = field.grid.dims;
+  layout::VolumeParams params = paramsOf(field, palette);
+  const bool injected = target == VolumeTarget::kInjected, toTextures = target == VolumeTarget::kTextures;
+  const bool near = toTextures && bool(textures->proximity);
+  gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
+                                         {"LPV_TEXTURES", toTextures ? "1" : "0"},
+                                         {"LPV_BUFFER", toTextures ? "0" : "1"},
+                                         {"LPV_INJECTED", injected ? "1" : "0"},
+                                         {"LPV_PROXIMITY", near ? "1" : "0"}});
+  const double slabCells = double(dims.x) * double(dims.y);
+  for (int slab = 0; slab < dims.z * field.groups;) {
+    const int group = slab / dims.z, z = slab % dims.z;
+    const int slabs = std::clamp(int(pacing.unitsFor(Stage::kVolume) / slabCells), 1, dims.z - z);
+    params.dims = glm::ivec4(dims, z);
+    params.group = glm::ivec4(group, group * field.channels, 0, 0);
+    params_.update(0, gpu::bytesOfValue(params));
+    params_.bindUniform(layout::kParams);
+    (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);
+    field.counters.bindStorage(layout::kCounters);
+    bindOutputs(target, textures, product);
+    if (near) field.nearestVpl.bindStorage(layout::kNearestVpl);
+    program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
+    gpu::memoryBarrier();
+    slab += slabs;
+    co_yield piece(Stage::kVolume, slabCells * slabs);
+  }
+}
+
+}  // namespace lpv

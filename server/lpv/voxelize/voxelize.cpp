@@ -1,0 +1,295 @@
+#include "lpv/voxelize/voxelize.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <glm/gtx/component_wise.hpp>
+
+#include "gpu/failure.h"
+#include "gpu/gl.h"
+#include "lpv/pacing/chunked.h"
+
+namespace lpv {
+
+namespace {
+
+/// The linear map that takes the cross product of two object-space edges to that of the transformed edges (the cofactor
+/// matrix), turned over for mirrors: the object-space outer side in grid space.
+glm::dmat4 outwardFromObject(const glm::dmat4& gridFromObject) {
+  const glm::dvec3 a(gridFromObject[0]), b(gridFromObject[1]), c(gridFromObject[2]);
+  const double side = glm::dot(a, glm::cross(b, c)) < 0.0 ? -1.0 : 1.0;
+  return {glm::dvec4(side * glm::cross(b, c), 0.0), glm::dvec4(side * glm::cross(c, a), 0.0),
+          glm::dvec4(side * glm::cross(a, b), 0.0), glm::dvec4(0.0)};
+}
+
+/// Whether cells keep which triangles came to them instead of sums.
+bool keepsSets(const VoxelSource& source) {
+  return source.method.injection == Injection::kCount && source.method.method != InjectionMethod::kDense &&
+         !source.textured() && !source.directed() && source.mesh->triangles.size() <= layout::kSetTriangles;
+}
+
+/// Words of a cell, as shaders/voxelize/deposit.glsl has them.
+std::size_t accumulatorWords(const VoxelSource& source) {
+  const bool flux = source.method.injection == Injection::kFlux;
+  if (flux) return source.textured() ? 25 : 9;
+  if (keepsSets(source)) return 1;
+  return source.textured() ? 13 : 4;
+}
+
+/// Lobes one triangle can put into one cell: a direction per vertex spreads them over at most 180 degrees each way.
+std::uint64_t lobesPerTriangle(const VoxelSource& source) {
+  if (source.method.method == InjectionMethod::kDense) return std::uint64_t(source.method.denseSamples);
+  return source.directed() ? 9 : 1;
+}
+
+gpu::Defines variantOf(const VoxelSource& source) {
+  const bool flux = source.method.injection == Injection::kFlux;
+  gpu::Defines variant = {{"LPV_FLUX", flux ? "1" : "0"},
+                          {"LPV_TEXTURED", source.textured() ? "1" : "0"},
+                          {"LPV_DIRECTIONS", source.directed() ? "1" : "0"}};
+  if (source.method.vpls) variant.emplace_back("LPV_VPLS", "1");
+  if (keepsSets(source)) variant.emplace_back("LPV_SETS", "1");
+  return variant;
+}
+
+gpu::Defines treeVariantOf(const VoxelSource& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
+
+/// Words of a table's entry, as shaders/voxelize/vpl_table.glsl has them.
+std::size_t vplWords(const VoxelSource& source) { return source.textured() ? 23 : 15; }
+
+constexpr double kMostEntries = 1 << 23;
+
+/// Entries of the table: twice the VPLs there were last time, or that there may be. A power of two.
+std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
+  const double triangles = double(voxels.source.mesh->triangles.size());
+  const double guess = voxels.tree->vplCount > 0 ? voxels.tree->vplCount : 3.0 * triangles + 3.0 * area;
+  return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
+}
+
+Pieces makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
+  const std::size_t bytes = entries * vplWords(source) * sizeof(std::uint32_t);
+  if (field.accumulators.size() < bytes) {
+    field.accumulators = {};  // first the old memory, then the new
+    gpu::Buffer table("VPL table", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+    co_await fillInPieces(table);
+    field.accumulators = std::move(table);
+  }
+  const std::size_t listBytes = layout::kVoxelHeaderWords * sizeof(std::uint32_t) + entries * sizeof(glm::uvec2);
+  if (field.vplList.size() < listBytes) {
+    field.vplList = {};
+    field.vplList = gpu::Buffer("VPL list", listBytes, gpu::BufferUse::kDynamic, gpu::Undefined{});
+  }
+  if (field.vplHeader.size() == 0)
+    field.vplHeader = gpu::Readback("VPL header", layout::kVoxelHeaderWords * sizeof(std::uint32_t));
+}
+
+constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmptyList = {1, 1, 1};
+
+/// A triangle's area x outward normal, in the grid's unit, cell^2.
+glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& areaFromObject) {
+  const glm::dvec3 p(mesh.positions[t.x]), q(mesh.positions[t.y]), r(mesh.positions[t.z]);
+  return areaFromObject * glm::cross(q - p, r - p);
+}
+
+/// Triangles whose costs are added up, and between whose areas others may work.
+constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
+/// What a column of cells costs that a triangle meets, in triangles.
+constexpr double kColumnCost = 0.5;
+
+Pieces survey(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, Survey& out) {
+  const glm::dmat3 map(areaFromObject);
+  const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
+  out.costs.assign((mesh.triangles.size() + kTrianglesPerCost - 1) / kTrianglesPerCost, 1.0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
+    out.area += area;
+    out.costs[i / kTrianglesPerCost] += kColumnCost * std::min(area, face) / double(kTrianglesPerCost);
+    if (i % kTrianglesPerPause == kTrianglesPerPause - 1) co_yield rest();
+  }
+}
+
+/// How many triangles from `first` on make up `room` units, and what they are; at least one.
+struct Share {
+  std::uint32_t count = 0;
+  double units = 0.0;
+};
+Share shareOf(const Survey& of, std::uint32_t first, std::uint32_t end, double room) {
+  Share share;
+  while (first + share.count < end) {
+    const std::uint32_t at = first + share.count;
+    const double cost = of.costs[at / kTrianglesPerCost];
+    const auto left = std::uint32_t(kTrianglesPerCost - at % kTrianglesPerCost);
+    const auto fit = std::uint32_t(std::min(std::max(0.0, (room - share.units) / cost), 1e9));
+    const std::uint32_t taken = std::min({left, end - at, std::max(fit, share.count == 0 ? 1U : 0U)});
+    share.count += taken;
+    share.units += taken * cost;
+    if (taken < left) break;
+  }
+  return share;
+}
+
+/// For collect.comp; nothing comes to a cell from a triangle without area.
+void listNormals(layout::VoxelizeParams& params, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::dvec3 area = areaNormal(mesh, mesh.triangles[i], glm::dmat3(params.areaFromObject));
+    // Scaled first: the squares of a tiny triangle's normal would not fit.
+    const double size = glm::compMax(glm::abs(area));
+    if (size > 0.0) params.normals[i] = glm::vec4(glm::normalize(area / size), 0.0);
+  }
+}
+
+/// Scales of a light's fixed point, into `params` and `voxels`.
+void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxels) {
+  const VoxelSource& source = voxels.source;
+  const double triangles = double(source.mesh->triangles.size());
+  if (source.method.injection == Injection::kFlux) {
+    // A little more than the sum, for its rounding. A light without area has nothing to scale.
+    voxels.unit = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
+    params.areaFromObject /= voxels.unit;
+    params.scale.x = std::ldexp(1.0, layout::kFluxBits);
+    voxels.roundingError = 0.5 * triangles / params.scale.x;
+    return;
+  }
+  const Expected<FixedPoint> fixedPoint = fixedPointFor(std::uint64_t(triangles) * lobesPerTriangle(source));
+  if (!fixedPoint.ok()) throw gpu::Failure(fixedPoint.status());
+  voxels.unit = 1.0;
+  params.scale.x = std::ldexp(1.0, fixedPoint->shift);
+  voxels.roundingError = fixedPoint->error;
+}
+
+/// But for its scales, which the survey of the light tells.
+VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
+  const VoxelSource& source = voxels.source;
+  VoxelizeJob job;
+  job.variant = variantOf(source);
+  job.varying = source.textured() || source.directed();
+  job.params.gridFromObject = source.gridFromObject;
+  job.params.areaFromObject = 0.5 * outwardFromObject(source.gridFromObject);
+  job.params.dims = glm::ivec4(source.dims, 0);
+  const auto samples = std::uint32_t(source.method.denseSamples);
+  job.params.triangles.z = samples;
+  job.params.triangles.w = (samples + std::uint32_t(layout::kSamplesPerThread) - 1) / layout::kSamplesPerThread;
+  voxels.brightest = texture != nullptr ? texture->brightest : 1.0;
+  job.params.scale.y = 1.0 / voxels.brightest;
+  if (texture != nullptr) {
+    job.params.texture = glm::ivec4(texture->size, texture->levels, 0);
+    job.params.textureMean = glm::vec4(texture->mean / texture->brightest, 0.0);
+  }
+  if (keepsSets(source)) listNormals(job.params, *source.mesh);
+  return job;
+}
+
+}  // namespace
+
+Voxelizer::Voxelizer() : params_("voxelize params", sizeof(layout::VoxelizeParams), gpu::BufferUse::kDynamic) {}
+
+TriangleInjector& Voxelizer::injectorFor(InjectionMethod method) {
+  switch (method) {
+    case InjectionMethod::kRaster:
+      return raster_;
+    case InjectionMethod::kDense:
+      return dense_;
+    case InjectionMethod::kCompute:
+      break;
+  }
+  return compute_;
+}
+
+void Voxelizer::bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
+                     const LightVoxels& voxels) {
+  field.accumulators.bindStorage(layout::kAccumulators);
+  if (voxels.tree != nullptr) {
+    field.vplList.bindStorage(layout::kVoxelCells);
+    voxels.tree->nodes.bindStorage(layout::kTreeNodes);
+  } else {
+    voxels.cells.bindStorage(layout::kVoxelCells);
+    voxels.moments.bindStorage(layout::kVoxelMoments);
+  }
+  mesh.positionTexels->bind(layout::kPositions);
+  mesh.triangleTexels->bind(layout::kTriangles);
+  if (voxels.source.directed()) mesh.directions->bindStorage(layout::kDirections);
+  params_.bindUniform(layout::kParams);
+  if (texture == nullptr) return;
+  mesh.uvs->bindStorage(layout::kUvs);
+  texture->radiance.bind(layout::kLightTexture);
+  texture->rowIntegrals.bindStorage(layout::kRowIntegrals);
+}
+
+void Voxelizer::collect(const VoxelizeJob& job, const LightVoxels& voxels) {
+  params_.update(0, gpu::bytesOfValue(job.params));
+  voxels.cells.bindAsDispatchArguments();
+  collect_.get(job.variant).dispatchIndirect(0);
+  gpu::memoryBarrier();
+}
+
+Pieces Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
+                          const LightVoxels& voxels, const Survey& of, VoxelizeJob& job, Pacing pacing) {
+  TriangleInjector& injector = injectorFor(voxels.source.method.method);
+  for (std::uint32_t first = 0; first < mesh.triangleCount;) {
+    const std::uint32_t end = first + std::min(injector.limit(job), mesh.triangleCount - first);
+    const Share share = shareOf(of, first, end, pacing.unitsFor(Stage::kVoxelize));
+    job.params.triangles.x = first;
+    job.params.triangles.y = share.count;
+    params_.update(0, gpu::bytesOfValue(job.params));
+    bind(field, mesh, texture, voxels);
+    injector.dispatch(job);
+    first += share.count;
+    co_yield piece(Stage::kVoxelize, share.units);
+  }
+}
+
+/// Again with a larger table while VPLs found no room in it.
+Pieces Voxelizer::plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                            const Survey& of, VoxelizeJob& job, Pacing pacing) {
+  VplTree& tree = *voxels.tree;
+  const gpu::Defines variant = treeVariantOf(voxels.source);
+  job.params.boxLower = glm::ivec4(tree.box.lower, 0);
+  for (std::uint32_t entries = entriesFor(voxels, voxels.unit);; entries *= 2) {
+    job.params.boxSize = glm::ivec4(tree.box.upper - tree.box.lower, entries);
+    co_await makeTable(field, voxels.source, entries);
+    field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
+    co_await trees_.prepare(tree);
+    co_await deposit(field, mesh, texture, voxels, of, job, pacing);
+    const std::function<void()> bindLight = [&] { bind(field, mesh, texture, voxels); };
+    co_await trees_.count(tree, variant, bindLight);
+    field.vplHeader.copyFrom(field.vplList, 0, 0, sizeof kEmptyList);
+    const gpu::Fence counted = gpu::Fence::insert();
+    co_yield piece(Stage::kVoxelize, 0.0);
+    co_yield until(counted);
+    const VplCounts counts = TreeBuilder::read(field.vplHeader);
+    if (counts.lost == 0) {
+      const TreeScales scales{voxels.unit, job.params.scale.x};
+      co_await trees_.build(tree, counts, variant, scales, bindLight);
+      co_yield piece(Stage::kVoxelize, 0.0);
+      co_return;
+    }
+    co_await fillInPieces(field.accumulators);
+  }
+}
+
+Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                      Pacing pacing) {
+  VoxelizeJob job = jobOf(voxels, texture);
+  Survey of;
+  co_await survey(*voxels.source.mesh, job.params.areaFromObject, voxels.source.dims, of);
+  chooseScales(job.params, of.area, voxels);
+  if (voxels.tree != nullptr) {
+    co_await plantTree(field, mesh, texture, voxels, of, job, pacing);
+    co_return;
+  }
+  const std::size_t bytes = field.grid.cells() * accumulatorWords(voxels.source) * sizeof(std::uint32_t);
+  if (field.accumulators.size() < bytes) {
+    field.accumulators = {};  // first the old memory, then the new
+    gpu::Buffer words("accumulators", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+    co_await fillInPieces(words);
+    field.accumulators = std::move(words);
+  }
+  voxels.cells.update(0, gpu::bytesOfValue(kEmptyList));
+  co_await deposit(field, mesh, texture, voxels, of, job, pacing);
+  bind(field, mesh, texture, voxels);
+  collect(job, voxels);
+  co_yield piece(Stage::kVoxelize, 0.0);
+}
+
+}  // namespace lpv

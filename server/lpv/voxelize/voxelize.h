@@ -1,0 +1,110 @@
+#pragma once
+// Stage: one light's triangles into its voxels (paper 3; MATHS.md 2). Three injectors make the same accumulator words
+// out of the same pairs, or, the third, out of samples.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+#include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/light_field.h"
+#include "lpv/resources/light_texture.h"
+#include "lpv/resources/light_voxels.h"
+#include "lpv/resources/lights.h"
+#include "lpv/resources/scene_cache.h"
+#include "lpv/voxelize/vpl_tree.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+/// What an injector is given: everything is bound but its own parameters.
+struct VoxelizeJob {
+  gpu::Defines variant;
+  layout::VoxelizeParams params{};
+  bool varying = false;  ///< with texture or directions
+};
+
+/// Adds triangles to the accumulators.
+class TriangleInjector {
+ public:
+  virtual ~TriangleInjector() = default;
+  /// The most triangles one call can take.
+  virtual std::uint32_t limit(const VoxelizeJob& job) const = 0;
+  /// Triangles params.triangles.x .. + params.triangles.y.
+  virtual void dispatch(const VoxelizeJob& job) = 0;
+};
+
+/// A thread per small triangle, work items of columns for large ones.
+class ComputeInjector final : public TriangleInjector {
+ public:
+  ComputeInjector();
+  std::uint32_t limit(const VoxelizeJob& job) const override;
+  void dispatch(const VoxelizeJob& job) override;
+
+ private:
+  gpu::ProgramVariants programs_{{"voxelize/voxelize.comp"}};
+  gpu::Buffer large_;  ///< work items of the piece under way
+};
+
+/// The paper's pipeline: the rasterizer walks the columns of every triangle along its dominant axis.
+class RasterInjector final : public TriangleInjector {
+ public:
+  RasterInjector();
+  RasterInjector(const RasterInjector&) = delete;
+  RasterInjector& operator=(const RasterInjector&) = delete;
+  ~RasterInjector() override;
+  std::uint32_t limit(const VoxelizeJob& job) const override;
+  void dispatch(const VoxelizeJob& job) override;
+
+ private:
+  gpu::ProgramVariants programs_{{"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"}};
+  gpu::Framebuffer target_;        ///< no attachments; as large as the grid
+  std::uint32_t noVertices_ = 0;   ///< a vertex array without attributes
+};
+
+/// Random points on every triangle (paper 4.1), for comparison.
+class DenseInjector final : public TriangleInjector {
+ public:
+  std::uint32_t limit(const VoxelizeJob& job) const override;
+  void dispatch(const VoxelizeJob& job) override;
+
+ private:
+  gpu::ProgramVariants programs_{{"voxelize/dense.comp"}};
+};
+
+/// What is known of a light's triangles before they are voxelized.
+struct Survey {
+  double area = 0.0;          ///< of all, in the grid's unit, cell^2: what the largest moment can be
+  std::vector<double> costs;  ///< of the triangles, in units of Stage::kVoxelize: means of a few at a time
+};
+
+class Voxelizer {
+ public:
+  Voxelizer();
+
+  /// Fills `voxels`, whose source says from what, a bounded number of triangles at a time. `texture` is null for a
+  /// light without. Throws gpu::Failure (RESOURCE_EXHAUSTED) for a mesh that the accumulators cannot hold.
+  Pieces run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+             Pacing pacing);
+
+ private:
+  TriangleInjector& injectorFor(InjectionMethod method);
+  Pieces deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
+                 const Survey& of, VoxelizeJob& job, Pacing pacing);
+  Pieces plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                   const Survey& of, VoxelizeJob& job, Pacing pacing);
+  void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
+  void collect(const VoxelizeJob& job, const LightVoxels& voxels);
+
+  gpu::Buffer params_;
+  ComputeInjector compute_;
+  RasterInjector raster_;
+  DenseInjector dense_;
+  gpu::ProgramVariants collect_{{"voxelize/collect.comp"}};
+  TreeBuilder trees_;
+};
+
+}  // namespace lpv

@@ -1,0 +1,41 @@
+#include "lpv/voxelize/voxelize.h"
+
+namespace lpv {
+
+namespace {
+
+const layout::uvec4 kNoWork(0, 1, 1, 0);
+
+std::uint32_t groups(std::uint32_t threads, int perGroup) {
+  return (threads + std::uint32_t(perGroup) - 1) / std::uint32_t(perGroup);
+}
+
+gpu::Defines compiledFor(gpu::Defines variant, const char* name) {
+  variant.emplace_back(name, "1");
+  return variant;
+}
+
+}  // namespace
+
+ComputeInjector::ComputeInjector()
+    : large_("large triangles",
+             std::size_t(layout::kListHeaderWords + layout::kMaxPieceTriangles * layout::kMaxSlices) *
+                 sizeof(std::uint32_t),
+             gpu::BufferUse::kDynamic) {}
+
+std::uint32_t ComputeInjector::limit(const VoxelizeJob& job) const {
+  if (!job.varying) return layout::kMaxPieceTriangles;
+  return layout::kMaxPieceTriangles * layout::kMaxSlices / layout::kMaxVaryingSlices;
+}
+
+void ComputeInjector::dispatch(const VoxelizeJob& job) {
+  large_.update(0, gpu::bytesOfValue(kNoWork));
+  large_.bindStorage(layout::kLargeTriangles);
+  large_.bindAsDispatchArguments();
+  programs_.get(compiledFor(job.variant, "LPV_SMALL")).dispatch(groups(job.params.triangles.y, layout::kVoxelizeGroup));
+  gpu::memoryBarrier();
+  programs_.get(compiledFor(job.variant, "LPV_LARGE")).dispatchIndirect(0);
+  gpu::memoryBarrier();
+}
+
+}  // namespace lpv

@@ -1,0 +1,38 @@
+#include <algorithm>
+
+#include "gpu/gl.h"
+#include "lpv/voxelize/voxelize.h"
+
+namespace lpv {
+
+namespace {
+
+/// Draws may be of any length; pacing keeps them short.
+constexpr std::uint32_t kMostTriangles = 1u << 20;
+
+}  // namespace
+
+RasterInjector::RasterInjector() { glCreateVertexArrays(1, &noVertices_); }
+
+RasterInjector::~RasterInjector() { glDeleteVertexArrays(1, &noVertices_); }
+
+std::uint32_t RasterInjector::limit(const VoxelizeJob&) const { return kMostTriangles; }
+
+void RasterInjector::dispatch(const VoxelizeJob& job) {
+  const glm::ivec4& dims = job.params.dims;
+  const int edge = std::max({dims.x, dims.y, dims.z});
+  if (target_.size().x < edge) target_ = gpu::Framebuffer::withoutAttachments("columns", glm::ivec2(edge));
+  target_.bind();
+  glViewport(0, 0, edge, edge);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glBindVertexArray(noVertices_);
+  programs_.get(job.variant).use();
+  glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * job.params.triangles.y));
+  gpu::memoryBarrier();
+}
+
+}  // namespace lpv

@@ -1,0 +1,106 @@
+#include "lpv/voxelize/vpl_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "gpu/failure.h"
+#include "lpv/pacing/chunked.h"
+
+namespace lpv {
+
+namespace {
+
+/// Records are numbered in floats.
+constexpr std::uint32_t kMostRecords = 1U << 24;
+/// Nodes or VPLs of one piece: a few milliseconds without a GPU. A multiple of a work-group.
+constexpr std::uint32_t kThreadsAtOnce = 1U << 17;
+static_assert(kThreadsAtOnce % layout::kNodeGroup == 0);
+
+gpu::Defines with(gpu::Defines variant, const char* name) {
+  variant.emplace_back(name, "1");
+  return variant;
+}
+
+std::size_t recordBytes(const gpu::Defines& variant) {
+  const bool textured =
+      std::find(variant.begin(), variant.end(), gpu::Defines::value_type("LPV_TEXTURED", "1")) != variant.end();
+  return std::size_t(textured ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels) * sizeof(glm::vec4);
+}
+
+/// Grows in powers of two: a light that moves has a few VPLs more or less every tick.
+void makeRoom(VplTree& tree, std::size_t bytes) {
+  if (tree.records.size() >= bytes) return;
+  tree.texels = {};
+  tree.records = {};  // first the old memory, then the new
+  tree.records = gpu::Buffer("tree records", std::bit_ceil(bytes));
+  tree.texels = gpu::BufferTexture("tree records", tree.records);
+}
+
+std::uint32_t nodesOf(const VplTree& tree, int level) {
+  return tree.offsets[std::size_t(level) + 1] - tree.offsets[std::size_t(level)];
+}
+
+}  // namespace
+
+TreeBuilder::TreeBuilder() : params_("tree params", sizeof(layout::TreeParams), gpu::BufferUse::kDynamic) {}
+
+Pieces TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+                         const std::function<void()>& bindLight) {
+  const gpu::Defines defines = with(variant, pass.name);
+  layout::TreeParams shape{};
+  shape.lower = glm::ivec4(tree.box.lower, tree.levels);
+  shape.upper = glm::ivec4(tree.box.upper, pass.level);
+  for (int i = 0; i < tree.levels; ++i) shape.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
+  shape.scale.x = float(scales.unit);
+  shape.unit.x = 1.0 / scales.moment;
+  for (std::uint32_t first = 0; first < pass.threads; first += kThreadsAtOnce) {
+    const std::uint32_t threads = std::min(kThreadsAtOnce, pass.threads - first);
+    shape.scale.y = float(first);
+    params_.update(0, gpu::bytesOfValue(shape));
+    bindLight();
+    params_.bindUniform(layout::kParams);
+    tree.nodes.bindStorage(layout::kTreeNodes);
+    if (tree.records) tree.records.bindStorage(layout::kTreeRecords);
+    programs_.get(defines).dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
+    gpu::memoryBarrier();
+    if (threads == kThreadsAtOnce) co_yield piece(Stage::kVoxelize, 0.0);
+  }
+}
+
+Pieces TreeBuilder::prepare(VplTree& tree) { co_await fillInPieces(tree.nodes); }
+
+Pieces TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
+  const TreeScales none;
+  for (int level = 0; level < tree.levels; ++level)
+    co_await pass(tree, variant, {"LPV_UP", level, nodesOf(tree, level)}, none, bindLight);
+}
+
+VplCounts TreeBuilder::read(const gpu::Readback& header) {
+  std::array<std::uint32_t, layout::kVoxelHeaderWords> words{};
+  std::memcpy(words.data(), header.bytes().data(), sizeof words);
+  return {words[3], words[4], words[5], words[6], words[7]};
+}
+
+Pieces TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
+                          const std::function<void()>& bindLight) {
+  if (counts.records > kMostRecords) {
+    throw gpu::Failure(exhausted("lights", "a light makes " + std::to_string(counts.records) +
+                                               " VPLs and nodes, more than the " + std::to_string(kMostRecords) +
+                                               " of its tree; use a coarser grid, or transport PROPAGATE"));
+  }
+  tree.recordCount = counts.records;
+  tree.vplCount = counts.vpls;
+  tree.cellCount = counts.cells;
+  tree.degenerate = counts.degenerate;
+  if (counts.records == 0) co_return;
+  makeRoom(tree, counts.records * recordBytes(variant));
+  for (int level = tree.levels - 1; level >= 0; --level)
+    co_await pass(tree, variant, {"LPV_DOWN", level, nodesOf(tree, level)}, scales, bindLight);
+  co_await pass(tree, variant, {"LPV_LEAVES", 0, counts.vpls}, scales, bindLight);
+  for (int level = 1; level < tree.levels; ++level)
+    co_await pass(tree, variant, {"LPV_MERGE", level, nodesOf(tree, level)}, scales, bindLight);
+}
+
+}  // namespace lpv

@@ -1,0 +1,59 @@
+#pragma once
+// Stage: one light's VPLs, merged in the table where its triangles were voxelized, into a tree of blocks of cells
+// (MATHS.md 3b.1-2).
+
+#include <cstdint>
+#include <functional>
+
+#include "gpu/program.h"
+#include "gpu/readback.h"
+#include "lpv/pacing/gpu_task.h"
+#include "lpv/resources/light_voxels.h"
+
+namespace lpv {
+
+/// What the GPU says of a light's VPLs before they are put in order.
+struct VplCounts {
+  std::uint32_t vpls = 0;
+  std::uint32_t degenerate = 0;  ///< triangles without area
+  std::uint32_t lost = 0;        ///< VPLs that found no room in the table
+  std::uint32_t records = 0;     ///< of the whole tree
+  std::uint32_t cells = 0;
+};
+
+/// What the numbers of the table stand for.
+struct TreeScales {
+  double unit = 1.0;    ///< area of a moment of 1, cell^2
+  double moment = 1.0;  ///< fixed-point units of a moment of 1
+};
+
+/// `bindLight` binds the light's table and list, kAccumulators and kVoxelCells: anew in every piece, for others work in
+/// between.
+class TreeBuilder {
+ public:
+  TreeBuilder();
+
+  /// Before voxelization: no leaf holds light.
+  Pieces prepare(VplTree& tree);
+  /// After it: counts what there is, bottom up, into the list's header.
+  Pieces count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight);
+  static VplCounts read(const gpu::Readback& header);
+  /// Puts the counted VPLs into the tree's records, which are made larger where needed. Throws gpu::Failure
+  /// (RESOURCE_EXHAUSTED).
+  Pieces build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
+               const std::function<void()>& bindLight);
+
+ private:
+  struct TreePass {
+    const char* name;
+    int level;
+    std::uint32_t threads;
+  };
+  Pieces pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+              const std::function<void()>& bindLight);
+
+  gpu::Buffer params_;
+  gpu::ProgramVariants programs_{{"voxelize/vpl_tree.comp"}};
+};
+
+}  // namespace lpv

@@ -1,0 +1,142 @@
+#include "scene/emitter_list.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lpv {
+namespace {
+
+double edgeIrradiance(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& n) {
+  const glm::dvec3 normal = glm::cross(p, q);
+  const double size = glm::length(normal);
+  return size > 0.0 ? std::atan2(size, glm::dot(p, q)) * glm::dot(normal, n) / size : 0.0;
+}
+
+/// One light's texels.
+struct Part {
+  const glm::vec4* first = nullptr;
+  int count = 0;   ///< triangles or records
+  int sides = 1;
+  int stride = 4;  ///< texels of a record
+};
+
+double polygonIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n) {
+  double sum = 0.0;
+  for (int i = 0; i < part.count; ++i) {
+    const glm::vec4* corner = part.first + 3 * i;
+    const glm::dvec3 corners[3] = {glm::dvec3(corner[0]) - x, glm::dvec3(corner[1]) - x, glm::dvec3(corner[2]) - x};
+    sum += triangleIrradiance(corners, n, part.sides);
+  }
+  return sum;
+}
+
+/// Mean of the positive values of what is even over [t - spread, t + spread].
+double positivePart(double t, double spread) {
+  const double within = std::clamp(t, -spread, spread);
+  return (within + spread) * (within + spread) / (4.0 * spread) + std::max(t - spread, 0.0);
+}
+
+constexpr double kNoSpread = 1e-12;
+constexpr double kSteadiness = 2.5;  ///< shaders/layout.h
+constexpr int kColouredRecord = 5;   ///< texels; others have 4
+
+/// What arrives at distance d of a VPL's light, as a vector: shaders/transport/gather.comp.
+glm::dvec3 vplFlux(const glm::vec4* record, const glm::dmat3& extent, const glm::dvec3& d, int sides) {
+  const glm::dvec3 direction(record[1]);
+  const double spread = double(record[1].w), size = double(record[2].w);
+  const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
+  const double away = glm::dot(direction, d), facing = -away * inverse;
+  double intensity = positivePart(facing, spread), slope = std::clamp(0.5 * (facing / spread + 1.0), 0.0, 1.0);
+  if (sides > 1) {
+    intensity += positivePart(-facing, spread);
+    slope = 2.0 * slope - 1.0;
+  }
+  const double near = std::min(inverse, 2.0), falloff = near * near;
+  const glm::dvec3 m = extent * d, bent = extent * direction;
+  const double weight = slope * falloff * falloff / (1.0 + std::pow(kSteadiness * size * falloff, 4.0));
+  const double radial =
+      intensity * falloff * inverse +
+      weight * falloff * (4.0 * glm::dot(bent, d) + away * (2.0 * size - 12.0 * falloff * glm::dot(m, d)));
+  return radial * d + 4.0 * weight * falloff * away * m - weight * bent;
+}
+
+glm::dvec3 vplIrradiance(const Part& part, int at, const glm::dvec3& x, const glm::dvec3& n) {
+  const glm::vec4* record = part.first + at * part.stride;
+  const glm::dvec3 on(record[2]), off(record[3]), d = glm::dvec3(record[0]) - x;
+  const glm::dmat3 extent(on.x, off.x, off.y, off.x, on.y, off.z, off.y, off.z, on.z);
+  const glm::dvec3 flux = vplFlux(record, extent, d, part.sides);
+  const double height = glm::dot(n, d);
+  const double heights = std::max(std::sqrt(std::max(3.0 * glm::dot(n, extent * n), 0.0)), kNoSpread);
+  const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
+  const double above = positivePart(height, heights) - height;  // of the horizon: more than the whole extent's mean
+  const double e = std::max(0.0, glm::dot(n, flux) + glm::length(flux) * inverse * above);
+  return part.stride == kColouredRecord ? e * glm::dvec3(record[4]) : glm::dvec3(e);
+}
+
+glm::dvec3 treeIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n, double k) {
+  glm::dvec3 sum(0.0);
+  for (int at = 0; at < part.count;) {
+    const glm::dvec4 node(part.first[at * part.stride]), next(part.first[at * part.stride + 1]);
+    const int vpls = int(next.x), after = int(next.y);
+    const glm::dvec3 d = glm::dvec3(node) - x;
+    const bool whole = after == at + 1 + vpls || glm::dot(d, d) > k * k * node.w * node.w;
+    for (int i = at + 1; whole && i <= at + vpls; ++i) sum += vplIrradiance(part, i, x, n);
+    at = whole ? after : at + 1 + vpls;
+  }
+  return sum;
+}
+
+}  // namespace
+
+double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, int sides) {
+  const double side = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), corners[0]);
+  if (side == 0.0 || (side > 0.0 && sides < 2)) return 0.0;
+  glm::dvec3 leaves(0.0), returns(0.0);
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 &p = corners[i], &q = corners[(i + 1) % 3];
+    const double hp = glm::dot(p, n), hq = glm::dot(q, n);
+    if (hp <= 0.0 && hq <= 0.0) continue;
+    const glm::dvec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
+    if (hp > 0.0 && hq <= 0.0) leaves = cut;
+    if (hp <= 0.0 && hq > 0.0) returns = cut;
+    sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
+  }
+  sum += edgeIrradiance(leaves, returns, n);
+  return 0.5 * std::abs(sum);
+}
+
+double DirectLights::farFromEmitters(const glm::dvec3& world) const {
+  if (always) return 0.0;
+  const glm::dvec3 g = grid.gridFromWorld(world);
+  if (glm::any(glm::lessThan(g, glm::dvec3(-0.5))) || glm::any(glm::greaterThan(g, glm::dvec3(grid.dims) + 0.5)))
+    return 0.0;
+  const glm::dvec3 centred = glm::clamp(g - 0.5, glm::dvec3(0.0), glm::dvec3(grid.dims - 1));
+  const glm::ivec3 low = glm::min(glm::ivec3(glm::floor(centred)), glm::max(grid.dims - 2, glm::ivec3(0)));
+  const glm::dvec3 f = centred - glm::dvec3(low);
+  double distance = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 offset(corner & 1, (corner >> 1) & 1, corner >> 2);
+    const glm::dvec3 axis = glm::mix(1.0 - f, f, glm::dvec3(offset));
+    distance += axis.x * axis.y * axis.z * double(proximity[grid.index(glm::min(low + offset, grid.dims - 1))]);
+  }
+  const double t = std::clamp((distance - kNearBegin) / (kNearEnd - kNearBegin), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+glm::dvec3 DirectLights::irradiance(const glm::dvec3& world, const glm::dvec3& n) const {
+  const glm::dvec3 x = grid.gridFromWorld(world);
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < int(texels[0].x); ++i) {
+    const glm::vec4 radiance = texels[std::size_t(1 + 2 * i)], where = texels[std::size_t(2 + 2 * i)];
+    const Part part = {&texels[std::size_t(where.x)], int(where.y), int(where.z), int(where.w)};
+    if (radiance.w == 0.0F) {
+      sum += glm::dvec3(radiance) * polygonIrradiance(part, x, n);
+    } else {
+      sum += glm::dvec3(radiance) * treeIrradiance(part, x, n, double(texels[0].y));
+    }
+  }
+  return sum;
+}
+
+}  // namespace lpv

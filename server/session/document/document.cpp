@@ -1,0 +1,365 @@
+#include "session/document/document.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "scene/error_goal.h"
+
+namespace lpv {
+namespace {
+
+template <typename Map, typename Before>
+void putBack(Map& objects, Before& before) {
+  for (auto& [name, entry] : before) {
+    if (entry) {
+      objects[name] = *entry;
+    } else {
+      objects.erase(name);
+    }
+  }
+}
+
+template <typename T>
+std::vector<Versioned<T>> newer(const std::map<std::string, Versioned<T>>& objects, std::uint64_t since, bool all) {
+  std::vector<Versioned<T>> out;
+  for (const auto& [name, entry] : objects) {
+    if (all || entry.revision > since) out.push_back(entry);
+  }
+  return out;
+}
+
+}  // namespace
+
+Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
+  if (tick.seconds <= limits.maxTickSeconds) return {};
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "max_tick_seconds: on this device a tick of the session is predicted to take %.1f s, most of it to %s; "
+                "allowed are %g s; use a coarser grid, fewer iterations, smaller lights or fewer light groups",
+                tick.seconds, tick.mostly.c_str(), limits.maxTickSeconds);
+  return exhausted("max_tick_seconds", text);
+}
+
+Document::Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher)
+    : limits_(limits), hasher_(std::move(hasher)), options_(options) {
+  grid_ = *gridFor(options, Bounds());  // the caller has checked the options
+  staged_ = snapshot();
+}
+
+MeshPtr Document::meshOf(const std::string& object) const {
+  if (const auto light = lights_.find(object); light != lights_.end()) return light->second.object->mesh;
+  if (const auto surface = surfaces_.find(object); surface != surfaces_.end()) return surface->second.object->mesh;
+  return nullptr;
+}
+
+Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs& blobs) {
+  if (edit.expectedRevision && *edit.expectedRevision != revision_) {
+    return Status(Code::kAborted,
+                  "expected_revision is " + std::to_string(*edit.expectedRevision) + ", the session is at revision " +
+                      std::to_string(revision_) + "; read the scene again and repeat",
+                  "expected_revision");
+  }
+  std::vector<std::string> names;
+  Status status = change([&](Undo& undo) { return applyAll(edit, blobs, undo, &names); });
+  if (!status.ok()) return status;
+  return names;
+}
+
+Status Document::restore(const std::vector<NamedState>& objects) {
+  return change([&](Undo& undo) {
+    for (const NamedState& each : objects) restoreOne(each, undo);
+    return Status();
+  });
+}
+
+/// One revision, or nothing where `make` or the limits say no.
+Status Document::change(const std::function<Status(Undo&)>& make) {
+  Undo undo;
+  undo.tombstones = tombstones_.size();
+  undo.grid = grid_;
+  undo.gridRevision = gridRevision_;
+  ++revision_;
+  Status status = make(undo);
+  if (status.ok()) status = checkAll(undo);
+  if (!status.ok()) {
+    takeBack(undo);
+    return status;
+  }
+  noteChange(undo);
+  restage(undo);
+  while (tombstones_.size() > kMaxTombstones) {
+    forgottenUpTo_ = tombstones_.front().revision;
+    tombstones_.pop_front();
+  }
+  replaced_ = std::move(undo);
+  return {};
+}
+
+Status Document::applyAll(const Edit& edit, const Blobs& blobs, Undo& undo, std::vector<std::string>* names) {
+  for (std::size_t i = 0; i < edit.operations.size(); ++i) {
+    Expected<std::string> name =
+        std::visit([&](const auto& op) { return applyOne(op, blobs, undo); }, edit.operations[i]);
+    if (!name) return name.status().within("operations[" + std::to_string(i) + "]");
+    names->push_back(std::move(*name));
+  }
+  return {};
+}
+
+Status Document::checkAll(const Undo& undo) {
+  recount();
+  if (Status s = checkTotals(); !s.ok()) return s;
+  if (Status s = checkGroups(undo); !s.ok()) return s;
+  if (undo.contentAdded) {
+    if (Status s = refit(false); !s.ok()) return s;
+  }
+  return checkCost(options_, grid_);
+}
+
+void Document::predictWith(std::function<Prediction(const Workload&)> predict) {
+  predict_ = std::move(predict);
+  admitted_ = workload(options_, grid_);
+}
+
+Workload Document::workload(const SessionOptions& options, const Grid& grid) const {
+  Workload out(carriedOut(options), grid);
+  for (const auto& [name, light] : lights_) out.add(*light.object);
+  for (const auto& [name, surface] : surfaces_) out.add(*surface.object);
+  return out;
+}
+
+/// A change that makes nothing dearer is accepted: what was admitted once, when the device seemed faster, can be
+/// edited.
+Status Document::checkCost(const SessionOptions& options, const Grid& grid) {
+  if (!predict_) return {};
+  Workload after = workload(options, grid);
+  if (Status s = checkTickSeconds(predict_(after), limits_); !s.ok()) {
+    if (predict_(after).seconds > predict_(admitted_).seconds) return s;
+  }
+  admitted_ = std::move(after);
+  return {};
+}
+
+void Document::takeBack(Undo& undo) {
+  putBack(lights_, undo.lights);
+  putBack(surfaces_, undo.surfaces);
+  putBack(cameras_, undo.cameras);
+  tombstones_.resize(undo.tombstones, Deleted{});
+  grid_ = undo.grid;
+  gridRevision_ = undo.gridRevision;
+  --revision_;
+  recount();
+}
+
+Status Document::checkTotals() const {
+  const auto over = [](const char* limit, std::int64_t have, std::int64_t allowed) {
+    return exhausted(limit, std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
+                                std::to_string(allowed));
+  };
+  if (std::int64_t(lights_.size()) > limits_.maxLights) {
+    return over("max_lights", std::int64_t(lights_.size()), limits_.maxLights);
+  }
+  if (std::int64_t(surfaces_.size()) > limits_.maxSurfaces) {
+    return over("max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
+  }
+  if (std::int64_t(cameras_.size()) > limits_.maxCameras) {
+    return over("max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
+  }
+  if (triangles_ > limits_.maxTriangles) return over("max_triangles", triangles_, limits_.maxTriangles);
+  return {};
+}
+
+/// Names one of the groups that the edit brings where there are too many.
+Status Document::checkGroups(const Undo& undo) const {
+  std::set<std::string> all;
+  std::set<std::string> there;  // those of lights that the edit did not touch
+  for (const auto& [name, light] : lights_) {
+    all.insert(light.object->group);
+    if (!undo.lights.contains(name)) there.insert(light.object->group);
+  }
+  if (all.size() <= std::size_t(kMaxGroups)) return {};
+  std::string brought;
+  for (const std::string& group : all) {
+    if (!there.contains(group)) brought = group;
+  }
+  return exhausted("max_groups", "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
+                                     std::to_string(all.size()) + " groups, allowed are " + std::to_string(kMaxGroups) +
+                                     "; give a group that another light has, or none");
+}
+
+Bounds Document::content() const {
+  Bounds bounds;
+  const auto add = [&bounds](const MeshPtr& mesh, const Transform& transform) {
+    bounds.add(mesh->bounds.transformed(transform.worldFromObject()));
+  };
+  for (const auto& [name, surface] : surfaces_) add(surface.object->mesh, surface.object->transform);
+  for (const auto& [name, light] : lights_) {
+    if (light.object->enabled) add(light.object->mesh, light.object->transform);
+  }
+  return bounds;
+}
+
+/// New content that leaves a fitted grid makes a new fit; a moving light never does (MATHS.md 1).
+Status Document::refit(bool always) {
+  if (options_.grid.hasBounds) return {};
+  const Bounds bounds = content();
+  if (bounds.empty()) return {};
+  const Bounds now = grid_.bounds();
+  const bool inside =
+      glm::all(glm::lessThanEqual(now.min, bounds.min)) && glm::all(glm::greaterThanEqual(now.max, bounds.max));
+  if (!always && inside && gridRevision_ != 0) return {};
+  const Expected<Grid> grid = gridFor(options_, bounds);
+  if (!grid) return grid.status();
+  if (!(*grid == grid_)) {
+    grid_ = *grid;
+    gridRevision_ = revision_;
+  }
+  return {};
+}
+
+void Document::restage(const Undo& undo) {
+  if (undo.contentAdded || undo.contentRemoved || undo.fitted || leftStage(undo)) setStage();
+}
+
+void Document::setStage() {
+  staged_ = snapshot();
+  stage_ = content();
+  if (stage_.empty()) return;
+  const glm::dvec3 extent = stage_.extent();
+  const glm::dvec3 surroundings(0.5 * std::max({extent.x, extent.y, extent.z}));
+  stage_ = {stage_.min - surroundings, stage_.max + surroundings};
+}
+
+/// Whether something that the edit touched is now outside of the stage.
+bool Document::leftStage(const Undo& undo) const {
+  const auto outside = [this](const auto& object) {
+    const Bounds now = object.mesh->bounds.transformed(object.transform.worldFromObject());
+    return glm::any(glm::lessThan(now.min, stage_.min)) || glm::any(glm::greaterThan(now.max, stage_.max));
+  };
+  for (const auto& [name, before] : undo.lights) {
+    const auto light = lights_.find(name);
+    if (light != lights_.end() && light->second.object->enabled && outside(*light->second.object)) return true;
+  }
+  for (const auto& [name, before] : undo.surfaces) {
+    const auto surface = surfaces_.find(name);
+    if (surface != surfaces_.end() && outside(*surface->second.object)) return true;
+  }
+  return false;
+}
+
+void Document::recount() {
+  snapshot_.reset();
+  triangles_ = 0;
+  for (const auto& [name, light] : lights_) triangles_ += std::int64_t(light.object->mesh->triangles.size());
+  for (const auto& [name, surface] : surfaces_) triangles_ += std::int64_t(surface.object->mesh->triangles.size());
+}
+
+Status Document::setOptions(const SessionOptions& options) {
+  if (options == options_) return {};
+  if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
+  Grid grid = grid_;
+  std::uint64_t gridRevision = gridRevision_;
+  if (!(carriedOut(options).grid == carriedOut(options_).grid)) {
+    const Expected<Grid> fitted = gridFor(options, content());
+    if (!fitted) return fitted.status().within("settings.grid");
+    grid = *fitted;
+    gridRevision = revision_ + 1;
+  }
+  if (Status s = checkCost(options, grid); !s.ok()) return s;
+  grid_ = grid;
+  gridRevision_ = gridRevision;
+  options_ = options;
+  optionsRevision_ = ++revision_;
+  snapshot_.reset();
+  lastChange_ = Changes();
+  lastChange_.revision = revision_;
+  lastChange_.options = options_;
+  if (gridRevision_ == revision_) lastChange_.grid = grid_;
+  return {};
+}
+
+ScenePtr Document::snapshot() {
+  if (snapshot_) return snapshot_;
+  auto scene = std::make_shared<Scene>();
+  scene->revision = revision_;
+  scene->options = carriedOut(options_);
+  scene->grid = grid_;
+  for (const auto& [name, light] : lights_) scene->lights.emplace_hint(scene->lights.end(), name, light.object);
+  for (const auto& [name, surface] : surfaces_) {
+    scene->surfaces.emplace_hint(scene->surfaces.end(), name, surface.object);
+  }
+  for (const auto& [name, camera] : cameras_) scene->cameras.emplace_hint(scene->cameras.end(), name, camera.camera);
+  snapshot_ = scene;
+  return snapshot_;
+}
+
+/// A name deleted and then given again is no deletion for a reader that sees only the end.
+bool Document::exists(const Deleted& deleted) const {
+  switch (deleted.kind) {
+    case ObjectKind::kLight:
+      return lights_.contains(deleted.name);
+    case ObjectKind::kSurface:
+      return surfaces_.contains(deleted.name);
+    case ObjectKind::kCamera:
+      return cameras_.contains(deleted.name);
+  }
+  return false;
+}
+
+Changes Document::changesSince(std::optional<std::uint64_t> from) const {
+  const std::uint64_t since = from.value_or(0);
+  Changes out;
+  out.snapshot = !from || since < forgottenUpTo_ || since > revision_;
+  out.revision = revision_;
+  out.lights = newer(lights_, since, out.snapshot);
+  out.surfaces = newer(surfaces_, since, out.snapshot);
+  for (const auto& [name, camera] : cameras_) {
+    if (out.snapshot || camera.revision > since) out.cameras.emplace_back(name, camera.camera);
+  }
+  if (!out.snapshot) {
+    for (const Deleted& deleted : tombstones_) {
+      if (deleted.revision > since && !exists(deleted)) out.deleted.push_back(deleted);
+    }
+  }
+  if (out.snapshot || optionsRevision_ > since) out.options = options_;
+  if (out.snapshot || gridRevision_ > since) out.grid = grid_;
+  return out;
+}
+
+std::vector<Versioned<Light>> Document::lights() const { return newer(lights_, 0, true); }
+std::vector<Versioned<Surface>> Document::surfaces() const { return newer(surfaces_, 0, true); }
+
+std::vector<std::pair<std::string, Camera>> Document::cameras() const {
+  std::vector<std::pair<std::string, Camera>> out;
+  for (const auto& [name, camera] : cameras_) out.emplace_back(name, camera.camera);
+  return out;
+}
+
+std::optional<Camera> Document::camera(const std::string& name) const {
+  const auto found = cameras_.find(name);
+  return found == cameras_.end() ? std::nullopt : std::optional(found->second.camera);
+}
+
+MeshPtr Document::meshInUse(const BlobHash& hash) const {
+  for (const auto& [name, light] : lights_) {
+    if (light.object->mesh->hash == hash) return light.object->mesh;
+  }
+  for (const auto& [name, surface] : surfaces_) {
+    if (surface.object->mesh->hash == hash) return surface.object->mesh;
+  }
+  return nullptr;
+}
+
+std::set<BlobHash> Document::hashesInUse() const {
+  std::set<BlobHash> out;
+  for (const auto& [name, light] : lights_) {
+    out.insert(light.object->mesh->hash);
+    if (light.object->texture) out.insert(light.object->texture->hash);
+  }
+  for (const auto& [name, surface] : surfaces_) {
+    out.insert(surface.object->mesh->hash);
+    if (surface.object->albedoTexture) out.insert(surface.object->albedoTexture->hash);
+  }
+  return out;
+}
+
+}  // namespace lpv

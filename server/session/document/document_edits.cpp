@@ -1,0 +1,287 @@
+// What each operation of an edit does to the scene.
+
+#include <cstdio>
+
+#include "base/text.h"
+#include "session/document/document.h"
+
+namespace lpv {
+namespace {
+
+Status noSuch(const char* what, const std::string& name, const char* field = "name") {
+  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + shortened(name) + "\" in this session",
+                field);
+}
+
+Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
+  if (reference.mesh) return reference.mesh;
+  const BlobPtr blob = blobs.find(reference.hash);
+  if (blob && blob->mesh) return blob->mesh;
+  return Status(
+      Code::kNotFound,
+      blob ? "mesh " + shortened(reference.hash) + " is a texture, not a mesh"
+           : "mesh \"" + shortened(reference.hash) + "\" is not in this session; upload it with UploadBlob first",
+      "mesh");
+}
+
+Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, const Blobs& blobs) {
+  if (hash.empty()) return TexturePtr();
+  const BlobPtr blob = blobs.find(hash);
+  if (blob && blob->texture) return blob->texture;
+  return Status(Code::kNotFound,
+                std::string(field) + " \"" + shortened(hash) +
+                    "\" is no texture of this session; upload it with UploadBlob first",
+                field);
+}
+
+Status assign(Light& light, const LightFields& f, const Blobs& blobs) {
+  if (Status s = checkFields(f); !s.ok()) return s;
+  if (f.mesh) {
+    Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
+    if (!mesh) return mesh.status();
+    light.mesh = *mesh;
+  }
+  if (f.texture) {
+    Expected<TexturePtr> texture = resolveTexture("texture", *f.texture, blobs);
+    if (!texture) return texture.status();
+    light.texture = *texture;
+  }
+  Expected<Transform> transform = withFields(light.transform, f.transform);
+  if (!transform) return transform.status().within("transform");
+  light.transform = *transform;
+  if (f.radiance) {
+    light.radiance = *f.radiance;
+    light.power.reset();
+  }
+  if (f.power) light.power = f.power;
+  light.twoSided = f.twoSided.value_or(light.twoSided);
+  light.enabled = f.enabled.value_or(light.enabled);
+  light.group = f.group.value_or(light.group);
+  return {};
+}
+
+Status assign(Surface& surface, const SurfaceFields& f, const Blobs& blobs) {
+  if (Status s = checkFields(f); !s.ok()) return s;
+  if (f.mesh) {
+    Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
+    if (!mesh) return mesh.status();
+    surface.mesh = *mesh;
+  }
+  if (f.albedoTexture) {
+    Expected<TexturePtr> texture = resolveTexture("albedo_texture", *f.albedoTexture, blobs);
+    if (!texture) return texture.status();
+    surface.albedoTexture = *texture;
+  }
+  Expected<Transform> transform = withFields(surface.transform, f.transform);
+  if (!transform) return transform.status().within("transform");
+  surface.transform = *transform;
+  surface.albedo = f.albedo.value_or(surface.albedo);
+  surface.roughness = f.roughness.value_or(surface.roughness);
+  surface.metalness = f.metalness.value_or(surface.metalness);
+  surface.twoSided = f.twoSided.value_or(surface.twoSided);
+  return {};
+}
+
+/// What an edit calls objects of a kind.
+template <typename T>
+struct Words;
+template <>
+struct Words<Light> {
+  static constexpr ObjectKind kKind = ObjectKind::kLight;
+  static constexpr const char* kNoun = "light";
+  static constexpr const char* kCreate = "create_light";
+  static constexpr const char* kUpdate = "update_light.light";
+  static constexpr const char* kDelete = "delete_light";
+};
+template <>
+struct Words<Surface> {
+  static constexpr ObjectKind kKind = ObjectKind::kSurface;
+  static constexpr const char* kNoun = "surface";
+  static constexpr const char* kCreate = "create_surface";
+  static constexpr const char* kUpdate = "update_surface.surface";
+  static constexpr const char* kDelete = "delete_surface";
+};
+
+/// Remembers what `name` was before the first change of this edit.
+template <typename Map, typename Before>
+void remember(const Map& objects, const std::string& name, Before& before) {
+  if (before.contains(name)) return;
+  const auto found = objects.find(name);
+  if (found == objects.end()) {
+    before[name] = std::nullopt;
+  } else {
+    before[name] = found->second;
+  }
+}
+
+}  // namespace
+
+template <typename T>
+void Document::put(const std::string& name, std::shared_ptr<const T> object, Undo& undo) {
+  remember(objects<T>(), name, undo.before<T>());
+  objects<T>()[name] = {std::move(object), revision_};
+}
+
+template <typename T>
+Expected<std::string> Document::create(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo) {
+  using W = Words<T>;
+  if (Status s = checkName(name); !s.ok()) return s.within(W::kCreate);
+  if (!fields.mesh) {
+    return invalid(std::string(W::kCreate) + ".mesh",
+                   std::string("a ") + W::kNoun + " needs a mesh: set mesh or inline_mesh");
+  }
+  auto object = std::make_shared<T>();
+  if (Status s = assign(*object, fields, blobs); !s.ok()) return s.within(W::kCreate);
+  object->name = freeName(name);
+  put<T>(object->name, object, undo);
+  undo.contentAdded = true;
+  return object->name;
+}
+
+template <typename T>
+Expected<std::string> Document::update(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo) {
+  using W = Words<T>;
+  const auto found = objects<T>().find(name);
+  if (found == objects<T>().end()) return noSuch(W::kNoun, name).within(W::kUpdate);
+  auto object = std::make_shared<T>(*found->second.object);
+  if (Status s = assign(*object, fields, blobs); !s.ok()) return s.within(W::kUpdate);
+  put<T>(name, object, undo);
+  return name;
+}
+
+template <typename T>
+Expected<std::string> Document::remove(const std::string& name, Undo& undo) {
+  using W = Words<T>;
+  if (!objects<T>().contains(name)) return noSuch(W::kNoun, name, W::kDelete);
+  remember(objects<T>(), name, undo.before<T>());
+  objects<T>().erase(name);
+  tombstones_.push_back({W::kKind, name, revision_});
+  undo.contentRemoved = true;
+  return name;
+}
+
+template <typename T>
+void Document::deform(const std::string& name, const MeshPtr& mesh, Undo& undo) {
+  auto object = std::make_shared<T>(*objects<T>().at(name).object);
+  object->mesh = mesh;
+  put<T>(name, object, undo);
+}
+
+Expected<std::string> Document::applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo) {
+  return create<Light>(op.name, op.fields, blobs, undo);
+}
+
+Expected<std::string> Document::applyOne(const UpdateLight& op, const Blobs& blobs, Undo& undo) {
+  return update<Light>(op.name, op.fields, blobs, undo);
+}
+
+Expected<std::string> Document::applyOne(const DeleteLight& op, const Blobs&, Undo& undo) {
+  return remove<Light>(op.name, undo);
+}
+
+Expected<std::string> Document::applyOne(const CreateSurface& op, const Blobs& blobs, Undo& undo) {
+  return create<Surface>(op.name, op.fields, blobs, undo);
+}
+
+Expected<std::string> Document::applyOne(const UpdateSurface& op, const Blobs& blobs, Undo& undo) {
+  return update<Surface>(op.name, op.fields, blobs, undo);
+}
+
+Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, Undo& undo) {
+  return remove<Surface>(op.name, undo);
+}
+
+Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Undo& undo) {
+  const MeshPtr current = meshOf(op.object);
+  if (!current) return noSuch("light or surface", op.object, "object").within("set_vertices");
+  MeshPtr deformed = op.deformed;
+  // The mesh was exchanged, or made by this very edit, after the preparation; or that failed, and says here why.
+  if (op.base != current || !deformed) {
+    SetVertices again = op;
+    if (Status s = prepareVertices(again, current, hasher_); !s.ok()) return s.within("set_vertices");
+    deformed = again.deformed;
+  }
+  if (lights_.contains(op.object)) {
+    deform<Light>(op.object, deformed, undo);
+  } else {
+    deform<Surface>(op.object, deformed, undo);
+  }
+  return op.object;
+}
+
+Expected<std::string> Document::applyOne(const PutCamera& op, const Blobs&, Undo& undo) {
+  if (Status s = checkName(op.name); !s.ok()) return s.within("put_camera");
+  if (Status s = checkCamera(op.camera); !s.ok()) return s.within("put_camera");
+  remember(cameras_, op.name, undo.cameras);
+  cameras_[op.name] = {op.camera, revision_};
+  return op.name;
+}
+
+Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, Undo& undo) {
+  if (!cameras_.contains(op.name)) return noSuch("camera", op.name, "delete_camera");
+  remember(cameras_, op.name, undo.cameras);
+  cameras_.erase(op.name);
+  tombstones_.push_back({ObjectKind::kCamera, op.name, revision_});
+  return op.name;
+}
+
+Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Undo& undo) {
+  if (options_.grid.hasBounds) {
+    return Status(Code::kFailedPrecondition, "the grid has fixed bounds; clear settings.grid.bounds to fit it",
+                  "fit_grid");
+  }
+  if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
+  undo.fitted = true;
+  return std::string();
+}
+
+template <typename T>
+void Document::restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Undo& undo) {
+  const bool stands = objects<T>().contains(name);
+  if (object) {
+    put<T>(name, object, undo);
+    undo.contentAdded = undo.contentAdded || !stands;
+  } else if (stands) {
+    (void)remove<T>(name, undo);
+  }
+}
+
+/// What stands under the name, of whatever kind, gives way.
+void Document::restoreOne(const NamedState& wanted, Undo& undo) {
+  const auto& [key, object] = wanted;
+  if (!key.camera) {
+    restoreOne<Light>(key.name, object.light, undo);
+    restoreOne<Surface>(key.name, object.surface, undo);
+  } else if (object.camera || cameras_.contains(key.name)) {
+    remember(cameras_, key.name, undo.cameras);
+    if (object.camera) {
+      cameras_[key.name] = {*object.camera, revision_};
+    } else {
+      cameras_.erase(key.name);
+      tombstones_.push_back({ObjectKind::kCamera, key.name, revision_});
+    }
+  }
+}
+
+std::string Document::freeName(const std::string& wanted) const {
+  std::string name = wanted;
+  for (int n = 1; lights_.contains(name) || surfaces_.contains(name); ++n) {
+    char suffix[16];
+    const int length = std::snprintf(suffix, sizeof suffix, ".%03d", n);
+    name = shortened(wanted, kMaxNameBytes - std::size_t(length)) + suffix;
+  }
+  return name;
+}
+
+Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& hasher) {
+  op.base = base;
+  op.deformed.reset();
+  if (!base) return {};  // the document says that the object is not there, or finds it made by the same edit
+  Expected<Mesh> mesh = withVertices(*base, op.positions, op.normals);
+  if (!mesh) return mesh.status();
+  mesh->hash = hasher(*mesh);
+  op.deformed = std::make_shared<const Mesh>(std::move(*mesh));
+  return {};
+}
+
+}  // namespace lpv

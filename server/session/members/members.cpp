@@ -1,0 +1,157 @@
+#include "session/members/members.h"
+
+#include <algorithm>
+#include <random>
+
+#include "base/digest.h"
+#include "base/text.h"
+
+namespace lpv {
+
+namespace {
+
+std::size_t nameBytes(const EditOutcome& outcome) {
+  std::size_t sum = 0;
+  for (const auto* names : {&outcome.names, &outcome.skipped}) {
+    for (const std::string& name : *names) sum += name.size() + kRememberedBytesPerName;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::string randomHex(std::size_t bytes) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::random_device device;
+  std::string out;
+  while (out.size() < bytes * 2) {
+    const unsigned value = device();
+    for (int shift = 0; shift < 32 && out.size() < bytes * 2; shift += 4) out += kDigits[(value >> shift) & 0xFU];
+  }
+  return out;
+}
+
+Expected<ClientIdentity> Clients::join() {
+  if (full()) {
+    return exhausted("max_clients_per_session",
+                     "max_clients_per_session: the session has " + std::to_string(clients_.size()) +
+                         " clients, allowed are " + std::to_string(limits_.maxClientsPerSession) +
+                         "; one that neither has a stream nor says anything for " +
+                         std::to_string(limits_.memberSilent.count()) + " s gives its place to the next");
+  }
+  const ClientIdentity identity{"c-" + randomHex(8), randomHex(16)};
+  ClientState state;
+  state.id = identity.id;
+  state.secretHash = sha256(identity.secret);
+  restore(state);
+  return identity;
+}
+
+void Clients::restore(const ClientState& state) {
+  const Clock::time_point now = Clock::now();
+  Client& client =
+      clients_.insert_or_assign(state.id, Client{state, {limits_.maxEditsPerSecond, now}, now}).first->second;
+  for (const EditOutcome& outcome : client.outcomes) client.nameBytes += nameBytes(outcome);
+  forgetOldest(client);
+}
+
+void Clients::hear(const std::string& id, Clock::time_point now) {
+  const auto found = clients_.find(id);
+  if (found != clients_.end()) found->second.heard = now;
+}
+
+std::string Clients::silent(const std::set<std::string>& connected, Clock::time_point now) const {
+  std::string longest;
+  Clock::time_point since = now - limits_.memberSilent;
+  for (const auto& [id, client] : clients_) {
+    if (client.heard > since || connected.contains(id)) continue;
+    longest = id;
+    since = client.heard;
+  }
+  return longest;
+}
+
+Status Clients::verify(const ClientIdentity& identity) const {
+  if (identity.id.empty()) return {};
+  const auto found = clients_.find(identity.id);
+  if (found != clients_.end() && found->second.secretHash == sha256(identity.secret)) return {};
+  return Status(
+      Code::kPermissionDenied,
+      "client \"" + identity.id + "\" was not issued by this session, or its secret is another; call JoinSession",
+      "client");
+}
+
+Expected<std::optional<EditOutcome>> Clients::repeated(const std::string& id, std::uint64_t sequence) const {
+  const auto found = clients_.find(id);
+  if (found == clients_.end() || sequence == 0) return std::optional<EditOutcome>();
+  const Client& client = found->second;
+  const auto same = std::find_if(client.outcomes.begin(), client.outcomes.end(),
+                                 [&](const EditOutcome& outcome) { return outcome.sequence == sequence; });
+  if (same != client.outcomes.end()) return std::optional<EditOutcome>(*same);
+  if (sequence <= client.forgottenUpTo) {
+    return Status(Code::kFailedPrecondition,
+                  "sequence " + std::to_string(sequence) + " is older than the last " +
+                      std::to_string(kRememberedOutcomes) + " edits of this client; its outcome is forgotten",
+                  "sequence");
+  }
+  return std::optional<EditOutcome>();
+}
+
+Status Clients::admit(const std::string& id, Clock::time_point now) {
+  const auto found = clients_.find(id);
+  Allowance& edits = found == clients_.end() ? nobody_ : found->second.edits;
+  if (edits.take(limits_.maxEditsPerSecond, now)) return {};
+  return exhausted("max_edits_per_second", "max_edits_per_second: allowed are " +
+                                               std::to_string(limits_.maxEditsPerSecond) +
+                                               " edits a second per client; wait and repeat the same sequence");
+}
+
+namespace {
+
+/// Bytes of a message that is kept: what a client wrote is repeated in it.
+constexpr std::size_t kMostKeptText = 512;
+
+std::string keptText(const std::string& text) {
+  return text.size() <= kMostKeptText ? text : shortened(text, kMostKeptText) + " ...";
+}
+
+}  // namespace
+
+void Clients::record(const std::string& id, const EditOutcome& outcome) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return;
+  Client& client = found->second;
+  if (outcome.status.ok()) {
+    client.acceptedSequence = std::max(client.acceptedSequence, outcome.sequence);
+    client.acceptedRevision = outcome.revision;
+  }
+  if (outcome.sequence == 0) return;
+  client.outcomes.push_back(outcome);
+  if (Status& s = client.outcomes.back().status; !s.ok()) s = {s.code(), keptText(s.message()), keptText(s.field())};
+  client.nameBytes += nameBytes(outcome);
+  forgetOldest(client);
+}
+
+void Clients::forgetOldest(Client& client) {
+  std::deque<EditOutcome>& outcomes = client.outcomes;
+  while (outcomes.size() > kRememberedOutcomes || (outcomes.size() > 1 && client.nameBytes > kRememberedNameBytes)) {
+    client.forgottenUpTo = std::max(client.forgottenUpTo, outcomes.front().sequence);
+    client.nameBytes -= nameBytes(outcomes.front());
+    outcomes.pop_front();
+  }
+}
+
+std::uint64_t Clients::acceptedSequence(const std::string& id) const {
+  const auto found = clients_.find(id);
+  return found == clients_.end() ? 0 : found->second.acceptedSequence;
+}
+
+std::map<std::string, std::uint64_t> Clients::sequencesSince(std::uint64_t since) const {
+  std::map<std::string, std::uint64_t> out;
+  for (const auto& [id, client] : clients_) {
+    if (client.acceptedRevision > since) out[id] = client.acceptedSequence;
+  }
+  return out;
+}
+
+}  // namespace lpv

@@ -1,0 +1,38 @@
+// Albedo and normal of the nearest surface. The normal is the interpolated vertex normal (LPV_NORMALS), else the
+// triangle's; seen from behind it is turned over, towards the viewer.
+#include "layout.h"
+#include "common/octahedral.glsl"
+
+#if !defined(LPV_NORMALS) || !defined(LPV_TEXTURE)
+#error "LPV_NORMALS, LPV_TEXTURE: 0 or 1"
+#endif
+
+layout(std140, binding = kDrawParams) uniform DrawBlock { DrawParams draw; };
+#if LPV_TEXTURE
+layout(binding = kAlbedo) uniform sampler2D albedoTexture;
+#endif
+
+in vec3 eyePosition;
+in vec3 worldNormal;
+in vec2 textureUv;
+
+layout(location = 0) out vec4 albedo;
+layout(location = 1) out vec2 normal;
+
+/// Of any length.
+vec3 surfaceNormal() {
+#if LPV_NORMALS
+  return gl_FrontFacing ? worldNormal : -worldNormal;
+#else
+  const vec3 n = cross(dFdx(eyePosition), dFdy(eyePosition));
+  return dot(n, eyePosition) < 0.0 ? n : -n;
+#endif
+}
+
+void main() {
+  albedo = vec4(draw.colour.rgb, 1.0);
+#if LPV_TEXTURE
+  albedo.rgb *= texture(albedoTexture, textureUv).rgb;
+#endif
+  normal = octahedralFromDirection(surfaceNormal());
+}

@@ -1,0 +1,122 @@
+// DIRECT (MATHS.md 3c): a receiver looks at the lights themselves, without a grid between: few polygons by the closed
+// form (Lambert; Arvo 1995), everything else as VPLs through the light's tree. The C++ twin is server/scene/emitter_list.h;
+// tests/gpu/transport/emitter_list_test.cpp compares the two.
+//
+// Texels: (lights, k, 0, 0); per light (radiance rgb, 0 for polygons or 1 for a tree) and (first texel, triangles or
+// records, sides that emit, texels of a record); then triangles of three corners each, counter-clockwise seen from the
+// front, and the records of shaders/transport/vpls.glsl. Grid space.
+#include "layout.h"
+#include "common/angles.glsl"
+
+layout(binding = kDirect) uniform samplerBuffer direct;
+
+/// The part of E that an edge from p to q of a light's outline gives: the angle it takes times the cosine of its plane.
+float edgeIrradiance(vec3 p, vec3 q, vec3 n) {
+  const vec3 normal = cross(p, q);
+  const float size = length(normal);
+  return size > 0.0 ? angleBetween(size, dot(p, q)) * dot(normal, n) / size : 0.0;
+}
+
+/// E of unit radiance; corners seen from the receiver. The triangle is cut at the horizon of n: edge by edge, and where
+/// the outline goes below and comes up again, one edge along the horizon.
+float triangleIrradiance(vec3 a, vec3 b, vec3 c, vec3 n, float sides) {
+  const float side = dot(cross(b - a, c - a), a);
+  if (side == 0.0 || (side > 0.0 && sides < 1.5)) return 0.0;
+  const vec3 corners[3] = vec3[3](a, b, c);
+  vec3 leaves = vec3(0.0), returns = vec3(0.0);
+  float sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const vec3 p = corners[i], q = corners[(i + 1) % 3];
+    const float hp = dot(p, n), hq = dot(q, n);
+    if (hp <= 0.0 && hq <= 0.0) continue;
+    const vec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
+    if (hp > 0.0 && hq <= 0.0) leaves = cut;
+    if (hp <= 0.0 && hq > 0.0) returns = cut;
+    sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
+  }
+  sum += edgeIrradiance(leaves, returns, n);
+  return 0.5 * abs(sum);
+}
+
+float polygonIrradiance(int first, int triangles, vec3 x, vec3 n, float sides) {
+  float sum = 0.0;
+  for (int i = 0; i < triangles; ++i) {
+    const int at = first + 3 * i;
+    sum += triangleIrradiance(texelFetch(direct, at).xyz - x, texelFetch(direct, at + 1).xyz - x,
+                              texelFetch(direct, at + 2).xyz - x, n, sides);
+  }
+  return sum;
+}
+
+/// Mean of the positive values of what is even over [t - spread, t + spread] (shaders/transport/vpls.glsl).
+float positivePart(float t, float spread) {
+  const float within = clamp(t, -spread, spread);
+  return (within + spread) * (within + spread) / (4.0 * spread) + max(t - spread, 0.0);
+}
+
+const float kNoSpread = 1e-12;
+
+/// As gather.comp expands it. Where the horizon of n goes through the extent, what is above it counts.
+vec3 vplIrradiance(int at, int stride, vec3 x, vec3 n, float sides) {
+  const vec4 first = texelFetch(direct, at), second = texelFetch(direct, at + 1);
+  const vec4 diagonal = texelFetch(direct, at + 2), others = texelFetch(direct, at + 3);
+  const mat3 extent = mat3(diagonal.x, others.x, others.y, others.x, diagonal.y, others.z, others.y, others.z, diagonal.z);
+  const vec3 d = first.xyz - x;
+  const float inverse = inversesqrt(max(dot(d, d), 1e-6));
+  const float away = dot(second.xyz, d), facing = -away * inverse, spread = second.w;
+  float intensity = positivePart(facing, spread), slope = clamp(0.5 * (facing / spread + 1.0), 0.0, 1.0);
+  if (sides > 1.5) {
+    intensity += positivePart(-facing, spread);
+    slope = 2.0 * slope - 1.0;
+  }
+  const float near = min(inverse, 2.0), falloff = near * near;
+  const vec3 m = extent * d, bent = extent * second.xyz;
+  const float steady = kSteadiness * diagonal.w * falloff;
+  const float weight = slope * falloff * falloff / (1.0 + steady * steady * steady * steady);
+  const vec3 flux =
+      (intensity * falloff * inverse +
+       weight * falloff * (4.0 * dot(bent, d) + away * (2.0 * diagonal.w - 12.0 * falloff * dot(m, d)))) * d +
+      4.0 * weight * falloff * away * m - weight * bent;
+  const float height = dot(n, d), heights = max(sqrt(max(3.0 * dot(n, extent * n), 0.0)), kNoSpread);
+  const float e = max(0.0, dot(n, flux) + length(flux) * inverse * (positivePart(height, heights) - height));
+  return stride == kTexturedRecordTexels ? e * texelFetch(direct, at + 4).rgb : vec3(e);
+}
+
+/// As GATHER walks it (shaders/transport/gather.comp), but for a point. From `most` rounds on nodes are taken whole.
+vec3 treeIrradiance(int first, int records, int stride, vec3 x, vec3 n, float sides, float k, inout int rounds,
+                    int most) {
+  vec3 sum = vec3(0.0);
+  for (int at = 0; at < records;) {
+    const vec4 node = texelFetch(direct, first + at * stride), next = texelFetch(direct, first + at * stride + 1);
+    const int vpls = int(next.x), after = int(next.y);
+    const vec3 d = node.xyz - x;
+    const bool leaf = after == at + 1 + vpls;
+    const bool whole = leaf || dot(d, d) > k * k * node.w * node.w || rounds > most;
+    const int last = whole ? at + vpls : at;
+    for (int i = at + 1; i <= last; ++i) sum += vplIrradiance(first + i * stride, stride, x, n, sides);
+    rounds += 1 + last - at;
+    at = whole ? after : at + 1 + vpls;
+  }
+  return sum;
+}
+
+/// E in W/m^2 at a grid position on a surface with unit normal n. All lights together are given kMaxRounds, each an
+/// equal share of what those before it left.
+vec3 directIrradiance(vec3 x, vec3 n) {
+  const vec4 what = texelFetch(direct, 0);
+  const int lights = int(what.x);
+  vec3 sum = vec3(0.0);
+  int rounds = 0;
+  for (int i = 0; i < lights; ++i) {
+    const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
+    const int first = int(where.x), count = int(where.y);
+    if (radiance.w == 0.0) {
+      sum += radiance.rgb * polygonIrradiance(first, count, x, n, where.z);
+      rounds += 4 * count;  // a triangle and its edges
+    } else {
+      const int most = rounds + (kMaxRounds - rounds) / (lights - i);
+      sum += radiance.rgb * treeIrradiance(first, count, int(where.w), x, n, where.z, what.y, rounds, most);
+    }
+  }
+  return sum;
+}

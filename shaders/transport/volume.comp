@@ -1,0 +1,99 @@
+// The volume product (MATHS.md 3a): SH of incident radiance, L00 = U0 / (1.5 s^2), L1m = -U1m / (1.5 s^2), directions
+// towards the light, cut back to phi >= 0 and |D| <= phi. LPV_INJECTED: the injected field as it is, with its colours.
+//
+// LPV_TEXTURES: into 3D textures for frames; a field of one channel stays one texture, its colour is applied on
+// reading, and the groups of lights lie one behind the other along z. LPV_BUFFER: into the buffer that is read back, 3 colours x 4 coefficients per cell.
+#include "layout.h"
+#include "common/sh.glsl"
+#include "common/field.glsl"
+
+#if !defined(LPV_TEXTURES) || !defined(LPV_BUFFER) || !defined(LPV_INJECTED)
+#error "LPV_TEXTURES, LPV_BUFFER, LPV_INJECTED: 0 or 1"
+#endif
+#ifndef LPV_PROXIMITY
+#error "LPV_PROXIMITY: 0, or 1 with LPV_TEXTURES: how near emitters are goes along"
+#endif
+
+layout(local_size_x = kFieldGroupX, local_size_y = kFieldGroupY) in;
+
+layout(std140, binding = kParams) uniform Block { VolumeParams params; };
+layout(std430, binding = kCounters) buffer CounterBlock { Counters counters; };
+layout(binding = kFieldIn) uniform samplerBuffer fieldIn;
+#if LPV_TEXTURES
+#if LPV_CHANNELS == 1
+layout(binding = kIncidentOut, rgba32f) uniform writeonly image3D incident;
+#else
+layout(binding = kIncidentOut, rgba32f) uniform writeonly image3D incidentRed;
+layout(binding = kIncidentOut + 1, rgba32f) uniform writeonly image3D incidentGreen;
+layout(binding = kIncidentOut + 2, rgba32f) uniform writeonly image3D incidentBlue;
+#endif
+#endif
+#if LPV_PROXIMITY
+layout(std430, binding = kNearestVpl) readonly buffer NearestVpl { float nearestVpl[]; };
+layout(binding = kProximityOut, r32f) uniform writeonly image3D proximity;
+#endif
+#if LPV_BUFFER
+layout(std430, binding = kProduct) writeonly buffer Product { float product[]; };
+#endif
+
+/// One colour of the product; `cut` is raised where the moments are not those of real light.
+vec4 productOf(vec4 u, inout bool cut) {
+#if LPV_INJECTED
+  return u;
+#else
+  vec4 c = u * vec4(params.factors.x, vec3(params.factors.y));
+  if (c.x < 0.0) {
+    cut = true;
+    return vec4(0.0);
+  }
+  const float fluence = shFluence(c), flux = length(shVectorIrradiance(c));
+  if (flux > fluence) {
+    cut = true;
+    c.yzw *= fluence / flux;
+  }
+  return c;
+#endif
+}
+
+vec4 channelOf(ivec3 cell, int k) {
+  return texelFetch(fieldIn, haloIndex(cell, params.dims.xyz, params.group.y + k));
+}
+
+#if LPV_BUFFER
+int cells() { return params.dims.x * params.dims.y * params.dims.z; }
+
+void store(ivec3 cell, int colour, vec4 c) {
+  const int base = ((cellIndex(cell, params.dims.xyz) + params.group.x * cells()) * 3 + colour) * 4;
+  for (int j = 0; j < 4; ++j) product[base + j] = c[j];
+}
+#endif
+
+void main() {
+  const ivec3 cell = ivec3(gl_GlobalInvocationID.xy, params.dims.w + int(gl_WorkGroupID.z));
+  if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
+  const ivec3 texel = cell + ivec3(0, 0, params.group.x * params.dims.z);
+#if LPV_PROXIMITY
+  if (params.group.x == 0) imageStore(proximity, cell, vec4(nearestVpl[cellIndex(cell, params.dims.xyz)]));
+#endif
+  bool cut = false;
+#if LPV_CHANNELS == 1
+  const vec4 c = productOf(channelOf(cell, 0), cut);
+#if LPV_TEXTURES
+  imageStore(incident, texel, c);
+#endif
+  mat3x4 colours = mat3x4(c * params.palette[0].r, c * params.palette[0].g, c * params.palette[0].b);
+#else
+  mat3x4 colours = mat3x4(0.0);
+  for (int k = 0; k < LPV_CHANNELS; ++k) colours += outerProduct(channelOf(cell, k), params.palette[k].rgb);
+  for (int i = 0; i < 3; ++i) colours[i] = productOf(colours[i], cut);
+#if LPV_TEXTURES
+  imageStore(incidentRed, texel, colours[0]);
+  imageStore(incidentGreen, texel, colours[1]);
+  imageStore(incidentBlue, texel, colours[2]);
+#endif
+#endif
+#if LPV_BUFFER
+  for (int i = 0; i < 3; ++i) store(cell, i, colours[i]);
+#endif
+  if (cut) atomicAdd(counters.clamped, 1u);
+}

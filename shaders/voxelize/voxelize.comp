@@ -1,0 +1,73 @@
+// Voxelization in compute.
+//
+// LPV_SMALL: a thread per triangle; triangles over many columns are handed on as work items.
+// LPV_LARGE: a work-group per work item, a thread for a row of columns or every n-th column of one.
+#extension GL_ARB_shader_ballot : enable
+#extension GL_ARB_gpu_shader_int64 : enable
+#if defined(GL_ARB_shader_ballot) && defined(GL_ARB_gpu_shader_int64)
+#define LPV_BALLOT
+#endif
+#include "voxelize/voxelize.glsl"
+
+#if !defined(LPV_SMALL) && !defined(LPV_LARGE)
+#error "one of LPV_SMALL and LPV_LARGE"
+#endif
+
+#ifdef LPV_SMALL
+layout(local_size_x = kVoxelizeGroup) in;
+#else
+layout(local_size_x = kColumnGroup) in;
+#endif
+
+layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
+
+const bool kVarying = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1;
+const int kSlices = kVarying ? kMaxVaryingSlices : kMaxSlices;
+const int kThreadColumns = kVarying ? 1 : kColumnsPerThread;
+
+/// How a triangle's columns are shared out: work items, and threads for each row of columns.
+struct Shares {
+  int slices, perRow;
+};
+
+Shares sharesOf(LatticeTriangle t, int columns) {
+  const int width = t.upper.x - t.lower.x + 1, rows = t.upper.y - t.lower.y + 1;
+  const int perRow = clamp(min(columns / kThreadColumns, kSlices * kColumnGroup) / rows, 1, width);
+  return Shares(min(kSlices, (rows * perRow + kColumnGroup - 1) / kColumnGroup), perRow);
+}
+
+#ifdef LPV_SMALL
+
+void handOn(uint local, int slices) {
+  const uint slot = atomicAdd(largeHeader[3], uint(slices));
+  atomicAdd(largeHeader[0], uint(slices));
+  for (int i = 0; i < slices; ++i) large[slot + uint(i)] = local * uint(kSlices) + uint(i);
+}
+
+void main() {
+  const uint local = gl_GlobalInvocationID.x;
+  if (local >= params.triangles.y) return;
+  EmittingTriangle e;
+  if (!loadTriangle(params.triangles.x + local, e)) {
+    atomicAdd(voxelHeader[4], 1u);
+    return;
+  }
+  const int columns = columnCount(e.lattice);
+  const int most = kVarying ? kSmallVaryingColumns : params.triangles.y < kManyTriangles ? kSmallColumns : kManyColumns;
+  if (columns > most || (columns > 1 && laborious(e.varying_))) handOn(local, sharesOf(e.lattice, columns).slices);
+  else if (columns > 0) voxelizeRows(e, 0, 1, 0, 1);
+}
+
+#else
+
+void main() {
+  const uint item = large[gl_WorkGroupID.x];
+  EmittingTriangle e;
+  if (!loadTriangle(params.triangles.x + item / uint(kSlices), e)) return;
+  const Shares shares = sharesOf(e.lattice, columnCount(e.lattice));
+  const int thread = int(item) % kSlices * kColumnGroup + int(gl_LocalInvocationID.x);
+  const int rowStep = shares.slices * kColumnGroup / shares.perRow, row = thread / shares.perRow;
+  if (row < rowStep) voxelizeRows(e, row, rowStep, thread % shares.perRow, shares.perRow);
+}
+
+#endif

@@ -1,0 +1,85 @@
+#include "unit/session/small_engine.h"
+
+#include <set>
+#include <string>
+
+namespace lpv::test {
+namespace {
+
+VolumePtr ramp(const Scene& scene, VolumeStage stage) {
+  auto volume = std::make_shared<Volume>();
+  volume->grid = scene.grid;
+  volume->stage = stage;
+  std::set<std::string> groups = {""};
+  for (const auto& [name, light] : scene.lights) groups.insert(light->group);
+  for (const std::string& group : groups) {
+    VolumeLayer& layer = volume->layers.emplace_back(VolumeLayer{group, {}});
+    layer.coefficients.assign(scene.grid.cells() * 12, 0.0F);
+    for (std::size_t i = 0; i < layer.coefficients.size(); i += 4) {
+      layer.coefficients[i] = float(scene.revision + i % 100);
+    }
+  }
+  return volume;
+}
+
+FramePtr grey(const FrameRequest& request) {
+  auto frame = std::make_shared<Frame>();
+  frame->size = request.size;
+  frame->format = request.format;
+  const std::size_t values = std::size_t(request.size.x) * std::size_t(request.size.y) * 3;
+  if (request.format == PixelFormat::kRgb8) {
+    frame->rgb8.assign(values, 128);
+  } else {
+    frame->rgb32f.assign(values, 0.5F);
+  }
+  return frame;
+}
+
+}  // namespace
+
+Expected<TickResult> smallResult(const TickRequest& request) {
+  const Scene& scene = *request.scene;
+  if (scene.grid.cells() > kSmallCells) return exhausted("grid", "this engine makes small volumes only");
+  TickResult result;
+  result.revision = scene.revision;
+  result.report.stages.push_back({"volume", 0.001});
+  if (request.transported) result.transported = ramp(scene, VolumeStage::kTransported);
+  if (request.injected) result.injected = ramp(scene, VolumeStage::kInjected);
+  for (const FrameRequest& frame : request.frames) result.frames.push_back(grey(frame));
+  return result;
+}
+
+ThreadedEngine::ThreadedEngine() : thread_([this] { run(); }) {}
+
+ThreadedEngine::~ThreadedEngine() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void ThreadedEngine::submit(TickRequest request, TickDone done) {
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.emplace_back(std::move(request), std::move(done));
+  }
+  wake_.notify_all();
+}
+
+void ThreadedEngine::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    auto [request, done] = std::move(queue_.front());
+    queue_.pop_front();
+    lock.unlock();
+    ++ticks_;
+    done(smallResult(request));
+    lock.lock();
+  }
+}
+
+}  // namespace lpv::test

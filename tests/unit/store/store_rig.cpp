@@ -1,0 +1,94 @@
+#include "unit/store/store_rig.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+
+namespace lpv::store {
+
+Folder::Folder() {
+  path_ = (std::filesystem::temp_directory_path() / "lpv-store-XXXXXX").string();
+  if (!mkdtemp(path_.data())) ADD_FAILURE() << "cannot make " << path_;
+}
+
+Folder::~Folder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+FileLimit::FileLimit(std::uintmax_t bytes) {
+  signal(SIGXFSZ, SIG_IGN);
+  getrlimit(RLIMIT_FSIZE, &before_);
+  rlimit limit = before_;
+  limit.rlim_cur = rlim_t(bytes);
+  setrlimit(RLIMIT_FSIZE, &limit);
+}
+
+FileLimit::~FileLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+std::unique_ptr<SqliteStore> openStore(const Folder& folder, SqliteOptions options) {
+  options.directory = folder.path();
+  Expected<std::unique_ptr<SqliteStore>> store = SqliteStore::open(std::move(options));
+  EXPECT_TRUE(store.ok()) << store.status().message();
+  return store ? std::move(*store) : nullptr;
+}
+
+Position createSession(Store& store, const std::string& id, std::uint64_t epoch) {
+  Head head;
+  head.id = id;
+  head.epoch = epoch;
+  head.requestId = "request of " + id;
+  head.created = head.lastUsed = std::chrono::system_clock::time_point(std::chrono::seconds(1'000'000));
+  head.ttl = std::chrono::seconds(3600);
+  pb::Snapshot snapshot;
+  (*snapshot.mutable_clients())["me"].set_secret_hash("hash of my secret");
+  return store.create(head, [snapshot] { return Whole{snapshot, {}}; });
+}
+
+pb::Record lampRecord(std::uint64_t revision, const std::string& mesh) {
+  pb::Record record;
+  record.set_revision(revision);
+  lpv::v1::Light* light = record.add_lights();
+  light->set_name("Lamp");
+  light->set_mesh(mesh);
+  light->mutable_radiance()->set_x(double(revision));
+  light->mutable_status()->set_revision(revision);
+  record.set_client_id("me");
+  record.mutable_outcome()->set_sequence(revision);
+  record.mutable_outcome()->set_revision(revision);
+  return record;
+}
+
+MakeStep lampStep(std::uint64_t revision, const std::string& mesh, const std::string& bytes) {
+  return [=](const Holds& holds) {
+    Step step{lampRecord(revision, mesh), {}};
+    if (!holds(mesh)) {
+      step.contents.push_back({mesh, lpv::v1::BLOB_KIND_MESH, std::make_shared<const std::string>(bytes)});
+    }
+    return step;
+  };
+}
+
+Status keptAt(Store& store, Position position) {
+  std::promise<Status> promise;
+  store.whenKept(position, [&promise](const Status& status) { promise.set_value(status); });
+  return promise.get_future().get();
+}
+
+std::int64_t ask(const Folder& folder, const std::string& sql) {
+  const Expected<std::unique_ptr<Database>> database = Database::open(folder.database());
+  EXPECT_TRUE(database.ok());
+  Statement statement = (*database)->query(sql.c_str());
+  const Expected<bool> row = statement.step();
+  EXPECT_TRUE(row.ok() && *row) << row.status().message();
+  return statement.integer(0);
+}
+
+void tamper(const Folder& folder, const std::string& sql) {
+  const Expected<std::unique_ptr<Database>> database = Database::open(folder.database());
+  ASSERT_TRUE(database.ok());
+  const Status status = (*database)->run(sql.c_str());
+  ASSERT_TRUE(status.ok()) << status.message();
+}
+
+}  // namespace lpv::store

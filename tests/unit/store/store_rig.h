@@ -1,0 +1,56 @@
+#pragma once
+// A store in a folder of its own, and small sessions to keep in it.
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "store/sqlite/sqlite_store.h"
+
+namespace lpv::store {
+
+/// A folder that goes with this.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  const std::string& path() const { return path_; }
+  std::string database() const { return path_ + "/sessions.db"; }
+  std::uintmax_t logBytes() const { return std::filesystem::file_size(database() + "-wal"); }
+
+ private:
+  std::string path_;
+};
+
+/// While it lives no file of this process grows beyond `bytes`: writes fail as on a disk with an error.
+class FileLimit {
+ public:
+  explicit FileLimit(std::uintmax_t bytes);
+  ~FileLimit();
+
+ private:
+  rlimit before_{};
+};
+
+/// Opens, or fails the test.
+std::unique_ptr<SqliteStore> openStore(const Folder& folder, SqliteOptions options = {});
+
+/// A session at revision 0 with one member "me".
+Position createSession(Store& store, const std::string& id, std::uint64_t epoch = 1);
+/// The step to `revision` that sets the light "Lamp" to the mesh `mesh` and red radiance `revision`, as edit of "me".
+pb::Record lampRecord(std::uint64_t revision, const std::string& mesh = "mesh-a");
+/// That step, bringing `bytes` as the mesh where they are not there yet.
+MakeStep lampStep(std::uint64_t revision, const std::string& mesh = "mesh-a", const std::string& bytes = "bytes of a");
+/// What became of a position; waits.
+Status keptAt(Store& store, Position position);
+
+/// The single number of a query on the store's database, over a connection of its own.
+std::int64_t ask(const Folder& folder, const std::string& sql);
+/// Changes the database behind the store's back.
+void tamper(const Folder& folder, const std::string& sql);
+
+}  // namespace lpv::store
