@@ -41,7 +41,7 @@ LPV_CONST int kTreeNodes = 18;  // uvec4 per node of every level of a light's tr
 LPV_CONST int kTreeRecords = 19;  // vec4, LPV_RECORD per record of a light's tree (shaders/transport/vpls.glsl)
 LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: x | y << 8 | z << 16, in blocks
 LPV_CONST int kCursors = 21;  // uvec2 per block: where its walk through the tree stands before its even, odd turns
-LPV_CONST int kNearestVpl = 22;  // float per cell: cells to the nearest VPL that was taken by itself
+LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
@@ -63,10 +63,10 @@ LPV_CONST int kTriangles = 13;  // usamplerBuffer: uvec3 per triangle
 LPV_CONST int kTree = 14;  // samplerBuffer over the records of a light's tree
 LPV_CONST int kDirect =
     15;  // samplerBuffer: the lights as receivers look at them (shaders/transport/emitter_list.glsl)
-LPV_CONST int kProximity = 16;  // sampler3D: cells to the nearest VPL
+LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
-LPV_CONST int kProximityOut = 3;
+LPV_CONST int kEmitterDistanceOut = 3;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each

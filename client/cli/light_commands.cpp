@@ -50,7 +50,7 @@ ObjectKind lightKind() {
 Expected<std::vector<std::string>> writeLight(const LightFlags& flags, client::Client& client, v1::Light& light) {
   const Expected<UploadedFiles> files = uploadFiles(client, flags, flags.directions);
   if (!files) return files.status();
-  GivenFields fields;
+  MaskBuilder fields;
   fields.set("mesh", files->mesh, [&](const std::string& hash) { light.set_mesh(hash); });
   fields.set("texture", files->texture, [&](const std::string& hash) { light.set_texture(hash); });
   fields.set("radiance", flags.radiance, [&](const auto& v) { *light.mutable_radiance() = client::toProto(v); });
@@ -82,7 +82,7 @@ Expected<v1::Operation> changedLight(const LightFlags& flags, client::Client& cl
 void addLightAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<LightFlags>();
   CLI::App& app =
-      addAdd(group, commands, kind, given, [given](client::Client& client) { return newLight(*given, client); });
+      declareAdd(group, commands, kind, given, [given](client::Client& client) { return newLight(*given, client); });
   app.add_flag_callback(
       "--two-sided", [given] { given->twoSided = true; }, "Emits from both sides");
   given->addTo(app);
@@ -90,8 +90,8 @@ void addLightAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
 
 void addLightSet(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<LightFlags>();
-  CLI::App& app =
-      addSet(group, commands, kind, given, [given](client::Client& client) { return changedLight(*given, client); });
+  CLI::App& app = declareSet(group, commands, kind, given,
+                             [given](client::Client& client) { return changedLight(*given, client); });
   addSwitch(app, "--enabled", given->enabled, "Whether it shines");
   addSwitch(app, "--two-sided", given->twoSided, "Whether it emits from both sides");
   given->addTo(app);

@@ -155,8 +155,8 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   app.add_option("names", given->names, "Names; all or none are removed")->required()->type_name("NAME");
 }
 
-CLI::App& addAdd(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
-                 MakeOperation operation) {
+CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
+                     const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
   CLI::App& app = commands.add(group, "add", "Makes a mesh file a " + kind.word + " and prints its name",
                                applying(flags, std::move(operation), true));
   addSession(app, flags->id);
@@ -165,8 +165,8 @@ CLI::App& addAdd(CLI::App& group, Commands& commands, const ObjectKind& kind, co
   return app;
 }
 
-CLI::App& addSet(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
-                 MakeOperation operation) {
+CLI::App& declareSet(CLI::App& group, Commands& commands, const ObjectKind& kind,
+                     const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
   CLI::App& app =
       commands.add(group, "set", "Changes what is given, nothing else", applying(flags, std::move(operation), false));
   addSession(app, flags->id);

@@ -49,10 +49,10 @@ using MakeOperation = std::function<Expected<v1::Operation>(client::Client&)>;
 
 /// `add` and `set`, with the flags that make them; the caller adds those of its kind. `operation` uploads what is given
 /// and says what to do.
-CLI::App& addAdd(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
-                 MakeOperation operation);
-CLI::App& addSet(CLI::App& group, Commands& commands, const ObjectKind& kind, const std::shared_ptr<ObjectFlags>& flags,
-                 MakeOperation operation);
+CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
+                     const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation);
+CLI::App& declareSet(CLI::App& group, Commands& commands, const ObjectKind& kind,
+                     const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation);
 
 /// The name given to a new object, else its file's.
 std::string nameFor(const ObjectFlags& flags);
@@ -67,7 +67,7 @@ Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& f
                                     const std::string& directions = {});
 
 /// Writes what is given into a message and keeps the paths, for an update's mask.
-class GivenFields {
+class MaskBuilder {
  public:
   template <typename T, typename Write>
   void set(const char* path, const std::optional<T>& value, Write write) {

@@ -110,7 +110,7 @@ void addShow(CLI::App& group, Commands& commands) {
   addSession(app, *id);
 }
 
-void addSet(CLI::App& group, Commands& commands) {
+void declareSet(CLI::App& group, Commands& commands) {
   struct Options {
     std::string id;
     SessionFlags flags;
@@ -266,7 +266,7 @@ void addSessionCommands(CLI::App& app, Commands& commands) {
   addCreate(group, commands);
   addList(group, commands);
   addShow(group, commands);
-  addSet(group, commands);
+  declareSet(group, commands);
   addDelete(group, commands);
   addFit(group, commands);
   addShare(group, commands);

@@ -49,7 +49,7 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
                                                 v1::Surface& surface) {
   const Expected<UploadedFiles> files = uploadFiles(client, flags);
   if (!files) return files.status();
-  GivenFields fields;
+  MaskBuilder fields;
   fields.set("mesh", files->mesh, [&](const std::string& hash) { surface.set_mesh(hash); });
   fields.set("albedo_texture", files->texture, [&](const std::string& hash) { surface.set_albedo_texture(hash); });
   fields.set("albedo", flags.albedo, [&](const auto& v) { *surface.mutable_albedo() = client::toProto(v); });
@@ -80,14 +80,14 @@ Expected<v1::Operation> changedSurface(const SurfaceFlags& flags, client::Client
 void addSurfaceAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<SurfaceFlags>();
   CLI::App& app =
-      addAdd(group, commands, kind, given, [given](client::Client& client) { return newSurface(*given, client); });
+      declareAdd(group, commands, kind, given, [given](client::Client& client) { return newSurface(*given, client); });
   given->addTo(app);
 }
 
 void addSurfaceSet(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<SurfaceFlags>();
-  CLI::App& app =
-      addSet(group, commands, kind, given, [given](client::Client& client) { return changedSurface(*given, client); });
+  CLI::App& app = declareSet(group, commands, kind, given,
+                             [given](client::Client& client) { return changedSurface(*given, client); });
   given->addTo(app);
   requireSomeFlag(app);
 }

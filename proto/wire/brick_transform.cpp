@@ -133,7 +133,7 @@ double rounded(double value) {
 
 }  // namespace
 
-void elementsFrom(const std::int32_t* coefficients, Planes<std::int16_t>* elements) {
+void elementsFrom(const std::int32_t* coefficients, Coefficients<std::int16_t>* elements) {
   static const Synthesis kSynthesis;
   double planes[3 * kBrickCells];
   for (std::size_t element = 0; element < 4; ++element) {
@@ -156,7 +156,7 @@ void elementsFrom(const std::int32_t* coefficients, Planes<std::int16_t>* elemen
   }
 }
 
-void coefficientsFrom(const Planes<double>& elements, Planes<double>* coefficients) {
+void coefficientsFrom(const Coefficients<double>& elements, Coefficients<double>* coefficients) {
   static const Analysis kAnalysis;
   constexpr double kScale = double(1 << kShift);
   for (std::size_t element = 0; element < 4; ++element) {

@@ -11,7 +11,7 @@ namespace lpv::wire {
 
 /// Cells of a whole brick.
 inline constexpr std::size_t kBrickCells = 512;
-/// Planes: 4 elements x 3 colours (or colour components).
+/// Coefficients: 4 elements x 3 colours (or colour components).
 inline constexpr std::size_t kPlanes = 12;
 /// No coefficient is larger: sums stay exact in 53 bits.
 inline constexpr std::int32_t kMaxCoefficient = 1 << 22;
@@ -21,12 +21,12 @@ inline constexpr int kMaxRatio = 4096;
 
 /// Plane by plane, each x fastest: plane element * 3 + colour, or element * 3 + component.
 template <typename T>
-using Planes = std::array<T, kPlanes * kBrickCells>;
+using Coefficients = std::array<T, kPlanes * kBrickCells>;
 
 /// Elements from coefficients of magnitude <= kMaxCoefficient, exactly as result.proto says.
-void elementsFrom(const std::int32_t* coefficients, Planes<std::int16_t>* elements);
+void elementsFrom(const std::int32_t* coefficients, Coefficients<std::int16_t>* elements);
 
 /// The coefficients whose elements, before rounding, are these.
-void coefficientsFrom(const Planes<double>& elements, Planes<double>* coefficients);
+void coefficientsFrom(const Coefficients<double>& elements, Coefficients<double>* coefficients);
 
 }  // namespace lpv::wire

@@ -158,8 +158,8 @@ class Publisher {
   /// Cells beyond the grid repeat the last ones inside, which costs least.
   std::vector<double> wantedCoefficients(const std::vector<float>& truth, const BrickBox& box) const {
     std::vector<double> out(shape_.layers() * kPlanes * kBrickCells);
-    Planes<double> elements;
-    Planes<double> coefficients;
+    Coefficients<double> elements;
+    Coefficients<double> coefficients;
     for (std::size_t layer = 0; layer < shape_.layers(); ++layer) {
       const float* cells = truth.data() + layer * box.cells() * kCellElements;
       for (std::size_t i = 0; i < kBrickCells; ++i) {

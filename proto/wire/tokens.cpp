@@ -32,7 +32,7 @@ void appendLevel(std::int32_t level, std::string* out) {
   out->push_back(char(zigzag));
 }
 
-void appendPlane(const std::int32_t* plane, int shift, Tokens* out) {
+void appendPlane(const std::int32_t* plane, int shift, RunLevels* out) {
   int zeros = 0;
   for (const std::uint16_t at : scanOrder()) {
     if (plane[at] == 0) {
@@ -51,7 +51,7 @@ Status torn() { return invalid("part.payload", "the payload ends within a brick"
 
 }  // namespace
 
-bool appendBlock(const std::int32_t* coefficients, Tokens* out) {
+bool appendBlock(const std::int32_t* coefficients, RunLevels* out) {
   std::uint32_t all = 0;
   for (std::size_t i = 0; i < kPlanes * kBrickCells; ++i) all |= std::uint32_t(coefficients[i]);
   const int shift = all == 0 ? 0 : std::min(std::countr_zero(all), kMaxShift);

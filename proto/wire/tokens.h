@@ -12,7 +12,7 @@
 namespace lpv::wire {
 
 /// The two kinds of bytes of one or many (brick, layer) blocks.
-struct Tokens {
+struct RunLevels {
   std::string runs;
   std::string levels;
 
@@ -24,7 +24,7 @@ inline constexpr std::size_t kMaxBlockBytes = 1 + 12 * (512 + 1) + 12 * 512 * 4;
 
 /// Appends one block of 12 x 512 coefficients, magnitudes below 2^24. Returns false where all are zero; the block is
 /// appended all the same.
-bool appendBlock(const std::int32_t* coefficients, Tokens* out);
+bool appendBlock(const std::int32_t* coefficients, RunLevels* out);
 
 /// Reads blocks one after another.
 class TokenReader {

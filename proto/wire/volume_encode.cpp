@@ -20,7 +20,7 @@ class PartWriter {
 
   void add(int index) {
     const auto i = std::size_t(index);
-    Tokens tokens;
+    RunLevels tokens;
     std::size_t bytes = target_.bricks[i]->elements.size();
     if (target_.shape.format == Format::kCompact) {
       if (!appendTokens(i, &tokens) && base_ != nullptr) return;
@@ -41,7 +41,7 @@ class PartWriter {
 
  private:
   /// False where nothing differs.
-  bool appendTokens(std::size_t i, Tokens* tokens) const {
+  bool appendTokens(std::size_t i, RunLevels* tokens) const {
     const Brick* base = base_ != nullptr ? base_->bricks[i].get() : nullptr;
     std::vector<std::int32_t> coefficients = target_.bricks[i]->coefficients;
     if (base != nullptr) {
@@ -95,7 +95,7 @@ class PartWriter {
   std::size_t limit_ = 0;
   std::vector<int> bricks_;  ///< of the part being written
   std::size_t size_ = 0;     ///< of its body, bytes
-  Tokens tokens_;
+  RunLevels tokens_;
   std::vector<Part> parts_;
 };
 

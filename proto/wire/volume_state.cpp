@@ -87,7 +87,7 @@ void setCompactElements(const glm::ivec3& size, std::size_t layers, Brick* brick
   const auto cells = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
   brick->elements.resize(layers * cells * kCellElements * sizeof(std::int16_t));
   auto* out = reinterpret_cast<std::int16_t*>(brick->elements.data());
-  Planes<std::int16_t> planes;
+  Coefficients<std::int16_t> planes;
   for (std::size_t layer = 0; layer < layers; ++layer) {
     elementsFrom(brick->coefficients.data() + layer * planes.size(), &planes);
     for (std::size_t i = 0; i < kBrickCells; ++i) {

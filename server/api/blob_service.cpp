@@ -98,8 +98,8 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (!blob) return end(blob.status());
     const Expected<bool> existed = session_->addBlob(*blob);
     if (!existed) return end(existed.status());
-    session_->whenKept([self = std::static_pointer_cast<Upload>(shared_from_this()), hash = (*blob)->hash,
-                        existed = *existed](const Status& kept) {
+    session_->whenDurable([self = std::static_pointer_cast<Upload>(shared_from_this()), hash = (*blob)->hash,
+                           existed = *existed](const Status& kept) {
       if (!kept.ok()) return self->end(kept);
       {
         const std::lock_guard lock(self->mutex_);
@@ -112,7 +112,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
   }
 
   const Context context_;
-  Berth berth_;
+  AdmissionSlot berth_;
   Deadline idle_;
   SessionPtr session_;
   pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;
@@ -166,7 +166,8 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
     } else if (const MeshPtr mesh = (*session)->findMeshInUse(request.hash())) {
       bytes = std::make_shared<const std::string>(meshBytes(*mesh));
     } else {
-      return Status(Code::kNotFound, "there is no blob \"" + shortened(request.hash()) + "\" in this session", "hash");
+      return Status(Code::kNotFound, "there is no blob \"" + truncatedUtf8(request.hash()) + "\" in this session",
+                    "hash");
     }
     if (request.offset() < 0 || request.offset() > std::int64_t(bytes->size())) {
       return Status(Code::kOutOfRange,

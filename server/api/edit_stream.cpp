@@ -12,7 +12,8 @@ namespace {
 
 class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsResponse> {
  public:
-  explicit EditStream(const Context& context) : context_(context), first_(*context.timers), pulse_(*context.timers) {}
+  explicit EditStream(const Context& context)
+      : context_(context), first_(*context.timers), heartbeat_(*context.timers) {}
 
   void expectFirst() {
     first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
@@ -52,11 +53,11 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     if (!acks_.empty() && acks_.front()->told) {
       response->mutable_ack()->Swap(&acks_.front()->ack);
       acks_.pop_front();
-      pulse_.quiet();
+      heartbeat_.quiet();
       return true;
     }
-    if (session_ && pulse_.next(*session_, response)) return true;
-    if (pulse_.over()) {
+    if (session_ && heartbeat_.next(*session_, response)) return true;
+    if (heartbeat_.over()) {
       endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
     } else if (interrupted_ && acks_.empty()) {
       endInNext(Status(Code::kUnavailable, "an edit could not be taken now; open the stream again and repeat from it"));
@@ -68,7 +69,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
 
   void cancelled() override {
     first_.stop();
-    pulse_.stop();
+    heartbeat_.stop();
     if (session_) session_->unwatch(watcher_);
     {
       // Nobody is told of them: whoever comes back repeats them, and whose token was revoked has none applied.
@@ -94,14 +95,14 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     if (Status s = (*session)->verify(client_); !s.ok()) return s;
     const auto weak = std::weak_ptr<EditStream>(me());
     const auto close = [weak](Closing why) {
-      if (const auto self = weak.lock()) self->pulse_.close(why);
+      if (const auto self = weak.lock()) self->heartbeat_.close(why);
     };
     watcher_ = (*session)->watch([] {}, close, client_.id);
     {
       const std::lock_guard lock(mutex_);
       session_ = *session;
     }
-    pulse_.start([weak] {
+    heartbeat_.start([weak] {
       if (const auto self = weak.lock()) self->wake();
     });
     return {};
@@ -118,7 +119,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   void apply(const pb::Edit& edit) {
     Expected<Edit> parsed = fromProto(edit, context_.limits);
     const EditOutcome outcome = parsed ? session_->apply(client_, std::move(*parsed))
-                                       : session_->refuse(client_, edit.sequence(), parsed.status());
+                                       : session_->recordRejected(client_, edit.sequence(), parsed.status());
     const auto place = std::make_shared<Place>();
     {
       const std::lock_guard lock(mutex_);
@@ -131,7 +132,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
       }
       workLocked();  // the next one need not wait for the disk: many are kept at once
     }
-    session_->confirm(outcome, [self = me(), place](const EditOutcome& confirmed) {
+    session_->confirmWhenDurable(outcome, [self = me(), place](const EditOutcome& confirmed) {
       {
         const std::lock_guard lock(self->mutex_);
         toProto(confirmed, *self->session_, &place->ack);
@@ -143,7 +144,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
 
   const Context context_;
   Deadline first_;
-  Pulse pulse_;
+  HeartbeatEmitter heartbeat_;
   SessionPtr session_;
   ClientIdentity client_;
   std::uint64_t watcher_ = 0;

@@ -7,7 +7,7 @@ namespace lpv::api {
 bool PresenceFeed::next(const Session& session, pb::Presence* out) {
   const std::uint64_t changes = session.presenceChanges();
   if (changes == seen_) return false;
-  const PresentMembers members = session.presentMembers();
+  const PresenceSnapshot members = session.presenceSnapshot();
   for (const auto& [client, change] : told_) {
     if (members.contains(client)) continue;
     out->set_client_id(client);

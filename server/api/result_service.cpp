@@ -12,9 +12,9 @@ namespace {
 
 /// A call that asks the session for one result and hands it out in parts. Make builds the parts on a worker thread.
 template <typename Request, typename Response>
-class Answer : public Stream<Request, Response> {
+class SingleResultStream : public Stream<Request, Response> {
  public:
-  explicit Answer(const Context& context) : context_(context) {}
+  explicit SingleResultStream(const Context& context) : context_(context) {}
 
   void receive(Request request) override {
     if (asked_) return;
@@ -26,7 +26,7 @@ class Answer : public Stream<Request, Response> {
     if (!call) return this->end(call.status());
     call->minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
     call->done = [weak = this->weak_from_this()](Expected<Result> result) {
-      const auto self = std::static_pointer_cast<Answer>(weak.lock());
+      const auto self = std::static_pointer_cast<SingleResultStream>(weak.lock());
       if (self) self->finish(std::move(result));
     };
     const std::shared_ptr<WaitingCall> waiting = session_->ask(std::move(*call));
@@ -83,13 +83,13 @@ class Answer : public Stream<Request, Response> {
   std::shared_ptr<WaitingCall> call_;
 };
 
-class VolumeAnswer final : public Answer<pb::GetVolumeRequest, pb::GetVolumeResponse> {
+class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest, pb::GetVolumeResponse> {
  public:
-  using Answer::Answer;
+  using SingleResultStream::SingleResultStream;
 
  protected:
   Expected<WaitingCall> prepare(pb::GetVolumeRequest& request) override {
-    const Expected<VolumeOrder> order = orderFrom(request);
+    const Expected<VolumeEncodingRequest> order = encodingRequestFrom(request);
     if (!order) return order.status();
     order_ = *order;
     WaitingCall call;
@@ -104,21 +104,21 @@ class VolumeAnswer final : public Answer<pb::GetVolumeRequest, pb::GetVolumeResp
   }
 
  private:
-  VolumeOrder order_;
+  VolumeEncodingRequest order_;
 };
 
-class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameResponse> {
+class FrameResultStream final : public SingleResultStream<pb::GetFrameRequest, pb::GetFrameResponse> {
  public:
-  using Answer::Answer;
+  using SingleResultStream::SingleResultStream;
 
  protected:
   Expected<WaitingCall> prepare(pb::GetFrameRequest& request) override {
-    Expected<FrameOrder> order = orderFrom(request, context_.limits);
+    Expected<FrameEncodingRequest> order = encodingRequestFrom(request, context_.limits);
     if (!order) return order.status();
-    if (Status s = session_->checkCamera(order->wish.camera); !s.ok()) return s;
+    if (Status s = session_->checkCamera(order->subscription.camera); !s.ok()) return s;
     order_ = *order;
     WaitingCall call;
-    call.frame = order_.wish;
+    call.frame = order_.subscription;
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
@@ -130,12 +130,12 @@ class FrameAnswer final : public Answer<pb::GetFrameRequest, pb::GetFrameRespons
   }
 
  private:
-  FrameOrder order_;
+  FrameEncodingRequest order_;
 };
 
-class ProbeAnswer final : public Answer<pb::ProbeRequest, pb::ProbeResponse> {
+class ProbeResultStream final : public SingleResultStream<pb::ProbeRequest, pb::ProbeResponse> {
  public:
-  using Answer::Answer;
+  using SingleResultStream::SingleResultStream;
 
  protected:
   Expected<WaitingCall> prepare(pb::ProbeRequest& request) override {
@@ -165,53 +165,54 @@ class ProbeAnswer final : public Answer<pb::ProbeRequest, pb::ProbeResponse> {
 }  // namespace
 
 StreamPtr<pb::GetVolumeRequest, pb::GetVolumeResponse> getVolume(const Context& context) {
-  return std::make_shared<VolumeAnswer>(context);
+  return std::make_shared<VolumeResultStream>(context);
 }
 
 StreamPtr<pb::GetFrameRequest, pb::GetFrameResponse> getFrame(const Context& context) {
-  return std::make_shared<FrameAnswer>(context);
+  return std::make_shared<FrameResultStream>(context);
 }
 
 StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(const Context& context) {
-  return std::make_shared<ProbeAnswer>(context);
+  return std::make_shared<ProbeResultStream>(context);
 }
 
 /// The camera and picture size that a pick is about: a live subscriber's, or given.
-static Expected<FrameWish> pickedWish(const SessionPtr& session, const pb::PickRequest& request, const Limits& limits) {
-  FrameWish wish;
+static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::PickRequest& request,
+                                          const Limits& limits) {
+  FrameSettings subscription;
   if (!request.subscriber().empty()) {
     const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(request.subscriber());
-    const std::optional<FrameWish> frame = subscriber ? session->wishOf(subscriber).frame : std::nullopt;
+    const std::optional<FrameSettings> frame = subscriber ? session->subscriptionOf(subscriber).frame : std::nullopt;
     if (!frame) {
-      return Status(Code::kNotFound, "there is no frame subscriber \"" + shortened(request.subscriber()) + "\"",
+      return Status(Code::kNotFound, "there is no frame subscriber \"" + truncatedUtf8(request.subscriber()) + "\"",
                     "subscriber");
     }
     return *frame;
   }
   const Expected<glm::ivec2> size = frameSize(request.width(), request.height(), limits);
   if (!size) return size.status();
-  wish.size = *size;
+  subscription.size = *size;
   if (request.has_camera()) {
     const Expected<Camera> camera = fromProto(request.camera());
     if (!camera) return camera.status().within("camera");
-    wish.camera.camera = *camera;
+    subscription.camera.camera = *camera;
   }
-  return wish;
+  return subscription;
 }
 
 Status pick(const Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
-  const Expected<FrameWish> wish = pickedWish(*session, request, context.limits);
-  if (!wish) return wish.status();
-  const glm::dvec2 size(wish->size);
+  const Expected<FrameSettings> subscription = pickedWish(*session, request, context.limits);
+  if (!subscription) return subscription.status();
+  const glm::dvec2 size(subscription->size);
   if (!(request.x() >= 0.0 && request.x() <= size.x && request.y() >= 0.0 && request.y() <= size.y)) {
     return Status(Code::kOutOfRange,
                   "x, y is " + std::to_string(request.x()) + ", " + std::to_string(request.y()) + ", the picture is " +
-                      std::to_string(wish->size.x) + " x " + std::to_string(wish->size.y),
+                      std::to_string(subscription->size.x) + " x " + std::to_string(subscription->size.y),
                   "x");
   }
-  const Expected<Camera> camera = (*session)->cameraFor(wish->camera, wish->size);
+  const Expected<Camera> camera = (*session)->cameraFor(subscription->camera, subscription->size);
   if (!camera) return camera.status();
   const ScenePtr scene = (*session)->scene();
   response->set_revision(scene->revision);

@@ -114,21 +114,24 @@ std::shared_ptr<ResultStream<Traits>> make(const Context& context) {
 }  // namespace
 
 StreamPtr<pb::WatchVolumeRequest, pb::WatchVolumeResponse> watchVolume(const Context& context) {
-  return make<WatchTraits<pb::WatchVolumeRequest, pb::WatchVolumeResponse, pb::VolumeSubscription, VolumeFeed>>(
+  return make<WatchTraits<pb::WatchVolumeRequest, pb::WatchVolumeResponse, pb::VolumeSubscription, VolumeSubscription>>(
       context);
 }
 
 StreamPtr<pb::StreamVolumeRequest, pb::StreamVolumeResponse> streamVolume(const Context& context) {
-  return make<BidiTraits<pb::StreamVolumeRequest, pb::StreamVolumeResponse, pb::VolumeSubscription, VolumeFeed>>(
+  return make<
+      BidiTraits<pb::StreamVolumeRequest, pb::StreamVolumeResponse, pb::VolumeSubscription, VolumeSubscription>>(
       context);
 }
 
 StreamPtr<pb::WatchFramesRequest, pb::WatchFramesResponse> watchFrames(const Context& context) {
-  return make<WatchTraits<pb::WatchFramesRequest, pb::WatchFramesResponse, pb::FrameSubscription, FrameFeed>>(context);
+  return make<WatchTraits<pb::WatchFramesRequest, pb::WatchFramesResponse, pb::FrameSubscription, FrameSubscription>>(
+      context);
 }
 
 StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(const Context& context) {
-  return make<BidiTraits<pb::StreamFramesRequest, pb::StreamFramesResponse, pb::FrameSubscription, FrameFeed>>(context);
+  return make<BidiTraits<pb::StreamFramesRequest, pb::StreamFramesResponse, pb::FrameSubscription, FrameSubscription>>(
+      context);
 }
 
 Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRequest& request,
@@ -138,7 +141,7 @@ Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRe
   const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
   if (!subscriber) {
     return Status(Code::kNotFound,
-                  "there is no subscriber \"" + shortened(request.subscriber()) + "\"; its stream may have ended",
+                  "there is no subscriber \"" + truncatedUtf8(request.subscriber()) + "\"; its stream may have ended",
                   "subscriber");
   }
   return applyUpdate(*session, subscriber, request.update(), context.limits).within("update");

@@ -13,38 +13,40 @@ void applyEdit(const Context& context, const pb::ApplyEditRequest& request, pb::
   const ClientIdentity client = fromProto(request.client());
   Expected<Edit> edit = fromProto(request.edit(), context.limits);
   const EditOutcome outcome = edit ? (*session)->apply(client, std::move(*edit))
-                                   : (*session)->refuse(client, request.edit().sequence(), edit.status());
-  (*session)->confirm(outcome, [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
-    if (confirmed.status.ok()) toProto(confirmed, *session, response->mutable_ack());
-    done(confirmed.status);
-  });
+                                   : (*session)->recordRejected(client, request.edit().sequence(), edit.status());
+  (*session)->confirmWhenDurable(outcome,
+                                 [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
+                                   if (confirmed.status.ok()) toProto(confirmed, *session, response->mutable_ack());
+                                   done(confirmed.status);
+                                 });
 }
 
 namespace {
 
 /// Of Undo and Redo, which differ in their direction only.
 template <typename Request, typename Response>
-void takeStep(const Context& context, const Request& request, Response* response, Direction direction, Done done) {
+void undoRedo(const Context& context, const Request& request, Response* response, UndoDirection direction, Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
   if (!session) return done(session.status());
-  const EditOutcome outcome = (*session)->takeStep(fromProto(request.client()), request.sequence(), direction);
-  (*session)->confirm(outcome, [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
-    if (confirmed.status.ok()) {
-      toProto(confirmed, *session, response->mutable_ack());
-      *response->mutable_skipped_fields() = response->ack().skipped_fields();
-    }
-    done(confirmed.status);
-  });
+  const EditOutcome outcome = (*session)->undoRedo(fromProto(request.client()), request.sequence(), direction);
+  (*session)->confirmWhenDurable(outcome,
+                                 [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
+                                   if (confirmed.status.ok()) {
+                                     toProto(confirmed, *session, response->mutable_ack());
+                                     *response->mutable_skipped_fields() = response->ack().skipped_fields();
+                                   }
+                                   done(confirmed.status);
+                                 });
 }
 
 }  // namespace
 
 void undo(const Context& context, const pb::UndoRequest& request, pb::UndoResponse* response, Done done) {
-  takeStep(context, request, response, Direction::kUndo, std::move(done));
+  undoRedo(context, request, response, UndoDirection::kUndo, std::move(done));
 }
 
 void redo(const Context& context, const pb::RedoRequest& request, pb::RedoResponse* response, Done done) {
-  takeStep(context, request, response, Direction::kRedo, std::move(done));
+  undoRedo(context, request, response, UndoDirection::kRedo, std::move(done));
 }
 
 Status lockObjects(const Context& context, const pb::LockObjectsRequest& request, pb::LockObjectsResponse*) {

@@ -14,7 +14,7 @@ namespace {
 
 class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneResponse> {
  public:
-  explicit SceneStream(const Context& context) : context_(context), pulse_(*context.timers) {}
+  explicit SceneStream(const Context& context) : context_(context), heartbeat_(*context.timers) {}
 
   void receive(pb::WatchSceneRequest request) override {
     if (Status s = open(request); !s.ok()) return end(s);
@@ -24,7 +24,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
   bool next(pb::WatchSceneResponse* response) override {
     const std::lock_guard lock(mutex_);
     if (!session_) return false;
-    if (pulse_.over()) {
+    if (heartbeat_.over()) {
       endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
       return false;
     }
@@ -32,12 +32,12 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     if (parts_.empty()) return nextNotice(response);
     response->Swap(&parts_.front());
     parts_.pop_front();
-    pulse_.quiet();
+    heartbeat_.quiet();
     return true;
   }
 
   void cancelled() override {
-    pulse_.stop();
+    heartbeat_.stop();
     SessionPtr session;
     {
       const std::lock_guard lock(mutex_);
@@ -61,11 +61,11 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
       if (const auto self = weak.lock()) self->wake();
     };
     const auto close = [weak](Closing why) {
-      if (const auto self = weak.lock()) self->pulse_.close(why);
+      if (const auto self = weak.lock()) self->heartbeat_.close(why);
     };
     presence_.start(request.client().client_id());
     watcher_ = session_->watch(wakeUp, close, request.client().client_id());
-    pulse_.start(wakeUp);
+    heartbeat_.start(wakeUp);
     return {};
   }
 
@@ -84,14 +84,14 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
   /// What is no change of the scene. Members are told where the reader has taken everything else.
   bool nextNotice(pb::WatchSceneResponse* response) {
     pb::Presence member;
-    if (!presence_.next(*session_, &member)) return pulse_.next(*session_, response);
+    if (!presence_.next(*session_, &member)) return heartbeat_.next(*session_, response);
     *response->mutable_presence() = std::move(member);
-    pulse_.quiet();
+    heartbeat_.quiet();
     return true;
   }
 
   const Context context_;
-  Pulse pulse_;
+  HeartbeatEmitter heartbeat_;
   std::mutex mutex_;
   SessionPtr session_;
   std::uint64_t watcher_ = 0;

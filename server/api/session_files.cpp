@@ -124,7 +124,7 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
   }
 
   const Context context_;
-  Berth berth_;
+  AdmissionSlot berth_;
   Deadline idle_;
   std::mutex mutex_;
   std::string bytes_;
@@ -202,7 +202,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
   }
 
   const Context context_;
-  Berth berth_;
+  AdmissionSlot berth_;
   Deadline idle_;
   bool begun_ = false;
   std::string wantedId_;

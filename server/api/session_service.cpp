@@ -26,7 +26,7 @@ Done answer(const SessionPtr& session, Response* response, Done done) {
 
 template <typename Response>
 void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
-  session->whenKept(answer(session, response, std::move(done)));
+  session->whenDurable(answer(session, response, std::move(done)));
 }
 
 }  // namespace
@@ -34,10 +34,10 @@ void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
 void createSession(const Context& context, const pb::CreateSessionRequest& request, pb::CreateSessionResponse* response,
                    Done done) {
   if (Status s = allowAdmin(context, "making a session"); !s.ok()) return done(s);
-  const Expected<Settings> settings = fromProto(request.settings());
+  const Expected<SessionSettings> settings = fromProto(request.settings());
   if (!settings) return done(settings.status());
   const Expected<SessionPtr> session =
-      context.registry->create(request.session_id(), settings->options, settings->manners, request.request_id());
+      context.registry->create(request.session_id(), settings->options, settings->policy, request.request_id());
   if (!session) return done(session.status());
   const Expected<MintedToken> token = ownerToken(context, (*session)->id());
   if (!token) return done(token.status());
@@ -67,7 +67,7 @@ void updateSession(const Context& context, const pb::UpdateSessionRequest& reque
   const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name(), Role::kEditor);
   if (!session) return done(session.status());
   const Status changed = (*session)->changeSettings(
-      [&](const Settings& now) { return withMask(now, request.session().settings(), request.update_mask()); });
+      [&](const SessionSettings& now) { return withMask(now, request.session().settings(), request.update_mask()); });
   if (!changed.ok()) return done(changed);
   answerWhenKept(*session, response, std::move(done));
 }
@@ -108,7 +108,7 @@ void leaveSession(const Context& context, const pb::LeaveSessionRequest& request
   if (!session) return done(session.status());
   if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return done(s);
   (*session)->leave(fromProto(request.client()));
-  (*session)->whenKept(std::move(done));
+  (*session)->whenDurable(std::move(done));
 }
 
 Status updatePresence(const Context& context, const pb::UpdatePresenceRequest& request, pb::UpdatePresenceResponse*) {

@@ -91,16 +91,16 @@ Status readAdminToken(const Options& options, Access& access) {
 }
 
 /// What happened to a session that nobody asked for.
-void tell(Incident incident, const std::string& session, const std::string& why) {
+void tell(SessionEvent incident, const std::string& session, const std::string& why) {
   const ops::LogScope scope({session, {}, {}});
   switch (incident) {
-    case Incident::kExpired:
+    case SessionEvent::kExpired:
       return ops::audit("expire", {{"why", "ttl"}});
-    case Incident::kForgotten:
+    case SessionEvent::kRetentionEnded:
       return ops::audit("expire", {{"why", "retain"}});
-    case Incident::kPutAway:
+    case SessionEvent::kEvicted:
       return spdlog::info("idle: put away, on disk only");
-    case Incident::kTickFailed:
+    case SessionEvent::kTickFailed:
       return spdlog::error("a tick failed: {}", why);
   }
 }
@@ -115,14 +115,14 @@ Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const o
   return endpoint;
 }
 
-void publish(ops::Endpoint& endpoint, const api::Context& context, const Workshop& workshop,
+void publish(ops::Endpoint& endpoint, const api::Context& context, const SessionServices& services,
              const store::Store& store) {
   ops::MetricSources sources;
   sources.counters = context.counters;
   sources.registry = context.registry;
-  sources.journal = workshop.journal;
+  sources.journal = services.journal;
   sources.storeQueue = [&store] { return store.queued(); };
-  sources.engine = workshop.engine;
+  sources.engine = services.engine;
   sources.device = context.device;
   sources.version = context.version;
   sources.started = context.started;
@@ -202,13 +202,13 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   if (!engine) return fail(engine.status());
   Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool, counters);
   if (!opened) return fail(opened.status());
-  api::StoreJournal journal(**opened);
+  api::PersistentJournal journal(**opened);
   Access access(journal, timers);
   if (const Status status = access.open(); !status.ok()) return fail(status);
   if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
-  const Workshop workshop{options.limits, engine->get(), &pool,   &timers, &counters,
-                          api::meshHash,  &journal,      &access, tell};
-  Registry registry(workshop, options.retain);
+  const SessionServices services{options.limits, engine->get(), &pool,   &timers, &counters,
+                                 api::meshHash,  &journal,      &access, tell};
+  Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context{&registry,      &pool,
                        &timers,        &counters,
@@ -221,7 +221,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   door::Door& door = **entrance;
   health.serve(journal);
   const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // goes before what it tells of
-  if (endpoint) publish(*endpoint, context, workshop, **opened);
+  if (endpoint) publish(*endpoint, context, services, **opened);
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
   announce(options, access, door.port(), context.device);

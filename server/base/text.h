@@ -10,7 +10,7 @@ inline constexpr std::size_t kMostQuoted = 80;
 
 /// The text's first bytes, at most `most`, cut before a UTF-8 character rather than within: half a character makes a
 /// message that proto3 clients cannot read.
-inline std::string shortened(const std::string& text, std::size_t most = kMostQuoted) {
+inline std::string truncatedUtf8(const std::string& text, std::size_t most = kMostQuoted) {
   if (text.size() <= most) return text;
   std::size_t end = most;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;

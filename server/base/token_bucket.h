@@ -8,9 +8,9 @@ namespace lpv {
 
 /// So many a second, and as many at once after a pause; one as soon as it is due where that is less than one. Not
 /// thread-safe.
-class Allowance {
+class TokenBucket {
  public:
-  Allowance(double perSecond, Clock::time_point now) : left_(most(perSecond)), counted_(now) {}
+  TokenBucket(double perSecond, Clock::time_point now) : left_(most(perSecond)), counted_(now) {}
 
   /// Takes one, where one is left.
   bool take(double perSecond, Clock::time_point now) {

@@ -45,12 +45,13 @@ void WorkerPool::runQueued() {
   }
 }
 
-void WorkerPool::whileBlocked(const std::function<void()>& wait) {
+void WorkerPool::blockingSection(const std::function<void()>& wait) {
   if (workplace != this) return wait();
   {
     const std::lock_guard lock(mutex_);
     --running_;
-    if (idle_ == 0 && !stopping_ && threads_.size() < size_ + kMostSpares) threads_.emplace_back([this] { run(); });
+    if (idle_ == 0 && !stopping_ && threads_.size() < size_ + kMaxCompensatingThreads)
+      threads_.emplace_back([this] { run(); });
   }
   wake_.notify_one();
   wait();

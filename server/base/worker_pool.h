@@ -20,8 +20,8 @@ class WorkerPool {
 
   void post(std::function<void()> job);
   /// Runs `wait`, which may take long and needs little of the processor, while another thread works in this one's place
-  /// (kMostSpares at most do). Outside a job of this pool: just runs it.
-  void whileBlocked(const std::function<void()>& wait);
+  /// (kMaxCompensatingThreads at most do). Outside a job of this pool: just runs it.
+  void blockingSection(const std::function<void()>& wait);
   /// Runs what is queued, and what that posts, on the calling thread: a pool without threads does the same in every
   /// run.
   void runQueued();
@@ -29,7 +29,7 @@ class WorkerPool {
   void stop();
 
  private:
-  static constexpr unsigned kMostSpares = 16;
+  static constexpr unsigned kMaxCompensatingThreads = 16;
 
   void run();
 

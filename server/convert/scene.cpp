@@ -13,10 +13,10 @@ constexpr std::size_t kMaxUndoGroupBytes = 100;
 constexpr std::size_t kObjectsPerPart = 1000;  // an object is a few hundred bytes: a part stays far below 1 MiB
 
 /// Which fields of an object a message names: those of a mask, or those that are set in a new object.
-class Named {
+class FieldSelection {
  public:
-  Named() = default;
-  explicit Named(const google::protobuf::FieldMask& mask) : mask_(&mask) {}
+  FieldSelection() = default;
+  explicit FieldSelection(const google::protobuf::FieldMask& mask) : mask_(&mask) {}
 
   bool isNew() const { return mask_ == nullptr; }
   /// True for `path` in the mask; for a new object, what `present` says.
@@ -44,7 +44,7 @@ class Named {
 };
 
 /// A named field that a mask mentions but the message leaves out goes back to its default.
-Expected<TransformFields> transformFields(const pb::Transform& in, bool isSet, const Named& named) {
+Expected<TransformFields> transformFields(const pb::Transform& in, bool isSet, const FieldSelection& named) {
   const Expected<TransformFields> given = fromProto(in);
   if (!given) return given.status();
   if (named("transform", isSet)) {
@@ -63,7 +63,7 @@ Expected<TransformFields> transformFields(const pb::Transform& in, bool isSet, c
 
 /// `mesh` or `inline_mesh` of a light or surface.
 template <typename Message>
-Status takeMesh(const Message& in, const Named& named, std::optional<MeshReference>* out) {
+Status takeMesh(const Message& in, const FieldSelection& named, std::optional<MeshReference>* out) {
   const bool inlined = named("inline_mesh", in.has_inline_mesh());
   const bool byHash = named("mesh", !in.mesh().empty());
   if (inlined && byHash) return invalid("mesh", "mesh and inline_mesh are both given; give one");
@@ -99,7 +99,7 @@ const std::vector<std::string> kSurfacePaths = {"mesh",
                                                 "metalness",
                                                 "one_sided"};
 
-Expected<LightFields> lightFields(const pb::Light& in, const Named& named) {
+Expected<LightFields> lightFields(const pb::Light& in, const FieldSelection& named) {
   LightFields out;
   if (Status s = takeMesh(in, named, &out.mesh); !s.ok()) return s;
   const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
@@ -115,7 +115,7 @@ Expected<LightFields> lightFields(const pb::Light& in, const Named& named) {
   return out;
 }
 
-Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const Named& named) {
+Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const FieldSelection& named) {
   SurfaceFields out;
   if (Status s = takeMesh(in, named, &out.mesh); !s.ok()) return s;
   const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
@@ -138,33 +138,34 @@ Expected<Operation> setVertices(const pb::SetVertices& in) {
 }
 
 /// An operation, or what is wrong with it, named from the operation's field.
-template <typename Made, typename Fields>
-Expected<Operation> made(const char* place, const std::string& name, const Expected<Fields>& fields) {
+template <typename Created, typename Fields>
+Expected<Operation> operationOf(const char* place, const std::string& name, const Expected<Fields>& fields) {
   if (!fields) return fields.status().within(place);
-  return Operation(Made{name, *fields});
+  return Operation(Created{name, *fields});
 }
 
 Expected<Operation> operationFromProto(const pb::Operation& op) {
   switch (op.operation_case()) {
     case pb::Operation::kCreateLight:
-      return made<CreateLight>("create_light", op.create_light().name(), lightFields(op.create_light(), Named()));
+      return operationOf<CreateLight>("create_light", op.create_light().name(),
+                                      lightFields(op.create_light(), FieldSelection()));
     case pb::Operation::kUpdateLight: {
       const pb::UpdateLight& update = op.update_light();
-      const Named named(update.update_mask());
+      const FieldSelection named(update.update_mask());
       if (Status s = named.check(kLightPaths); !s.ok()) return s.within("update_light");
-      return made<UpdateLight>("update_light.light", update.light().name(), lightFields(update.light(), named));
+      return operationOf<UpdateLight>("update_light.light", update.light().name(), lightFields(update.light(), named));
     }
     case pb::Operation::kDeleteLight:
       return Operation(DeleteLight{op.delete_light()});
     case pb::Operation::kCreateSurface:
-      return made<CreateSurface>("create_surface", op.create_surface().name(),
-                                 surfaceFields(op.create_surface(), Named()));
+      return operationOf<CreateSurface>("create_surface", op.create_surface().name(),
+                                        surfaceFields(op.create_surface(), FieldSelection()));
     case pb::Operation::kUpdateSurface: {
       const pb::UpdateSurface& update = op.update_surface();
-      const Named named(update.update_mask());
+      const FieldSelection named(update.update_mask());
       if (Status s = named.check(kSurfacePaths); !s.ok()) return s.within("update_surface");
-      return made<UpdateSurface>("update_surface.surface", update.surface().name(),
-                                 surfaceFields(update.surface(), named));
+      return operationOf<UpdateSurface>("update_surface.surface", update.surface().name(),
+                                        surfaceFields(update.surface(), named));
     }
     case pb::Operation::kDeleteSurface:
       return Operation(DeleteSurface{op.delete_surface()});
@@ -272,9 +273,9 @@ namespace {
 
 /// Deals objects out over messages: `current()` is a message with room for one more.
 template <typename Part, typename NewPart>
-class Parts {
+class MessageSplitter {
  public:
-  explicit Parts(NewPart newPart) : newPart_(newPart) { next(); }
+  explicit MessageSplitter(NewPart newPart) : newPart_(newPart) { next(); }
   Part* current() {
     if (objects_++ == kObjectsPerPart) {
       part_->set_more(true);
@@ -297,7 +298,7 @@ class Parts {
 };
 
 template <typename Dealt>
-void dealObjects(const Changes& changes, Dealt& parts) {
+void appendObjects(const Changes& changes, Dealt& parts) {
   if (changes.options) toProto(*changes.options, parts.current()->mutable_settings());
   if (changes.grid) toProto(*changes.grid, parts.current()->mutable_grid());
   for (const Versioned<Light>& light : changes.lights) toProto(light, parts.current()->add_lights());
@@ -316,8 +317,8 @@ std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_
       part->set_revision(changes.revision);
       return part;
     };
-    Parts<pb::SceneSnapshot, decltype(newPart)> parts(newPart);
-    dealObjects(changes, parts);
+    MessageSplitter<pb::SceneSnapshot, decltype(newPart)> parts(newPart);
+    appendObjects(changes, parts);
     return parts.take();
   }
   const auto newPart = [&](pb::WatchSceneResponse* message) {
@@ -327,7 +328,7 @@ std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_
     part->set_last_revision(changes.revision);
     return part;
   };
-  Parts<pb::SceneChange, decltype(newPart)> parts(newPart);
+  MessageSplitter<pb::SceneChange, decltype(newPart)> parts(newPart);
   for (const auto& [client, sequence] : clientSequences)
     (*parts.current()->mutable_client_sequences())[client] = sequence;
   for (const Deleted& deleted : changes.deleted) {
@@ -336,7 +337,7 @@ std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_
     if (deleted.kind == ObjectKind::kSurface) part->add_deleted_surfaces(deleted.name);
     if (deleted.kind == ObjectKind::kCamera) part->add_deleted_cameras(deleted.name);
   }
-  dealObjects(changes, parts);
+  appendObjects(changes, parts);
   return parts.take();
 }
 

@@ -70,7 +70,7 @@ using Names = std::set<std::string>;
 
 /// Transport, injection and lookup, each with the default that the others give it: the named ones as they are asked
 /// for, the others as they belong to the transport where that is another one now.
-Status takeTransport(const Names& named, const pb::SessionSettings& in, SessionOptions* o) {
+Status takeTransport(const Names& named, const pb::SessionSettings& in, LightingSettings* o) {
   const Transport before = o->transport;
   if (named.contains("transport")) {
     const bool paper = named.contains("injection") && in.injection() == pb::INJECTION_COUNT;
@@ -79,7 +79,7 @@ Status takeTransport(const Names& named, const pb::SessionSettings& in, SessionO
     if (Status s = take("transport", in.transport(), 3, &o->transport); !s.ok()) return s;
   }
   const bool changed = o->transport != before;
-  SessionOptions belonging = *o;
+  LightingSettings belonging = *o;
   belonging.followTransport();
   if (changed || named.contains("injection")) o->injection = belonging.injection;
   if (changed || named.contains("lookup")) o->lookup = belonging.lookup;
@@ -90,15 +90,15 @@ Status takeTransport(const Names& named, const pb::SessionSettings& in, SessionO
 }
 
 /// One settings field by its name within SessionSettings; takeTransport's stay as they are.
-Status takeField(const std::string& field, const pb::SessionSettings& in, Settings* out) {
-  SessionOptions& o = out->options;
+Status takeField(const std::string& field, const pb::SessionSettings& in, SessionSettings* out) {
+  LightingSettings& o = out->options;
   if (field == "grid") {
     const Expected<GridOptions> grid = gridFromProto(in.grid());
     if (!grid) return grid.status().within("grid");
     o.grid = *grid;
     return {};
   }
-  const SessionOptions defaults;
+  const LightingSettings defaults;
   if (field == "transport" || field == "injection" || field == "lookup") return {};
   if (field == "method") return o.method = defaults.method, take("method", in.method(), 3, &o.method);
   if (field == "dense_samples") return o.denseSamples = in.dense_samples(), Status();
@@ -113,7 +113,7 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Settin
   if (field == "haze") return o.haze = in.haze(), Status();
   if (field == "display_name") {
     if (in.display_name().size() > kMaxDisplayName) return invalid("display_name", "display_name is above 200 bytes");
-    out->manners.displayName = in.display_name();
+    out->policy.displayName = in.display_name();
     return {};
   }
   if (field == "ttl") {
@@ -121,13 +121,13 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Settin
     if (seconds < 0 || seconds > kMaxTtlSeconds) {
       return invalid("ttl", "ttl is " + std::to_string(seconds) + " s, allowed are 0 (never) to 10 years");
     }
-    out->manners.ttl = std::chrono::seconds(seconds);
+    out->policy.ttl = std::chrono::seconds(seconds);
     return {};
   }
   return invalid("update_mask", "update_mask has the unknown path \"settings." + field + "\"");
 }
 
-Status takeFields(const Names& named, const pb::SessionSettings& in, Settings* out) {
+Status takeFields(const Names& named, const pb::SessionSettings& in, SessionSettings* out) {
   for (const std::string& field : named) {
     if (Status s = takeField(field, in, out); !s.ok()) return s.within("settings");
   }
@@ -145,19 +145,19 @@ const Names& allFields() {
 
 Expected<std::string> sessionId(const std::string& field, const std::string& name) {
   if (name.starts_with(kPrefix) && name.size() > sizeof kPrefix - 1) return name.substr(sizeof kPrefix - 1);
-  return invalid(field, field + " is \"" + shortened(name) + "\", the form is \"sessions/{id}\"");
+  return invalid(field, field + " is \"" + truncatedUtf8(name) + "\", the form is \"sessions/{id}\"");
 }
 
 std::string sessionName(const std::string& id) { return kPrefix + id; }
 
-Expected<Settings> fromProto(const pb::SessionSettings& settings) {
-  Settings out;
+Expected<SessionSettings> fromProto(const pb::SessionSettings& settings) {
+  SessionSettings out;
   if (Status s = takeFields(allFields(), settings, &out); !s.ok()) return s;
   return out;
 }
 
-Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& settings,
-                            const google::protobuf::FieldMask& mask) {
+Expected<SessionSettings> withMask(const SessionSettings& current, const pb::SessionSettings& settings,
+                                   const google::protobuf::FieldMask& mask) {
   if (mask.paths().empty()) return invalid("update_mask", "update_mask names no field; say what shall change");
   Names named;
   for (const std::string& path : mask.paths()) {
@@ -169,12 +169,12 @@ Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& 
     const std::string field = path.substr(sizeof kSettings - 1);
     named.insert(field.substr(0, field.find('.')));
   }
-  Settings out = current;
+  SessionSettings out = current;
   if (Status s = takeFields(named, settings, &out); !s.ok()) return s;
   return out;
 }
 
-void toProto(const SessionOptions& o, pb::SessionSettings* out) {
+void toProto(const LightingSettings& o, pb::SessionSettings* out) {
   if (o.grid.dims != glm::ivec3(0)) {
     out->mutable_grid()->mutable_dims()->set_x(o.grid.dims.x);
     out->mutable_grid()->mutable_dims()->set_y(o.grid.dims.y);
@@ -220,7 +220,7 @@ void toProto(const SessionSummary& in, pb::Session* out) {
   out->set_triangle_count(in.triangles);
   out->set_client_count(int(in.clients));
   out->set_subscriber_count(int(in.subscribers));
-  const SessionOptions options = carriedOut(in.options);
+  const LightingSettings options = resolved(in.options);
   out->set_expected_error(expectedError(options, std::max({in.grid.dims.x, in.grid.dims.y, in.grid.dims.z})));
   if (in.measured) {
     out->set_measured_error(in.measured->error);

@@ -19,13 +19,13 @@ std::string sessionName(const std::string& id);
 
 /// Settings of a new session: what is not said belongs to the transport, and that to what is said. Unknown enum values
 /// are INVALID_ARGUMENT; ranges, and what does not go together, are the domain's business.
-Expected<Settings> fromProto(const pb::SessionSettings& settings);
+Expected<SessionSettings> fromProto(const pb::SessionSettings& settings);
 /// `current` with the masked fields ("settings.iterations", "settings.grid", ...) taken from `settings`. Another
 /// transport brings its injection and lookup where the mask does not name them.
-Expected<Settings> withMask(const Settings& current, const pb::SessionSettings& settings,
-                            const google::protobuf::FieldMask& mask);
+Expected<SessionSettings> withMask(const SessionSettings& current, const pb::SessionSettings& settings,
+                                   const google::protobuf::FieldMask& mask);
 
-void toProto(const SessionOptions& options, pb::SessionSettings* out);
+void toProto(const LightingSettings& options, pb::SessionSettings* out);
 void toProto(const SessionSummary& summary, pb::Session* out);
 pb::Durability toProto(Durability durability);
 

@@ -31,7 +31,7 @@ std::string methodOf(const std::string& request) {
 
 std::string shortId(const std::string& session) {
   constexpr std::string_view kPrefix = "sessions/";
-  return shortened(session.starts_with(kPrefix) ? session.substr(kPrefix.size()) : session, kMostIdBytes);
+  return truncatedUtf8(session.starts_with(kPrefix) ? session.substr(kPrefix.size()) : session, kMostIdBytes);
 }
 
 ops::LogContext contextOf(const grpc::CallbackServerContext& call, const std::string& session) {
@@ -58,7 +58,7 @@ grpc::Status record(const api::Context& context, const std::string& method, cons
   if (audited || concernsCaller(status)) {
     ops::auditRefusal({{"method", methodOf(method)},
                        {"reason", kReasons[reasonOf(status)]},
-                       {"why", shortened(status.message(), kMostAuditText)}});
+                       {"why", truncatedUtf8(status.message(), kMostAuditText)}});
   }
   return toGrpc(status);
 }

@@ -71,8 +71,8 @@ std::string shortId(const std::string& session);
 grpc::Status record(const api::Context& context, const std::string& method, const char* audited,
                     const std::string& session, const Status& status, bool answered);
 template <typename Request, typename Response>
-grpc::Status recorded(const api::Context& context, const Response& response, const Status& status,
-                      bool answered = false) {
+grpc::Status finish(const api::Context& context, const Response& response, const Status& status,
+                    bool answered = false) {
   const std::string& method = Request::descriptor()->name();
   return record(context, method, kAudited<Request>, sessionIn(response), status, answered);
 }

@@ -34,9 +34,9 @@ class StreamReactor final : public Base {
                      StreamPtr<Request, Response> stream, const Request* request, Response* response) {
     auto* reactor = new StreamReactor(context, contextOf(*call, {}), std::move(stream), response);
     reactor->self_.reset(reactor);
-    reactor->ward_ =
+    reactor->tokenWatch_ =
         context.access->watch(context.caller, [weak = std::weak_ptr<StreamReactor>(reactor->self_)](const Status& why) {
-          if (const auto self = weak.lock()) self->expel(why);
+          if (const auto self = weak.lock()) self->revokeAccess(why);
         });
     reactor->stream_->onWake([weak = std::weak_ptr<StreamReactor>(reactor->self_)] {
       if (const auto self = weak.lock()) self->pump();
@@ -124,7 +124,7 @@ class StreamReactor final : public Base {
   }
 
   /// The token that opened the stream is no longer good.
-  void expel(const Status& why) {
+  void revokeAccess(const Status& why) {
     {
       const std::lock_guard lock(mutex_);
       expelled_ = why;
@@ -143,7 +143,7 @@ class StreamReactor final : public Base {
       if (const std::optional<Status> end = ending()) {
         finished_ = true;
         const ops::LogScope scope(who_);
-        this->Finish(recorded<Request>(context_, *response_, *end, written_));
+        this->Finish(finish<Request>(context_, *response_, *end, written_));
         return;
       }
     }
@@ -190,7 +190,7 @@ class StreamReactor final : public Base {
   bool answered_ = false;  ///< the one response is in its place
   bool finished_ = false;
   std::optional<Status> expelled_;  ///< why, once it is
-  std::shared_ptr<void> ward_;  ///< tells when that is so
+  std::shared_ptr<void> tokenWatch_;  ///< tells when that is so
 };
 
 /// A call that is refused at the door.
@@ -204,7 +204,7 @@ class Refusal final : public Base {
 template <typename Base, typename Request, typename Response>
 Base* refuse(const api::Context& context, const grpc::CallbackServerContext& call, const Status& why) {
   const ops::LogScope scope(contextOf(call, {}));
-  return new Refusal<Base>(recorded<Request>(context, Response(), why));
+  return new Refusal<Base>(finish<Request>(context, Response(), why));
 }
 
 /// What makes a stream of the service for a caller.
@@ -257,7 +257,7 @@ grpc::ServerUnaryReactor* answer(const api::Context& context, grpc::CallbackServ
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   context.pool->post([own = std::move(*admitted), call, request, response, reactor, function] {
     const ops::LogScope scope(contextOf(*call, sessionIn(*request)));
-    reactor->Finish(recorded<Request>(own, *response, function(own, *request, response)));
+    reactor->Finish(finish<Request>(own, *response, function(own, *request, response)));
   });
   return reactor;
 }
@@ -275,7 +275,7 @@ grpc::ServerUnaryReactor* answer(const api::Context& context, grpc::CallbackServ
     const ops::LogScope scope(who);
     function(own, *request, response, [&context, who, response, reactor](const Status& status) {
       const ops::LogScope ending(who);
-      reactor->Finish(recorded<Request>(context, *response, status));
+      reactor->Finish(finish<Request>(context, *response, status));
     });
   });
   return reactor;

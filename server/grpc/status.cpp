@@ -15,9 +15,9 @@ constexpr std::size_t kMostTrailerText = 1200;
 
 grpc::Status toGrpc(const Status& status) {
   if (status.ok()) return grpc::Status::OK;
-  const std::string message = shortened(status.message(), kMostTrailerText);
+  const std::string message = truncatedUtf8(status.message(), kMostTrailerText);
   api::pb::Status details;
-  api::toProto(Status(status.code(), message, shortened(status.field(), kMostTrailerText)), &details);
+  api::toProto(Status(status.code(), message, truncatedUtf8(status.field(), kMostTrailerText)), &details);
   return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message, details.SerializeAsString());
 }
 

@@ -94,7 +94,7 @@ struct FrameViews {
 
 Pacing Pipeline::pacing(const SessionState& session) const { return {session.clock.get(), kAim * pieceSeconds_}; }
 
-Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& result) {
+GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& result) {
   const Scene& scene = *request.scene;
   gpu::throwOnReset();
   s.adopt(scene);
@@ -144,8 +144,8 @@ Pieces Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& r
 }
 
 /// Lights that did not change are added again, not voxelized again.
-Pieces Pipeline::voxelize(SessionState& s, const TickRequest& request, TickReport& report) {
-  if (!s.method.vpls) co_await s.field->blank();
+GpuTask Pipeline::voxelize(SessionState& s, const TickRequest& request, TickReport& report) {
+  if (!s.method.vpls) co_await s.field->clear();
   if (!s.method.vpls) co_await injector_.retire(*s.field, s.injectedVoxels, pacing(s));
   s.injectedVoxels.clear();
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
@@ -168,10 +168,10 @@ Pieces Pipeline::voxelize(SessionState& s, const TickRequest& request, TickRepor
 
 /// Where the result is read, and not yet there: everywhere for volumes, around surfaces for frames, which DIRECT makes
 /// without.
-Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
+GpuTask Pipeline::gather(SessionState& s, const TickRequest& request) {
   if (!s.transported) {
-    co_await fillInPieces(s.field->steps[0].buffer);
-    co_await fillInPieces(s.field->nearestVpl, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
+    co_await fillChunked(s.field->pingPong[0].buffer);
+    co_await fillChunked(s.field->emitterDistance, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
   }
   s.transported = true;
   ReceiverBlocks wanted;
@@ -193,7 +193,7 @@ Pieces Pipeline::gather(SessionState& s, const TickRequest& request) {
 }
 
 /// Only what somebody asked for and nothing has since made out of date.
-Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
+GpuTask Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
   const std::size_t productBytes = s.field->grid.cells() * s.groups.size() * 12 * sizeof(float);
   if (!request.frames.empty() && !s.textured && s.field->transport != Transport::kDirect) {
     if (!s.textures)
@@ -220,7 +220,7 @@ Pieces Pipeline::makeVolumes(SessionState& s, const TickRequest& request, Volume
   }
 }
 
-Pieces Pipeline::drawFrame(SessionState& s, const TickRequest& request, const FrameRequest& frame, View& view) {
+GpuTask Pipeline::drawFrame(SessionState& s, const TickRequest& request, const FrameRequest& frame, View& view) {
   const Scene& scene = *request.scene;
   if (view.targets == nullptr || !view.targets->fits(frame)) {
     view.targets = nullptr;
@@ -240,8 +240,8 @@ Pieces Pipeline::drawFrame(SessionState& s, const TickRequest& request, const Fr
     co_await gbufferRenderer_.run(*view.gbuffer, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
   co_await emitterRenderer_.run(targets.emitters, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
   const bool nearField = scene.options.quality == Quality::kAccurate;
-  const LitBy lit = {s.field->transport, scene.options.lookup, nearField, s.textures ? &*s.textures : nullptr,
-                     &s.direct};
+  const IrradianceSources lit = {s.field->transport, scene.options.lookup, nearField,
+                                 s.textures ? &*s.textures : nullptr, &s.direct};
   co_await shader_.run(targets, *view.gbuffer, lit, frame, pacing(s));
 }
 

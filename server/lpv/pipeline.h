@@ -26,13 +26,13 @@ class Pipeline {
   explicit Pipeline(double pieceSeconds) : pieceSeconds_(pieceSeconds) {}
 
   /// Brings `session` to the request's scene and fills `result`. All three outlive the coroutine. Throws gpu::Failure.
-  Pieces tick(SessionState& session, const TickRequest& request, TickResult& result);
+  GpuTask tick(SessionState& session, const TickRequest& request, TickResult& result);
 
  private:
-  Pieces voxelize(SessionState& session, const TickRequest& request, TickReport& report);
-  Pieces gather(SessionState& session, const TickRequest& request);
-  Pieces makeVolumes(SessionState& session, const TickRequest& request, VolumeCopies& copies);
-  Pieces drawFrame(SessionState& session, const TickRequest& request, const FrameRequest& frame, View& view);
+  GpuTask voxelize(SessionState& session, const TickRequest& request, TickReport& report);
+  GpuTask gather(SessionState& session, const TickRequest& request);
+  GpuTask makeVolumes(SessionState& session, const TickRequest& request, VolumeCopies& copies);
+  GpuTask drawFrame(SessionState& session, const TickRequest& request, const FrameRequest& frame, View& view);
   Pacing pacing(const SessionState& session) const;
 
   double pieceSeconds_;
@@ -45,7 +45,7 @@ class Pipeline {
   MeshDrawer drawer_;
   GbufferRenderer gbufferRenderer_;
   EmitterRenderer emitterRenderer_;
-  Shader shader_;
+  ShadingPass shader_;
 };
 
 }  // namespace lpv

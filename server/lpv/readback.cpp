@@ -17,26 +17,26 @@ std::size_t exposureOffset(std::size_t pixelBytes) { return (pixelBytes + 15) / 
 /// Appends a part of what is at `from` to values that have room for them: memory that is new is touched
 /// only here.
 template <typename T>
-void append(std::vector<T>& values, const std::byte* from, const Part& part) {
+void append(std::vector<T>& values, const std::byte* from, const Chunk& part) {
   const T* first = reinterpret_cast<const T*>(from + part.offset);
   values.insert(values.end(), first, first + part.bytes / sizeof(T));
 }
 
 DirectLightsPtr directFrom(const SessionState& session) {
   if (session.field->transport == Transport::kPropagate) return nullptr;
-  auto direct = std::make_shared<DirectLights>();
+  auto direct = std::make_shared<EmitterList>();
   direct->grid = session.field->grid;
   direct->always = session.field->transport == Transport::kDirect;
   direct->texels.resize(session.direct.count);
   std::memcpy(direct->texels.data(), session.directReadback.bytes().data(), direct->texels.size() * sizeof(glm::vec4));
   if (direct->always) return direct;
-  direct->proximity.resize(direct->grid.cells());
-  std::memcpy(direct->proximity.data(), session.proximityReadback.bytes().data(),
-              direct->proximity.size() * sizeof(float));
+  direct->emitterDistance.resize(direct->grid.cells());
+  std::memcpy(direct->emitterDistance.data(), session.proximityReadback.bytes().data(),
+              direct->emitterDistance.size() * sizeof(float));
   return direct;
 }
 
-Pieces takeVolume(const gpu::Readback& readback, const SessionState& session, VolumeStage stage, VolumePtr& out) {
+GpuTask takeVolume(const gpu::Readback& readback, const SessionState& session, VolumeStage stage, VolumePtr& out) {
   const Grid& grid = session.field->grid;
   auto volume = std::make_shared<Volume>();
   volume->grid = grid;
@@ -47,7 +47,7 @@ Pieces takeVolume(const gpu::Readback& readback, const SessionState& session, Vo
     VolumeLayer& layer = volume->layers.emplace_back();
     layer.group = group;
     layer.coefficients.reserve(grid.cells() * 12);
-    for (const Part& part : partsOf(layerBytes)) {
+    for (const Chunk& part : chunksOf(layerBytes)) {
       append(layer.coefficients, from, part);
       co_yield rest();
     }
@@ -64,11 +64,11 @@ gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t 
   return readback;
 }
 
-Pieces copyVolume(SessionState& session, VolumeStage stage) {
+GpuTask copyVolume(SessionState& session, VolumeStage stage) {
   const bool injected = stage == VolumeStage::kInjected;
   gpu::Readback& target = withRoom(injected ? session.injectedReadback : session.volumeReadback,
                                    injected ? "injected volume" : "volume", session.product.size());
-  for (const Part& part : partsOf(session.product.size())) {
+  for (const Chunk& part : chunksOf(session.product.size())) {
     target.copyFrom(session.product, part.offset, part.offset, part.bytes);
     co_yield rest();
   }
@@ -78,8 +78,8 @@ void queueDirectCopy(SessionState& session) {
   const std::size_t bytes = session.direct.count * sizeof(glm::vec4);
   withRoom(session.directReadback, "direct lights", bytes).copyFrom(session.direct.texels, 0, 0, bytes);
   if (session.field->transport != Transport::kGather) return;
-  const std::size_t cells = session.field->nearestVpl.size();
-  withRoom(session.proximityReadback, "proximity", cells).copyFrom(session.field->nearestVpl, 0, 0, cells);
+  const std::size_t cells = session.field->emitterDistance.size();
+  withRoom(session.proximityReadback, "emitterDistance", cells).copyFrom(session.field->emitterDistance, 0, 0, cells);
 }
 
 void queueCounterCopy(SessionState& session) {
@@ -87,7 +87,7 @@ void queueCounterCopy(SessionState& session) {
   withRoom(session.countersReadback, "counters", kBytes).copyFrom(session.field->counters, 0, 0, kBytes);
 }
 
-Pieces takeCopies(SessionState& session, const VolumeCopies& copies) {
+GpuTask takeCopies(SessionState& session, const VolumeCopies& copies) {
   if (copies.transported)
     co_await takeVolume(session.volumeReadback, session, VolumeStage::kTransported, session.transportedVolume);
   if (copies.injected)
@@ -100,7 +100,7 @@ Pieces takeCopies(SessionState& session, const VolumeCopies& copies) {
   session.touchedCells = counts.touched;
 }
 
-Pieces copyFrame(View& view, Pacing pacing) {
+GpuTask copyFrame(View& view, Pacing pacing) {
   const FrameTargets& targets = *view.targets;
   const glm::ivec2 size = targets.size;
   const bool display = bool(targets.display);
@@ -117,7 +117,7 @@ Pieces copyFrame(View& view, Pacing pacing) {
   }
 }
 
-Pieces takeFrame(const View& view, const FrameRequest& request, FramePtr& out) {
+GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out) {
   auto frame = std::make_shared<Frame>();
   frame->size = request.size;
   frame->format = request.format;
@@ -130,7 +130,7 @@ Pieces takeFrame(const View& view, const FrameRequest& request, FramePtr& out) {
   } else {
     frame->rgb8.reserve(values);
   }
-  for (const Part& part : partsOf(linear ? values * sizeof(float) : values)) {
+  for (const Chunk& part : chunksOf(linear ? values * sizeof(float) : values)) {
     if (linear) {
       append(frame->rgb32f, pixels, part);
     } else {

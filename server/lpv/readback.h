@@ -15,18 +15,18 @@ struct VolumeCopies {
 };
 
 /// Makes the product (or the injected field) readable by the CPU once a later fence has signalled.
-Pieces copyVolume(SessionState& session, VolumeStage stage);
+GpuTask copyVolume(SessionState& session, VolumeStage stage);
 /// What the lights look like to receivers near them, along with the transported volume.
 void queueDirectCopy(SessionState& session);
 /// The counters of the voxelization and volume stages.
 void queueCounterCopy(SessionState& session);
 /// After the fence: what was copied, volumes and counts, into the session's state.
-Pieces takeCopies(SessionState& session, const VolumeCopies& copies);
+GpuTask takeCopies(SessionState& session, const VolumeCopies& copies);
 
 /// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).
-Pieces copyFrame(View& view, Pacing pacing);
+GpuTask copyFrame(View& view, Pacing pacing);
 /// After the fence: the picture, into `out`.
-Pieces takeFrame(const View& view, const FrameRequest& request, FramePtr& out);
+GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out);
 
 /// `readback` with room for at least `bytes`; grows, never shrinks.
 gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes);

@@ -15,7 +15,7 @@ bool emitAlike(const std::vector<EmittingLight>& a, const std::vector<EmittingLi
 
 void SessionState::adopt(const Scene& scene) {
   std::vector<EmittingLight> now = emittingLights(scene, lights);
-  const SessionOptions& options = scene.options;
+  const LightingSettings& options = scene.options;
   const VoxelMethod wantedMethod = {options.injection, options.method, options.denseSamples,
                                     options.transport != Transport::kPropagate};
   const bool sameField = field != nullptr && field->grid == scene.grid && field->transport == options.transport;
@@ -31,10 +31,10 @@ void SessionState::adopt(const Scene& scene) {
   }
   const int wantedIterations = options.iterationsFor(scene.grid);
   if (!transported || iterations != wantedIterations || clampFaces != options.clampFaces ||
-      k != options.distanceRule()) {
+      k != options.openingRatio()) {
     iterations = wantedIterations;
     clampFaces = options.clampFaces;
-    k = options.distanceRule();
+    k = options.openingRatio();
     forgetTransported();
   }
   choosePolygons(lights, options.transport, k);

@@ -51,7 +51,7 @@ struct SessionState {
   bool transported = false;
   bool textured = false;
   bool directMade = false;
-  DirectBuffer direct;
+  EmitterBufferList direct;
   ReceiverBlocks gathered;          ///< GATHER: the blocks that are
   ReceiverBlocks surfaceBlocks;     ///< those that frames read,
   std::map<std::string, SurfacePtr> blockSurfaces;  ///< with these surfaces

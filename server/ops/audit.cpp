@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kLogger = "audit";
 
 /// How many refusals may be written.
-class Allowance {
+class TokenBucket {
  public:
   using Clock = std::chrono::steady_clock;
 
@@ -59,7 +59,7 @@ void audit(const std::string& event, const LogFields& fields) {
 }
 
 void auditRefusal(LogFields fields) {
-  static Allowance allowance;
+  static TokenBucket allowance;
   const std::optional<std::int64_t> leftOut = allowance.take();
   if (!leftOut) return;
   if (*leftOut > 0) fields.emplace_back("left_out", std::to_string(*leftOut));

@@ -5,24 +5,25 @@
 
 namespace lpv::api {
 
-Durability StoreJournal::durability() const {
+Durability PersistentJournal::durability() const {
   return store_.durability() == lpv::v1::DURABILITY_DISK ? Durability::kDisk : Durability::kMemory;
 }
 
-Position StoreJournal::create(const SavedSession& state) {
-  const store::Head head{state.id, state.epoch, state.requestId, state.created, state.created, state.manners.ttl};
-  return store_.create(head, [state] { return store::Whole{toSnapshot(state), contentsOf(state)}; });
+Position PersistentJournal::create(const SavedSession& state) {
+  const store::Head head{state.id, state.epoch, state.requestId, state.created, state.created, state.policy.ttl};
+  return store_.create(head, [state] { return store::FullSnapshot{toSnapshot(state), contentsOf(state)}; });
 }
 
-Position StoreJournal::append(const std::string& session, JournalStep step) {
-  return store_.append(session, [step = std::move(step)](const store::Holds& holds) { return toStep(step, holds); });
+Position PersistentJournal::append(const std::string& session, JournalStep step) {
+  return store_.append(session,
+                       [step = std::move(step)](const store::HasContent& holds) { return toStep(step, holds); });
 }
 
-Position StoreJournal::keepToken(const AccessToken& token) {
+Position PersistentJournal::keepToken(const AccessToken& token) {
   return store_.keepToken({token.id, token.session, toProto(token.role), token.hash, token.expires});
 }
 
-Expected<std::vector<AccessToken>> StoreJournal::tokens() {
+Expected<std::vector<AccessToken>> PersistentJournal::tokens() {
   const Expected<std::vector<store::Token>> kept = store_.tokens();
   if (!kept) return kept.status();
   std::vector<AccessToken> out;
@@ -34,7 +35,7 @@ Expected<std::vector<AccessToken>> StoreJournal::tokens() {
   return out;
 }
 
-Expected<std::vector<KeptSession>> StoreJournal::kept() {
+Expected<std::vector<KeptSession>> PersistentJournal::kept() {
   const Expected<std::vector<store::Head>> heads = store_.heads();
   if (!heads) return heads.status();
   std::vector<KeptSession> out;
@@ -44,12 +45,12 @@ Expected<std::vector<KeptSession>> StoreJournal::kept() {
   return out;
 }
 
-Expected<SavedSession> StoreJournal::load(const std::string& session) {
+Expected<SavedSession> PersistentJournal::load(const std::string& session) {
   const Expected<store::Loaded> loaded = store_.load(session, true);
   return loaded ? fromStore(*loaded) : loaded.status();
 }
 
-Expected<SessionSummary> StoreJournal::summary(const std::string& session) {
+Expected<SessionSummary> PersistentJournal::summary(const std::string& session) {
   const Expected<store::Loaded> loaded = store_.load(session, false);
   return loaded ? summaryOf(*loaded) : loaded.status();
 }

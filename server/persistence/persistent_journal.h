@@ -6,10 +6,10 @@
 namespace lpv::api {
 
 /// A journal in a store: turns what sessions say into messages, on the store's thread, and back.
-class StoreJournal final : public Journal {
+class PersistentJournal final : public Journal {
  public:
   /// `store` outlives this.
-  explicit StoreJournal(store::Store& store) : store_(store) {}
+  explicit PersistentJournal(store::Store& store) : store_(store) {}
 
   Durability durability() const override;
   Status writable() const override { return store_.writable(); }
@@ -24,8 +24,8 @@ class StoreJournal final : public Journal {
   Position remove(const std::string& session) override { return store_.remove(session); }
   Position keepToken(const AccessToken& token) override;
   Position dropToken(const std::string& tokenId) override { return store_.dropToken(tokenId); }
-  void whenKept(Position position, std::function<void(const Status&)> kept) override {
-    store_.whenKept(position, std::move(kept));
+  void whenDurable(Position position, std::function<void(const Status&)> kept) override {
+    store_.whenDurable(position, std::move(kept));
   }
   Status flush() override { return store_.flush(); }
   Expected<std::vector<KeptSession>> kept() override;

@@ -164,7 +164,7 @@ ClientState clientFrom(const std::string& id, const kept::Client& in) {
   out.id = id;
   out.secretHash = in.secret_hash();
   for (const pb::EditAck& outcome : in.outcomes()) out.outcomes.push_back(readOutcome(outcome));
-  out.forgottenUpTo = in.forgotten_up_to();
+  out.tombstoneHorizon = in.forgotten_up_to();
   out.acceptedSequence = in.accepted_sequence();
   out.acceptedRevision = in.accepted_revision();
   return out;
@@ -187,12 +187,12 @@ Expected<Grid> gridFrom(const pb::Grid& in) {
 
 /// Settings, grid and revisions.
 Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
-  const Expected<Settings> settings = fromProto(in.settings());
+  const Expected<SessionSettings> settings = fromProto(in.settings());
   if (!settings) return Status(Code::kDataLoss, settings.status().message());
   if (Status s = checkSavedOptions(settings->options); !s.ok()) return Status(Code::kDataLoss, s.message());
   const Expected<Grid> grid = gridFrom(in.grid());
   if (!grid) return grid.status();
-  out->manners = settings->manners;
+  out->policy = settings->policy;
   DocumentState& document = out->document;
   document.options = settings->options;
   document.optionsRevision = in.settings_revision();
@@ -200,7 +200,7 @@ Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
   document.gridRevision = in.grid_revision();
   document.revision = in.revision();
   for (const kept::Tombstone& deleted : in.tombstones()) document.tombstones.push_back(readDeleted(deleted));
-  document.forgottenUpTo = in.forgotten_up_to();
+  document.tombstoneHorizon = in.forgotten_up_to();
   return {};
 }
 
@@ -220,7 +220,7 @@ Status checkRevisions(const DocumentState& document) {
   };
   check("part", "settings", document.optionsRevision);
   check("part", "grid", document.gridRevision);
-  check("part", "deletions", document.forgottenUpTo);
+  check("part", "deletions", document.tombstoneHorizon);
   for (const Versioned<Light>& light : document.lights) check("light", light.object->name, light.revision);
   for (const Versioned<Surface>& surface : document.surfaces) check("surface", surface.object->name, surface.revision);
   for (const DocumentState::Camera& camera : document.cameras) check("camera", camera.name, camera.revision);
@@ -276,14 +276,14 @@ Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
   if (Status s = frameFrom(loaded.snapshot, &state); !s.ok()) return s;
   SessionSummary out;
   out.id = loaded.head.id;
-  out.displayName = state.manners.displayName;
+  out.displayName = state.policy.displayName;
   out.options = state.document.options;
   out.grid = state.document.grid;
   out.revision = state.document.revision;
   out.epoch = loaded.head.epoch;
   out.created = loaded.head.created;
   out.lastUsed = loaded.head.lastUsed;
-  out.ttl = state.manners.ttl;
+  out.ttl = state.policy.ttl;
   out.lights = loaded.snapshot.lights().size();
   out.surfaces = loaded.snapshot.surfaces().size();
   const auto count = [&out](std::int64_t triangles) {

@@ -18,10 +18,10 @@ pb::BlobKind kindOf(const Blob& blob) {
   return blob.kind == BlobKind::kMesh ? pb::BLOB_KIND_MESH : pb::BLOB_KIND_TEXTURE;
 }
 
-void writeSettings(const SessionOptions& options, const SessionManners& manners, pb::SessionSettings* out) {
+void writeSettings(const LightingSettings& options, const SessionPolicy& policy, pb::SessionSettings* out) {
   toProto(options, out);
-  out->mutable_ttl()->set_seconds(manners.ttl.count());
-  out->set_display_name(manners.displayName);
+  out->mutable_ttl()->set_seconds(policy.ttl.count());
+  out->set_display_name(policy.displayName);
 }
 
 void writeDeleted(const Deleted& in, kept::Tombstone* out) {
@@ -41,7 +41,7 @@ void writeOutcome(const EditOutcome& in, pb::EditAck* out) {
 }
 
 /// Meshes that came in no upload: with an edit, or deformed by one.
-void addMesh(const MeshPtr& mesh, const store::Holds& holds, std::set<BlobHash>& added, store::Step* out) {
+void addMesh(const MeshPtr& mesh, const store::HasContent& holds, std::set<BlobHash>& added, store::LogRecord* out) {
   if (added.contains(mesh->hash) || holds(mesh->hash)) return;
   added.insert(mesh->hash);
   out->contents.push_back({mesh->hash, pb::BLOB_KIND_MESH,
@@ -59,12 +59,12 @@ void addChanges(const Changes& changes, kept::Record* out) {
 
 }  // namespace
 
-store::Step toStep(const JournalStep& step, const store::Holds& holds) {
-  store::Step out;
+store::LogRecord toStep(const JournalStep& step, const store::HasContent& holds) {
+  store::LogRecord out;
   kept::Record& record = out.record;
   record.set_revision(step.changes.revision);
   addChanges(step.changes, &record);
-  if (step.settings) writeSettings(step.settings->options, step.settings->manners, record.mutable_settings());
+  if (step.settings) writeSettings(step.settings->options, step.settings->policy, record.mutable_settings());
   record.set_client_id(step.client);
   if (step.outcome) writeOutcome(*step.outcome, record.mutable_outcome());
   if (step.joined) {
@@ -87,7 +87,7 @@ kept::Snapshot toSnapshot(const SavedSession& state) {
   const DocumentState& document = state.document;
   kept::Snapshot out;
   out.set_revision(document.revision);
-  writeSettings(document.options, state.manners, out.mutable_settings());
+  writeSettings(document.options, state.policy, out.mutable_settings());
   out.set_settings_revision(document.optionsRevision);
   toProto(document.grid, out.mutable_grid());
   out.set_grid_revision(document.gridRevision);
@@ -99,12 +99,12 @@ kept::Snapshot toSnapshot(const SavedSession& state) {
     entry.set_revision(camera.revision);
   }
   for (const Deleted& deleted : document.tombstones) writeDeleted(deleted, out.add_tombstones());
-  out.set_forgotten_up_to(document.forgottenUpTo);
+  out.set_forgotten_up_to(document.tombstoneHorizon);
   for (const ClientState& client : state.clients) {
     kept::Client& entry = (*out.mutable_clients())[client.id];
     entry.set_secret_hash(client.secretHash);
     for (const EditOutcome& outcome : client.outcomes) writeOutcome(outcome, entry.add_outcomes());
-    entry.set_forgotten_up_to(client.forgottenUpTo);
+    entry.set_forgotten_up_to(client.tombstoneHorizon);
     entry.set_accepted_sequence(client.acceptedSequence);
     entry.set_accepted_revision(client.acceptedRevision);
   }
@@ -113,7 +113,7 @@ kept::Snapshot toSnapshot(const SavedSession& state) {
 }
 
 std::vector<store::Content> contentsOf(const SavedSession& state) {
-  store::Step out;
+  store::LogRecord out;
   std::set<BlobHash> added;
   for (const BlobPtr& blob : state.uploads) {
     if (added.insert(blob->hash).second) out.contents.push_back({blob->hash, kindOf(*blob), blob->bytes});

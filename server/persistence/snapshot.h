@@ -11,7 +11,7 @@ namespace lpv::api {
 namespace kept = lpv::store::v1;
 
 /// A step with the content that it brings and `holds` does not name. May take as long as serialising a mesh does.
-store::Step toStep(const JournalStep& step, const store::Holds& holds);
+store::LogRecord toStep(const JournalStep& step, const store::HasContent& holds);
 /// Without contents.
 kept::Snapshot toSnapshot(const SavedSession& state);
 /// What `snapshot`'s objects and uploads are made of, each once.

@@ -106,7 +106,7 @@ double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, i
   return 0.5 * std::abs(sum);
 }
 
-double DirectLights::farFromEmitters(const glm::dvec3& world) const {
+double EmitterList::farFromEmitters(const glm::dvec3& world) const {
   if (always) return 0.0;
   const glm::dvec3 g = grid.gridFromWorld(world);
   if (glm::any(glm::lessThan(g, glm::dvec3(-0.5))) || glm::any(glm::greaterThan(g, glm::dvec3(grid.dims) + 0.5)))
@@ -118,13 +118,13 @@ double DirectLights::farFromEmitters(const glm::dvec3& world) const {
   for (int corner = 0; corner < 8; ++corner) {
     const glm::ivec3 offset(corner & 1, (corner >> 1) & 1, corner >> 2);
     const glm::dvec3 axis = glm::mix(1.0 - f, f, glm::dvec3(offset));
-    distance += axis.x * axis.y * axis.z * double(proximity[grid.index(glm::min(low + offset, grid.dims - 1))]);
+    distance += axis.x * axis.y * axis.z * double(emitterDistance[grid.index(glm::min(low + offset, grid.dims - 1))]);
   }
   const double t = std::clamp((distance - kNearBegin) / (kNearEnd - kNearBegin), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
 
-glm::dvec3 DirectLights::irradiance(const glm::dvec3& world, const glm::dvec3& n) const {
+glm::dvec3 EmitterList::irradiance(const glm::dvec3& world, const glm::dvec3& n) const {
   const glm::dvec3 x = grid.gridFromWorld(world);
   glm::dvec3 sum(0.0);
   for (int i = 0; i < int(texels[0].x); ++i) {

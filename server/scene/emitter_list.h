@@ -16,18 +16,18 @@ inline constexpr double kNearBegin = 2.0;
 inline constexpr double kNearEnd = 3.0;
 
 /// A session's lights as receivers look at them: the texels that shaders/transport/emitter_list.glsl describes.
-struct DirectLights {
+struct EmitterList {
   Grid grid;
   bool always = false;  ///< transport DIRECT: everywhere; else only near emitters, or outside the grid
   std::vector<glm::vec4> texels;
-  std::vector<float> proximity;  ///< per cell: cells from its centre to the nearest VPL; empty when `always`
+  std::vector<float> emitterDistance;  ///< per cell: cells from its centre to the nearest VPL; empty when `always`
 
   /// 1 where the volume is far enough from emitters, 0 where the lights are to be looked at, between them in between.
   double farFromEmitters(const glm::dvec3& world) const;
   /// W/m^2 at a world position on a surface with unit normal n.
   glm::dvec3 irradiance(const glm::dvec3& world, const glm::dvec3& n) const;
 };
-using DirectLightsPtr = std::shared_ptr<const DirectLights>;
+using DirectLightsPtr = std::shared_ptr<const EmitterList>;
 
 /// E of unit radiance of a triangle, counter-clockwise seen from its front (from both sides when `sides` is 2), its
 /// corners given from the receiver, cut at the horizon of n.

@@ -9,7 +9,7 @@ namespace lpv {
 
 namespace {
 
-constexpr std::array kRules = {kFastRule, kAccurateRule, 6.0};
+constexpr std::array kRules = {kFastOpeningRatio, kAccurateOpeningRatio, 6.0};
 
 /// GATHER with CAP.
 struct Measured {
@@ -22,7 +22,7 @@ constexpr std::array kGather = {
 };
 constexpr double kTwoBands = 0.25;     ///< SH2 of any field, and more so of the nearest cell
 constexpr double kPropagated = 1.0;    ///< of PROPAGATE, whatever the grid: 37 to 99 %
-/// DIRECT through trees of VPLs; polygons are exact. With the rule kAccurateRule and above, and below it.
+/// DIRECT through trees of VPLs; polygons are exact. With the rule kAccurateOpeningRatio and above, and below it.
 constexpr double kLookedAt = 0.003, kGlancedAt = 0.0045;
 constexpr double kNoGrid = 1.0;        ///< below the smallest grid measured
 constexpr double kLeastForGroups = 0.002;
@@ -44,7 +44,7 @@ int cellsOf(const GridOptions& grid) {
 }
 
 /// Least work first: the grid's cells weigh more than how far nodes are opened.
-SessionOptions withRuleFor(SessionOptions o) {
+LightingSettings withRuleFor(LightingSettings o) {
   if (o.k > 0.0 || o.transport == Transport::kPropagate) return o;
   for (const double k : kRules) {
     o.k = k;
@@ -61,22 +61,22 @@ std::string percent(double error) {
 
 /// The best that GATHER is expected to do.
 double best() {
-  SessionOptions o;
+  LightingSettings o;
   o.k = kRules.back();
   return expectedError(o, kMaxCellsPerAxis);
 }
 
 }  // namespace
 
-double expectedError(const SessionOptions& o, int longestCells) {
+double expectedError(const LightingSettings& o, int longestCells) {
   if (o.transport == Transport::kPropagate) return kPropagated;
-  if (o.transport == Transport::kDirect) return o.distanceRule() < kAccurateRule ? kGlancedAt : kLookedAt;
-  const double volume = gathered(longestCells, o.distanceRule());
+  if (o.transport == Transport::kDirect) return o.openingRatio() < kAccurateOpeningRatio ? kGlancedAt : kLookedAt;
+  const double volume = gathered(longestCells, o.openingRatio());
   return o.lookup == Lookup::kCap ? volume : std::max(volume, kTwoBands);
 }
 
-SessionOptions carriedOut(const SessionOptions& options) {
-  SessionOptions o = options;
+LightingSettings resolved(const LightingSettings& options) {
+  LightingSettings o = options;
   if (o.grid.automatic) o.grid.longest = kDefaultCellsOfLongestEdge;
   if (o.maxError == 0.0) return o;
   if (!o.grid.automatic) return withRuleFor(o);
@@ -89,14 +89,14 @@ SessionOptions carriedOut(const SessionOptions& options) {
   return o;
 }
 
-Expected<Grid> gridFor(const SessionOptions& options, const Bounds& content) {
-  const GridOptions grid = carriedOut(options).grid;
+Expected<Grid> gridFor(const LightingSettings& options, const Bounds& content) {
+  const GridOptions grid = resolved(options).grid;
   return grid.hasBounds ? makeGrid(grid, grid.bounds) : fitGrid(grid, content);
 }
 
-Status checkErrorGoal(const SessionOptions& options) {
+Status checkErrorGoal(const LightingSettings& options) {
   if (options.maxError == 0.0) return {};
-  const SessionOptions o = carriedOut(options);
+  const LightingSettings o = resolved(options);
   const double expected = expectedError(o, cellsOf(o.grid));
   if (expected <= o.maxError) return {};
   const std::string way = "transport GATHER with lookup CAP and grid.automatic reaches " + percent(best());
@@ -104,7 +104,7 @@ Status checkErrorGoal(const SessionOptions& options) {
                                   percent(expected) + "; ask for that, or change them: " + way);
 }
 
-double groupingGoal(const SessionOptions& o, int longestCells) {
+double groupingGoal(const LightingSettings& o, int longestCells) {
   if (o.maxError == 0.0) return kGroupingError;
   const double expected = expectedError(o, longestCells);
   return std::max(kLeastForGroups, std::sqrt(std::max(0.0, o.maxError * o.maxError - expected * expected)));

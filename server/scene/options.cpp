@@ -19,7 +19,7 @@ Status checkRange(const char* field, double value, double low, double high) {
 }
 
 /// Ranges, whether or not the feature is there: a wrong value is wrong in every version.
-Status checkRanges(const SessionOptions& o) {
+Status checkRanges(const LightingSettings& o) {
   if (o.iterations < 0 || o.iterations > kMaxIterations) {
     return invalid("iterations", "iterations is " + std::to_string(o.iterations) + ", allowed are 0 (automatic) to " +
                                      std::to_string(kMaxIterations));
@@ -39,7 +39,7 @@ Status checkRanges(const SessionOptions& o) {
   return checkRange("haze", o.haze, 0.0, 100.0);
 }
 
-Status checkTogether(const SessionOptions& o) {
+Status checkTogether(const LightingSettings& o) {
   if (o.transport == Transport::kPropagate) return {};
   const std::string transport = o.transport == Transport::kGather ? "GATHER" : "DIRECT";
   if (o.injection == Injection::kCount) {
@@ -55,34 +55,34 @@ Status checkTogether(const SessionOptions& o) {
 
 }  // namespace
 
-SessionOptions SessionOptions::paper() {
-  SessionOptions options;
+LightingSettings LightingSettings::paper() {
+  LightingSettings options;
   options.transport = Transport::kPropagate;
   options.followTransport();
   return options;
 }
 
-void SessionOptions::followTransport() {
+void LightingSettings::followTransport() {
   const bool propagate = transport == Transport::kPropagate;
   injection = propagate ? Injection::kCount : Injection::kFlux;
   lookup = propagate ? Lookup::kSh2 : Lookup::kCap;
 }
 
-int SessionOptions::iterationsFor(const Grid& g) const {
+int LightingSettings::iterationsFor(const Grid& g) const {
   return iterations > 0 ? iterations : std::max({g.dims.x, g.dims.y, g.dims.z});
 }
 
-double SessionOptions::distanceRule() const {
+double LightingSettings::openingRatio() const {
   if (k > 0.0) return k;
-  return quality == Quality::kAccurate ? kAccurateRule : kFastRule;
+  return quality == Quality::kAccurate ? kAccurateOpeningRatio : kFastOpeningRatio;
 }
 
-Status checkOptions(const SessionOptions& o) {
+Status checkOptions(const LightingSettings& o) {
   const Status saved = checkSavedOptions(o);
   return saved.ok() ? checkErrorGoal(o) : saved;
 }
 
-Status checkSavedOptions(const SessionOptions& o) {
+Status checkSavedOptions(const LightingSettings& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (Status s = checkTogether(o); !s.ok()) return s;
   if (o.visibility == Visibility::kOn) return later("visibility", "ON", "AUTO or OFF");

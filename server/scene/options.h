@@ -17,12 +17,12 @@ enum class Visibility { kAuto, kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
 /// k of GATHER's distance rule by quality (MATHS.md 3b.3).
-inline constexpr double kFastRule = 1.5;
-inline constexpr double kAccurateRule = 3.0;
+inline constexpr double kFastOpeningRatio = 1.5;
+inline constexpr double kAccurateOpeningRatio = 3.0;
 
 /// Everything a session may ask of its light transport. Values whose feature is not in this version are refused by
 /// checkOptions with UNIMPLEMENTED, by name.
-struct SessionOptions {
+struct LightingSettings {
   GridOptions grid;
   Injection injection = Injection::kFlux;
   InjectionMethod method = InjectionMethod::kCompute;
@@ -38,24 +38,24 @@ struct SessionOptions {
   int bounces = 0;
   double haze = 0.0;                    ///< extinction per metre; 0 = none
 
-  bool operator==(const SessionOptions&) const = default;
+  bool operator==(const LightingSettings&) const = default;
 
   /// What the paper does: COUNT, PROPAGATE, SH2.
-  static SessionOptions paper();
+  static LightingSettings paper();
   /// Injection and lookup that belong to a transport when nothing else is said.
   void followTransport();
 
   int iterationsFor(const Grid& g) const;
   /// k of GATHER's distance rule, of settings as they are carried out.
-  double distanceRule() const;
+  double openingRatio() const;
 };
 
 /// INVALID_ARGUMENT for values out of range or that do not go together, UNIMPLEMENTED for values of later versions,
 /// both by field; whatever the error goal.
-Status checkSavedOptions(const SessionOptions& options);
+Status checkSavedOptions(const LightingSettings& options);
 
 /// The same, and INVALID_ARGUMENT for an error goal out of reach: of settings that somebody asks for. What was reached
 /// by the measurements of an older version is no reason to give up what was kept.
-Status checkOptions(const SessionOptions& options);
+Status checkOptions(const LightingSettings& options);
 
 }  // namespace lpv

@@ -55,7 +55,7 @@ using SurfacePtr = std::shared_ptr<const Surface>;
 /// One revision of a session's scene. Maps are ordered by name: order of work is the same everywhere.
 struct Scene {
   std::uint64_t revision = 0;
-  SessionOptions options;
+  LightingSettings options;
   Grid grid;                                    ///< fitted or given; valid dims
   std::map<std::string, LightPtr> lights;
   std::map<std::string, SurfacePtr> surfaces;

@@ -21,7 +21,7 @@ double areaScale(const Transform& transform) {
 
 }  // namespace
 
-Workload::Workload(const SessionOptions& options, const Grid& grid)
+Workload::Workload(const LightingSettings& options, const Grid& grid)
     : transport(options.transport),
       iterations(options.iterationsFor(grid)),
       cells(double(grid.cells())),

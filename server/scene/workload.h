@@ -17,7 +17,7 @@ class Workload {
  public:
   Workload() = default;
   /// `options` as they are carried out (scene/error_goal.h).
-  Workload(const SessionOptions& options, const Grid& grid);
+  Workload(const LightingSettings& options, const Grid& grid);
   void add(const Light& light);
   void add(const Surface& surface);
 

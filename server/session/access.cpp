@@ -124,7 +124,7 @@ Expected<Position> Access::revoke(const std::string& session, const std::string&
     const auto found = tokens_.find(tokenId);
     if (found == tokens_.end() || found->second.session != session) {
       return Status(Code::kNotFound,
-                    "session \"" + session + "\" has no access token \"" + shortened(tokenId) +
+                    "session \"" + session + "\" has no access token \"" + truncatedUtf8(tokenId) +
                         "\"; it may have been revoked or have expired",
                     "token_id");
     }

@@ -17,7 +17,7 @@ namespace lpv {
 /// A step of a session.
 struct JournalStep {
   Changes changes;  ///< Document::lastChange; of an edit that changed nothing, the revision alone
-  std::optional<Settings> settings;  ///< both, where one of them changed
+  std::optional<SessionSettings> settings;  ///< both, where one of them changed
   std::string client;  ///< who got `outcome`
   std::optional<EditOutcome> outcome;  ///< set where it is remembered
   std::optional<ClientState> joined;
@@ -55,7 +55,7 @@ class Journal {
   virtual Position keepToken(const AccessToken& token) = 0;
   virtual Position dropToken(const std::string& tokenId) = 0;
   /// Calls `kept` once, with ok when everything up to there is kept, or with why that is not known.
-  virtual void whenKept(Position position, std::function<void(const Status&)> kept) = 0;
+  virtual void whenDurable(Position position, std::function<void(const Status&)> kept) = 0;
   /// Waits for what was given so far. Not under a lock.
   virtual Status flush() = 0;
 

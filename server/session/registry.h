@@ -30,7 +30,7 @@ struct SessionTotals {
 class Registry {
  public:
   /// Kept sessions go `retain` after they have expired.
-  explicit Registry(const Workshop& workshop, std::chrono::seconds retain = std::chrono::hours(24 * 30));
+  explicit Registry(const SessionServices& services, std::chrono::seconds retain = std::chrono::hours(24 * 30));
   ~Registry();
 
   /// Learns which sessions are kept. Once, before the first call; or why they cannot be read.
@@ -38,7 +38,7 @@ class Registry {
 
   /// A new session. `wantedId` may be empty. Repeating `requestId` within an hour returns the first session.
   /// ALREADY_EXISTS, RESOURCE_EXHAUSTED (max_sessions), UNAVAILABLE while draining, or what is wrong with the options.
-  Expected<SessionPtr> create(const std::string& wantedId, const SessionOptions& options, const SessionManners& manners,
+  Expected<SessionPtr> create(const std::string& wantedId, const LightingSettings& options, const SessionPolicy& policy,
                               const std::string& requestId);
   /// A new session with the content of another; its id, epoch and members are its own.
   Expected<SessionPtr> create(const std::string& wantedId, SavedSession state);
@@ -56,10 +56,10 @@ class Registry {
   std::vector<SessionSummary> summaries();
 
   /// Calls `kept` when the journal has everything up to `position`, or with why that is not known.
-  void whenKept(Position position, std::function<void(const Status&)> kept) const {
-    workshop_.journal->whenKept(position, std::move(kept));
+  void whenDurable(Position position, std::function<void(const Status&)> kept) const {
+    services_.journal->whenDurable(position, std::move(kept));
   }
-  Durability durability() const { return workshop_.journal->durability(); }
+  Durability durability() const { return services_.journal->durability(); }
 
   Limits limits() const;
   /// For new and living sessions, from now on.
@@ -80,22 +80,22 @@ class Registry {
   void removeIf(const std::string& id, const std::function<bool(const SessionPtr&)>& over,
                 std::function<void(const Status&)> done);
   Status checkRoom() const;
-  SessionPtr adopt(const SessionPtr& session, const std::string& requestId);
+  SessionPtr registerNew(const SessionPtr& session, const std::string& requestId);
   void waitForMove(std::unique_lock<std::mutex>& lock, const std::string& id);
   Expected<SessionPtr> restore(const std::string& id);
-  void retire(std::chrono::system_clock::time_point now);
-  void endUnused(const std::string& id, Incident incident, const std::function<bool(const SessionPtr&)>& over);
+  void evictExpired(std::chrono::system_clock::time_point now);
+  void removeIfUnused(const std::string& id, SessionEvent incident, const std::function<bool(const SessionPtr&)>& over);
   void forgetKept(std::chrono::system_clock::time_point now);
   void sweepLater();
-  void tell(Incident incident, const std::string& id) const;
+  void tell(SessionEvent incident, const std::string& id) const;
 
-  Workshop workshop_;  ///< its limits are read and change with the lock held
+  SessionServices services_;  ///< its limits are read and change with the lock held
   const std::chrono::seconds retain_;
   mutable std::mutex mutex_;
-  std::condition_variable moved_;
+  std::condition_variable transitionDone_;
   std::map<std::string, SessionPtr> sessions_;
-  std::map<std::string, KeptSession> kept_;  ///< with those in memory; empty where nothing is kept
-  std::set<std::string> moving_;  ///< being brought back, or removed: wait for moved_
+  std::map<std::string, KeptSession> durableSessions_;  ///< with those in memory; empty where nothing is kept
+  std::set<std::string> inTransition_;  ///< being brought back, or removed: wait for transitionDone_
   struct Requested {
     std::string session;
     std::chrono::system_clock::time_point when;
@@ -105,11 +105,11 @@ class Registry {
   std::uint64_t epoch_ = 1;
   bool draining_ = false;
   /// What the timer of the next sweep knows of this registry.
-  struct Life {
+  struct SweepGuard {
     std::mutex mutex;  ///< held by a sweep
     bool ended = false;
   };
-  std::shared_ptr<Life> life_ = std::make_shared<Life>();
+  std::shared_ptr<SweepGuard> life_ = std::make_shared<SweepGuard>();
 };
 
 }  // namespace lpv

@@ -4,65 +4,65 @@
 
 namespace lpv {
 
-Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const SessionOptions& options,
-                 SessionManners manners, const Workshop& workshop)
+Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const LightingSettings& options,
+                 SessionPolicy policy, const SessionServices& services)
     : id_(std::move(id)),
       key_(key),
       epoch_(epoch),
-      workshop_(workshop),
+      services_(services),
       created_(std::chrono::system_clock::now()),
-      manners_(std::move(manners)),
-      document_(options, workshop.limits, workshop.hasher),
-      blobs_(workshop.limits),
-      clients_(workshop.limits),
-      history_(workshop.limits),
-      presence_(workshop.limits),
+      policy_(std::move(policy)),
+      document_(options, services.limits, services.hasher),
+      blobs_(services.limits),
+      members_(services.limits),
+      history_(services.limits),
+      presence_(services.limits),
       lastUsed_(created_),
       keptUse_(created_) {
   predictCosts();
 }
 
-Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const Workshop& workshop)
+Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const SessionServices& services)
     : id_(state.id),
       key_(key),
       epoch_(epoch),
-      workshop_(workshop),
+      services_(services),
       created_(state.created),
-      manners_(state.manners),
-      document_(state.document, workshop.limits, workshop.hasher),
-      blobs_(workshop.limits),
-      clients_(workshop.limits),
-      history_(workshop.limits),
-      presence_(workshop.limits),
+      policy_(state.policy),
+      document_(state.document, services.limits, services.hasher),
+      blobs_(services.limits),
+      members_(services.limits),
+      history_(services.limits),
+      presence_(services.limits),
       lastUsed_(std::chrono::system_clock::now()) {
-  for (const ClientState& client : state.clients) clients_.restore(client);
+  for (const ClientState& client : state.clients) members_.restore(client);
   predictCosts();
   // What was accepted once stays, where limits have become lower since too; new uploads meet them.
   for (const BlobPtr& blob : state.uploads) blobs_.restore(blob, Clock::now());
 }
 
-std::chrono::seconds Session::begin(const std::string& requestId) {
+std::chrono::seconds Session::journalCreation(const std::string& requestId) {
   SavedSession now = state();
   now.requestId = requestId;
   const std::lock_guard lock(mutex_);
-  kept_ = workshop_.journal->create(now);
-  return manners_.ttl;
+  lastJournalled_ = services_.journal->create(now);
+  return policy_.ttl;
 }
 
 Limits Session::limits() const {
   const std::lock_guard lock(mutex_);
-  return workshop_.limits;
+  return services_.limits;
 }
 
 void Session::setLimits(const Limits& limits) {
   const std::lock_guard lock(mutex_);
-  workshop_.limits = limits;
+  services_.limits = limits;
   document_.setLimits(limits);
   blobs_.setLimits(limits);
-  clients_.setLimits(limits);
+  members_.setLimits(limits);
   history_.setLimits(limits);
   presence_.setLimits(limits);
-  kick();
+  scheduleTick();
 }
 
 Status Session::checkCost() const {
@@ -71,26 +71,26 @@ Status Session::checkCost() const {
 }
 
 void Session::predictCosts() {
-  document_.predictWith([engine = workshop_.engine](const Workload& workload) { return engine->predict(workload); });
+  document_.predictWith([engine = services_.engine](const Workload& workload) { return engine->predict(workload); });
 }
 
-Session::~Session() { workshop_.engine->forget(key_); }
+Session::~Session() { services_.engine->forget(key_); }
 
 SessionSummary Session::summary() const {
   const std::lock_guard lock(mutex_);
   SessionSummary out;
   out.id = id_;
-  out.displayName = manners_.displayName;
+  out.displayName = policy_.displayName;
   out.options = document_.options();
   out.grid = document_.grid();
   out.revision = document_.revision();
   out.epoch = epoch_;
   out.created = created_;
-  out.ttl = manners_.ttl;
+  out.ttl = policy_.ttl;
   out.lights = document_.lightCount();
   out.surfaces = document_.surfaceCount();
   out.triangles = document_.triangleCount();
-  out.clients = clients_.count();
+  out.clients = members_.count();
   out.subscribers = subscribers_.size();
   out.blobs = blobs_.count();
   out.blobBytes = blobs_.bytes();
@@ -107,13 +107,13 @@ std::uint64_t Session::revision() const {
 
 Status Session::verify(const ClientIdentity& client) const {
   const std::lock_guard lock(mutex_);
-  return clients_.verify(client);
+  return members_.verify(client);
 }
 
 Status Session::closedStatus(const char* field) const {
   if (closed_ == Closing::kDraining)
     return {Code::kUnavailable, "draining: this server ends; ask another, or this one again later"};
-  if (closed_ == Closing::kRetired) {
+  if (closed_ == Closing::kEvicted) {
     return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
   }
   return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
@@ -123,12 +123,12 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
   const std::lock_guard lock(mutex_);
   if (closed_) return closedStatus("session");
   lastUsed_ = std::chrono::system_clock::now();
-  if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->writable(); !s.ok()) return s;
   const Expected<bool> existed = blobs_.add(blob, Clock::now());
   if (!existed || *existed) return existed;
   JournalStep step = nextStep();
   step.upload = blob;
-  keep(std::move(step));
+  journal(std::move(step));
   return existed;
 }
 
@@ -151,7 +151,7 @@ ScenePtr Session::scene() {
 Changes Session::changesSince(std::optional<std::uint64_t> since,
                               std::map<std::string, std::uint64_t>* clientSequences) const {
   const std::lock_guard lock(mutex_);
-  if (clientSequences) *clientSequences = clients_.sequencesSince(since.value_or(0));
+  if (clientSequences) *clientSequences = members_.sequencesSince(since.value_or(0));
   return document_.changesSince(since);
 }
 
@@ -175,7 +175,7 @@ std::uint64_t Session::watch(std::function<void()> changed, std::function<void(C
   const std::lock_guard lock(mutex_);
   const std::uint64_t key = nextKey_++;
   if (closed_) {
-    workshop_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
+    services_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
   } else {
     watchers_[key] = {std::move(changed), std::move(closed), client};
   }
@@ -186,7 +186,7 @@ void Session::unwatch(std::uint64_t watcher) {
   const std::lock_guard lock(mutex_);
   const auto found = watchers_.find(watcher);
   if (found == watchers_.end()) return;
-  hear(found->second.client);
+  markActive(found->second.client);
   watchers_.erase(found);
   lastUsed_ = std::chrono::system_clock::now();
 }
@@ -207,15 +207,15 @@ void Session::touch() {
 
 bool Session::expired(std::chrono::system_clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  return manners_.ttl.count() > 0 && !busy() && now - lastUsed_ > manners_.ttl;
+  return policy_.ttl.count() > 0 && !busy() && now - lastUsed_ > policy_.ttl;
 }
 
 bool Session::busy() const { return !subscribers_.empty() || !watchers_.empty() || !calls_.empty(); }
 
-std::optional<std::chrono::system_clock::time_point> Session::retire(std::chrono::system_clock::time_point now) {
+std::optional<std::chrono::system_clock::time_point> Session::evict(std::chrono::system_clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  if (closed_ || manners_.ttl.count() == 0 || busy() || now - lastUsed_ <= manners_.ttl) return std::nullopt;
-  closed_ = Closing::kRetired;  // nobody is there to be told
+  if (closed_ || policy_.ttl.count() == 0 || busy() || now - lastUsed_ <= policy_.ttl) return std::nullopt;
+  closed_ = Closing::kEvicted;  // nobody is there to be told
   return lastUsed_;
 }
 
@@ -234,7 +234,7 @@ SavedSession Session::state() const {
   out.id = id_;
   out.epoch = epoch_;
   out.created = created_;
-  out.manners = manners_;
+  out.policy = policy_;
   out.document = document_.state();
   out.uploads = blobs_.all();
   return out;
@@ -242,14 +242,14 @@ SavedSession Session::state() const {
 
 void Session::dropUnusedBlobs() {
   const std::lock_guard lock(mutex_);
-  if (closed_ || !workshop_.journal->writable().ok()) return;
+  if (closed_ || !services_.journal->writable().ok()) return;
   std::set<BlobHash> used = document_.hashesInUse();
   history_.addHashesInUse(used);
   std::vector<BlobHash> dropped = blobs_.dropUnused(used, Clock::now());
   if (dropped.empty()) return;
   JournalStep step = nextStep();
   step.dropped = std::move(dropped);
-  keep(std::move(step));
+  journal(std::move(step));
 }
 
 void Session::freeze(Closing why) {

@@ -34,15 +34,15 @@ namespace lpv {
 class Access;
 
 /// What happens to a session without a call, for logs.
-enum class Incident {
+enum class SessionEvent {
   kExpired,    ///< idle, and gone with what it held
-  kPutAway,    ///< idle: on disk only
-  kForgotten,  ///< put away for longer than it is retained
+  kEvicted,    ///< idle: on disk only
+  kRetentionEnded,  ///< put away for longer than it is retained
   kTickFailed,
 };
 
 /// What sessions share. Outlives them.
-struct Workshop {
+struct SessionServices {
   Limits limits;
   Engine* engine = nullptr;
   WorkerPool* pool = nullptr;
@@ -52,7 +52,7 @@ struct Workshop {
   Journal* journal = nullptr;
   Access* access = nullptr;  ///< told of sessions that are gone; may be null
   /// Told of incidents with the session's id, and why where a reason is known; may be empty. Any thread.
-  std::function<void(Incident, const std::string& session, const std::string& why)> tell = nullptr;
+  std::function<void(SessionEvent, const std::string& session, const std::string& why)> onEvent = nullptr;
 };
 
 /// A session that shows frames alone has a volume made for its check this many times less often.
@@ -60,14 +60,14 @@ inline constexpr int kUnaskedChecks = 6;
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  Session(std::string id, SessionKey key, std::uint64_t epoch, const SessionOptions& options, SessionManners manners,
-          const Workshop& workshop);
+  Session(std::string id, SessionKey key, std::uint64_t epoch, const LightingSettings& options, SessionPolicy policy,
+          const SessionServices& services);
   /// A session that was, under a new epoch.
-  Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const Workshop& workshop);
+  Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const SessionServices& services);
   ~Session();
 
   /// Gives the journal the session as it is, once, before anything else is done with it. Answers with its time to live.
-  std::chrono::seconds begin(const std::string& requestId);
+  std::chrono::seconds journalCreation(const std::string& requestId);
 
   const std::string& id() const { return id_; }
   std::uint64_t epoch() const { return epoch_; }
@@ -86,21 +86,21 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The whole life of an edit: prepared outside the lock, then applied, recorded, told to readers.
   EditOutcome apply(const ClientIdentity& client, Edit edit);
   /// The outcome of an edit that could not even be read: recorded under its sequence like any other.
-  EditOutcome refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
+  EditOutcome recordRejected(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
   /// Takes back the member's newest step, or makes one again that was taken back (session/document/history.h): an edit
   /// in every other respect. FAILED_PRECONDITION where there is none; INVALID_ARGUMENT for nobody.
-  EditOutcome takeStep(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
+  EditOutcome undoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction);
   /// Puts what `change` makes of the settings in their place; nobody else changes them meanwhile. `change` is called
   /// under the session's lock.
-  Status changeSettings(const std::function<Expected<Settings>(const Settings&)>& change);
+  Status changeSettings(const std::function<Expected<SessionSettings>(const SessionSettings&)>& change);
   /// Calls `kept` once, when everything that was done to the session so far is kept (any thread, no locks), or with why
   /// that is not known. Nobody is told of a change before.
-  void whenKept(std::function<void(const Status&)> kept) const;
+  void whenDurable(std::function<void(const Status&)> kept) const;
   /// The same for an edit: `told` gets its outcome, or UNAVAILABLE where it may be lost.
-  void confirm(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const;
+  void confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const;
   /// Changes are refused for now.
-  bool readOnly() const { return !workshop_.journal->writable().ok(); }
-  Durability durability() const { return workshop_.journal->durability(); }
+  bool readOnly() const { return !services_.journal->writable().ok(); }
+  Durability durability() const { return services_.journal->durability(); }
 
   // Blobs.
   Expected<bool> addBlob(const BlobPtr& blob);
@@ -125,7 +125,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Status present(const ClientIdentity& client, const PresenceUpdate& update);
   /// Another number after every change.
   std::uint64_t presenceChanges() const;
-  PresentMembers presentMembers() const;
+  PresenceSnapshot presenceSnapshot() const;
   /// Locks lights and surfaces for the member, for 1 s to kMaxLockTime; 0 releases, all of the member's where none is
   /// named. NOT_FOUND, ABORTED, RESOURCE_EXHAUSTED: none of them is locked.
   Status lockObjects(const ClientIdentity& client, const std::vector<std::string>& names, std::chrono::seconds time);
@@ -133,17 +133,19 @@ class Session : public std::enable_shared_from_this<Session> {
   void dropSilentMembers(Clock::time_point now);
 
   // Results.
-  Expected<std::shared_ptr<Subscriber>> subscribe(const Wish& wish, const std::shared_ptr<ResultSink>& sink);
+  Expected<std::shared_ptr<Subscriber>> subscribe(const Subscription& subscription,
+                                                  const std::shared_ptr<ResultSink>& sink);
   void unsubscribe(const std::shared_ptr<Subscriber>& subscriber);
   std::shared_ptr<Subscriber> findSubscriber(const std::string& id) const;
   /// The subscriber has applied `resultId` and everything before it.
   void acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId);
   /// The subscriber has lost what it was sent: it is owed the current result again, whole.
   void resend(const std::shared_ptr<Subscriber>& subscriber);
-  /// Replaces a frame subscriber's wish; an older camera sequence keeps the camera that is there.
-  Status rewish(const std::shared_ptr<Subscriber>& subscriber, const FrameWish& wish, std::optional<double> maxRate);
+  /// Replaces a frame subscriber's subscription; an older camera sequence keeps the camera that is there.
+  Status updateSubscription(const std::shared_ptr<Subscriber>& subscriber, const FrameSettings& subscription,
+                            std::optional<double> maxRate);
   /// A copy of what the subscriber wants now.
-  Wish wishOf(const std::shared_ptr<Subscriber>& subscriber) const;
+  Subscription subscriptionOf(const std::shared_ptr<Subscriber>& subscriber) const;
   /// Answers from a result at or after call.minRevision; forget() takes the call back.
   std::shared_ptr<WaitingCall> ask(WaitingCall call);
   void forget(const std::shared_ptr<WaitingCall>& call);
@@ -158,7 +160,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool expired(std::chrono::system_clock::time_point now) const;
   /// Closes the session where it is expired, so that it can come back from where it is kept; says when it was last
   /// used.
-  std::optional<std::chrono::system_clock::time_point> retire(std::chrono::system_clock::time_point now);
+  std::optional<std::chrono::system_clock::time_point> evict(std::chrono::system_clock::time_point now);
   /// When the session was last used, once in a while, where that is later than it said last.
   std::optional<std::chrono::system_clock::time_point> useToKeep(std::chrono::system_clock::time_point now);
   /// Without members: what a copy of the session is made from.
@@ -171,19 +173,20 @@ class Session : public std::enable_shared_from_this<Session> {
 
  private:
   /// A tick's request and whose results it will make.
-  struct Planned {
+  struct TickPlan {
     TickRequest request;
     std::uint64_t epoch = 0;
     Lookup lookup = Lookup::kSh2;
-    std::vector<std::shared_ptr<Subscriber>> aheadOf;  ///< readers of volumes whose credit is out
+    std::vector<std::shared_ptr<Subscriber>> prefetchFor;  ///< readers of volumes whose credit is out
     Clock::time_point begun;
     std::vector<std::pair<std::shared_ptr<Subscriber>, std::uint64_t>> frameReaders;  ///< with camera sequence
     std::vector<std::shared_ptr<WaitingCall>> volumeCalls;
     std::vector<std::shared_ptr<WaitingCall>> frameCalls;
     std::map<std::string, std::uint64_t> clientSequences;
 
-    bool isAheadOf(const Subscriber& subscriber) const {
-      return std::any_of(aheadOf.begin(), aheadOf.end(), [&](const auto& one) { return one.get() == &subscriber; });
+    bool prefetchesFor(const Subscriber& subscriber) const {
+      return std::any_of(prefetchFor.begin(), prefetchFor.end(),
+                         [&](const auto& one) { return one.get() == &subscriber; });
     }
     /// Highest accepted sequence of `client` that the scene contains; 0 for nobody.
     std::uint64_t sequenceOf(const std::string& client) const {
@@ -206,14 +209,14 @@ class Session : public std::enable_shared_from_this<Session> {
   void predictCosts();
   Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs);
   EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
-  EditOutcome takeStepLocked(const ClientIdentity& client, std::uint64_t sequence, Direction direction);
+  EditOutcome undoRedoLocked(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction);
   Status lockLocked(const std::string& client, const std::vector<std::string>& names, std::chrono::seconds time);
   bool admit(const ClientIdentity& client, std::uint64_t sequence, EditOutcome* outcome);
   void forget(const std::string& client);
   std::set<std::string> connected() const;
-  void hear(const std::string& client);
-  void record(const ClientIdentity& client, const EditOutcome& outcome);
-  void keep(JournalStep step);
+  void markActive(const std::string& client);
+  void recordOutcome(const ClientIdentity& client, const EditOutcome& outcome);
+  void journal(JournalStep step);
   JournalStep nextStep() const;
   bool busy() const;
   Status closedStatus(const char* field) const;
@@ -222,32 +225,32 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Cameras (session_views.cpp).
   std::optional<Camera> chosenCamera(const CameraChoice& choice) const;
-  bool hasView(const FrameWish& wish, std::uint64_t minRevision);
+  bool hasView(const FrameSettings& subscription, std::uint64_t minRevision);
   void chooseView();
   void viewChosen(const ScenePtr& scene, const DefaultView& view);
   FrameRequest frameRequest(const Subscriber& subscriber) const;
-  FrameRequest frameRequest(const FrameWish& wish, std::uint64_t view) const;
+  FrameRequest frameRequest(const FrameSettings& subscription, std::uint64_t view) const;
 
   // Credit (session_subscribers.cpp).
   bool wants(const Subscriber& subscriber) const;
-  bool takeBack(Subscriber& subscriber, std::uint64_t resultId);
+  bool returnCredits(Subscriber& subscriber, std::uint64_t resultId);
   bool hasCredit(const Subscriber& subscriber) const;
   bool longTrip(const Subscriber& subscriber) const;
 
   // Planning (session_results.cpp).
-  void kick();
-  void kickLater(Clock::time_point when);
-  std::optional<Planned> planTick(Clock::time_point now);
-  void planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next);
-  void planCalls(Planned& plan);
+  void scheduleTick();
+  void scheduleTickAt(Clock::time_point when);
+  std::optional<TickPlan> planTick(Clock::time_point now);
+  void planSubscribers(TickPlan& plan, Clock::time_point now, Clock::time_point& next);
+  void planCalls(TickPlan& plan);
   void addVolume(TickRequest& request, VolumeStage stage);
-  void tickDone(const Planned& plan, Expected<TickResult> result);
-  std::vector<Delivery> settle(const Planned& plan, TickResult& tick);
-  void settleVolume(const Planned& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
-                    std::vector<Delivery>* out);
-  void settleFrames(const Planned& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
-                    std::vector<Delivery>* out);
-  void fail(const Planned& plan, const Status& status);
+  void tickDone(const TickPlan& plan, Expected<TickResult> result);
+  std::vector<Delivery> planDeliveries(const TickPlan& plan, TickResult& tick);
+  void planVolumeDeliveries(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
+                            std::vector<Delivery>* out);
+  void planFrameDeliveries(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
+                           std::vector<Delivery>* out);
+  void fail(const TickPlan& plan, const Status& status);
   void markSent(Subscriber& subscriber, const Result& result, Clock::time_point now);
   std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
   void deliver(std::vector<Delivery> deliveries);
@@ -255,11 +258,11 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Ahead of credits (session_ahead.cpp).
   Clock::time_point dueAt(const Subscriber& subscriber) const;
-  Clock::time_point aheadAt(const Subscriber& subscriber) const;
-  bool canKeepAhead(const Subscriber& subscriber) const;
-  static Result keepAhead(Subscriber& subscriber, Result result);
-  void dropOldAhead(Subscriber& subscriber, Clock::time_point now);
-  std::optional<Result> takeAhead(Subscriber& subscriber);
+  Clock::time_point prefetchDueAt(const Subscriber& subscriber) const;
+  bool canStorePrefetch(const Subscriber& subscriber) const;
+  static Result storePrefetch(Subscriber& subscriber, Result result);
+  void dropStalePrefetch(Subscriber& subscriber, Clock::time_point now);
+  std::optional<Result> takePrefetch(Subscriber& subscriber);
   void tickTook(Clock::duration time);
   void encodingTook(Clock::duration time);
 
@@ -268,16 +271,16 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string id_;
   const SessionKey key_;
   const std::uint64_t epoch_;
-  Workshop workshop_;  ///< its limits change with the lock held, nothing else does
+  SessionServices services_;  ///< its limits change with the lock held, nothing else does
   const std::chrono::system_clock::time_point created_;
 
   mutable std::mutex mutex_;
-  SessionManners manners_;
+  SessionPolicy policy_;
   Document document_;
   Blobs blobs_;
-  Clients clients_;
+  Members members_;
   History history_;
-  PresentOnes presence_;
+  PresenceTable presence_;
   Locks locks_;
   std::map<std::uint64_t, Watcher> watchers_;
   std::map<std::string, std::shared_ptr<Subscriber>> subscribers_;
@@ -293,14 +296,14 @@ class Session : public std::enable_shared_from_this<Session> {
   double encodeSeconds_ = 0.0;  ///< of a volume, smoothed
   std::optional<Closing> closed_;  ///< why, once it is
   bool closeTold_ = false;  ///< to streams and calls
-  Position kept_ = 0;  ///< of the last step that was given to the journal
+  Position lastJournalled_ = 0;  ///< of the last step that was given to the journal
   Clock::time_point nextTick_{};
   Clock::time_point nextCheck_{};  ///< of a volume that is there
   Clock::time_point nextUnaskedCheck_ =
-      Clock::now() + kUnaskedChecks * workshop_.limits.selfCheck;  ///< of one made for it
+      Clock::now() + kUnaskedChecks * services_.limits.selfCheck;  ///< of one made for it
   bool checking_ = false;
   std::optional<MeasuredError> measured_;
-  std::optional<Clock::time_point> kickAt_;
+  std::optional<Clock::time_point> tickScheduledAt_;
   std::chrono::system_clock::time_point lastUsed_;
   std::chrono::system_clock::time_point keptUse_;
 };

@@ -16,7 +16,7 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
       base = document_.meshOf(vertices->object);
     }
     // A failure here is found again, with its place in the edit, when the document applies it.
-    (void)prepareVertices(*vertices, base, workshop_.hasher).ok();
+    (void)prepareVertices(*vertices, base, services_.hasher).ok();
   }
   EditOutcome outcome;
   {
@@ -27,25 +27,25 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
   return outcome;
 }
 
-EditOutcome Session::refuse(const ClientIdentity& client, std::uint64_t sequence, const Status& why) {
-  workshop_.counters->editsRejected.add(why);
+EditOutcome Session::recordRejected(const ClientIdentity& client, std::uint64_t sequence, const Status& why) {
+  services_.counters->editsRejected.add(why);
   const std::lock_guard lock(mutex_);
   EditOutcome outcome;
   outcome.sequence = sequence;
   outcome.revision = document_.revision();
-  outcome.status = closed_ ? closedStatus("session") : clients_.verify(client);
+  outcome.status = closed_ ? closedStatus("session") : members_.verify(client);
   if (!outcome.status.ok()) return outcome;
-  const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
+  const Expected<std::optional<EditOutcome>> before = members_.repeated(client.id, sequence);
   if (before && *before) return **before;
   if (!before) {
     outcome.status = before.status().within("edit");
     return outcome;
   }
-  outcome.status = workshop_.journal->writable();
-  if (outcome.status.ok()) outcome.status = clients_.admit(client.id, Clock::now());
+  outcome.status = services_.journal->writable();
+  if (outcome.status.ok()) outcome.status = members_.admit(client.id, Clock::now());
   if (!outcome.status.ok()) return outcome;
   outcome.status = why;
-  record(client, outcome);
+  recordOutcome(client, outcome);
   return outcome;
 }
 
@@ -59,16 +59,16 @@ EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit)
   outcome.revision = document_.revision();
   if (names) {
     outcome.names = *names;
-    history_.note(client.id, edit, *names, document_);
+    history_.recordWrites(client.id, edit, *names, document_);
   }
-  record(client, outcome);
-  if (names) kick();
+  recordOutcome(client, outcome);
+  if (names) scheduleTick();
   return outcome;
 }
 
 /// Remembers the outcome, and gives the journal what the edit made of the session.
-void Session::record(const ClientIdentity& client, const EditOutcome& outcome) {
-  clients_.record(client.id, outcome);
+void Session::recordOutcome(const ClientIdentity& client, const EditOutcome& outcome) {
+  members_.record(client.id, outcome);
   JournalStep step = nextStep();
   const bool remembered = !client.id.empty() && (outcome.sequence != 0 || outcome.status.ok());
   if (outcome.status.ok()) step.changes = document_.lastChange();
@@ -76,7 +76,7 @@ void Session::record(const ClientIdentity& client, const EditOutcome& outcome) {
     step.client = client.id;
     step.outcome = outcome;
   }
-  if (remembered || outcome.status.ok()) keep(std::move(step));
+  if (remembered || outcome.status.ok()) journal(std::move(step));
 }
 
 JournalStep Session::nextStep() const {
@@ -85,19 +85,19 @@ JournalStep Session::nextStep() const {
   return step;
 }
 
-void Session::keep(JournalStep step) { kept_ = workshop_.journal->append(id_, std::move(step)); }
+void Session::journal(JournalStep step) { lastJournalled_ = services_.journal->append(id_, std::move(step)); }
 
-void Session::whenKept(std::function<void(const Status&)> kept) const {
+void Session::whenDurable(std::function<void(const Status&)> kept) const {
   Position position = 0;
   {
     const std::lock_guard lock(mutex_);
-    position = kept_;
+    position = lastJournalled_;
   }
-  workshop_.journal->whenKept(position, std::move(kept));
+  services_.journal->whenDurable(position, std::move(kept));
 }
 
-void Session::confirm(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
-  whenKept([outcome = std::move(outcome), told = std::move(told)](const Status& kept) {
+void Session::confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
+  whenDurable([outcome = std::move(outcome), told = std::move(told)](const Status& kept) {
     if (kept.ok()) return told(outcome);
     EditOutcome unknown;
     unknown.sequence = outcome.sequence;
@@ -107,22 +107,22 @@ void Session::confirm(EditOutcome outcome, std::function<void(const EditOutcome&
   });
 }
 
-Status Session::changeSettings(const std::function<Expected<Settings>(const Settings&)>& change) {
+Status Session::changeSettings(const std::function<Expected<SessionSettings>(const SessionSettings&)>& change) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return closedStatus("name");
-    if (Status s = workshop_.journal->writable(); !s.ok()) return s;
+    if (Status s = services_.journal->writable(); !s.ok()) return s;
     const std::uint64_t before = document_.revision();
-    const Expected<Settings> changed = change({document_.options(), manners_});
+    const Expected<SessionSettings> changed = change({document_.options(), policy_});
     if (!changed) return changed.status();
     if (Status s = document_.setOptions(changed->options); !s.ok()) return s;
-    manners_ = changed->manners;
+    policy_ = changed->policy;
     JournalStep step = nextStep();
     if (document_.revision() != before) step.changes = document_.lastChange();
     step.settings = *changed;
-    keep(std::move(step));
+    journal(std::move(step));
     lastUsed_ = std::chrono::system_clock::now();
-    kick();
+    scheduleTick();
   }
   tellWatchers();
   return {};
@@ -131,10 +131,10 @@ Status Session::changeSettings(const std::function<Expected<Settings>(const Sett
 /// Of an edit, or of a step back or forth. Without the lock.
 void Session::countAndTell(const EditOutcome& outcome) {
   if (outcome.status.ok()) {
-    ++workshop_.counters->editsAccepted;
+    ++services_.counters->editsAccepted;
     tellWatchers();
   } else {
-    workshop_.counters->editsRejected.add(outcome.status);
+    services_.counters->editsRejected.add(outcome.status);
   }
 }
 

@@ -26,44 +26,44 @@ void smooth(double& mean, Clock::duration measured) {
 /// When a tick for the subscriber may begin; kNever where there is nothing to make, or no telling when.
 Clock::time_point Session::dueAt(const Subscriber& subscriber) const {
   if (!wants(subscriber)) return kNever;
-  return std::max(subscriber.notBefore, hasCredit(subscriber) ? Clock::time_point::min() : aheadAt(subscriber));
+  return std::max(subscriber.notBefore, hasCredit(subscriber) ? Clock::time_point::min() : prefetchDueAt(subscriber));
 }
 
 /// The same for one whose credit is out. Only where a round trip lasts for more than a tick's interval, as a second
 /// credit asks for, and strays by less than there is to gain.
-Clock::time_point Session::aheadAt(const Subscriber& subscriber) const {
+Clock::time_point Session::prefetchDueAt(const Subscriber& subscriber) const {
   const RoundTrip& trip = subscriber.roundTrip;
   const double making = tickSeconds_ + encodeSeconds_;
-  if (!canKeepAhead(subscriber) || !longTrip(subscriber) || trip.deviation() >= making) return kNever;
+  if (!canStorePrefetch(subscriber) || !longTrip(subscriber) || trip.deviation() >= making) return kNever;
   return subscriber.inFlight.front().at + durationOf(trip.mean() - trip.deviation() - making);
 }
 
 /// One for each credit, as a delta to what its acknowledgement will name, unless that is lost.
-bool Session::canKeepAhead(const Subscriber& subscriber) const {
-  if (!subscriber.wish.volume || hasCredit(subscriber)) return false;
+bool Session::canStorePrefetch(const Subscriber& subscriber) const {
+  if (!subscriber.subscription.volume || hasCredit(subscriber)) return false;
   const std::uint64_t base = subscriber.inFlight.front().resultId;
-  return base != subscriber.aheadOf && base > subscriber.basesAfter;
+  return base != subscriber.prefetchFor && base > subscriber.basesAfter;
 }
 
 /// Keeps a volume for a subscriber whose credit comes back soon, as the delta that it will be.
-Result Session::keepAhead(Subscriber& subscriber, Result result) {
-  result.baseId = subscriber.aheadOf = subscriber.inFlight.front().resultId;
-  subscriber.ahead = {result, Clock::now()};
+Result Session::storePrefetch(Subscriber& subscriber, Result result) {
+  result.baseId = subscriber.prefetchFor = subscriber.inFlight.front().resultId;
+  subscriber.prefetch = {result, Clock::now()};
   return result;
 }
 
 /// The scene went on, and it has waited for longer than a tick's interval: the reader gets a newer one. Whoever never
 /// acknowledges must not hold a volume.
-void Session::dropOldAhead(Subscriber& subscriber, Clock::time_point now) {
-  if (!subscriber.ahead || subscriber.ahead->result.meta.revision == document_.revision()) return;
-  if (now - subscriber.ahead->at > durationOf(1.0 / workshop_.limits.maxTickRate)) subscriber.ahead.reset();
+void Session::dropStalePrefetch(Subscriber& subscriber, Clock::time_point now) {
+  if (!subscriber.prefetch || subscriber.prefetch->result.meta.revision == document_.revision()) return;
+  if (now - subscriber.prefetch->at > durationOf(1.0 / services_.limits.maxTickRate)) subscriber.prefetch.reset();
 }
 
 /// What was kept for the credit that has just come back, unless it is old, or a delta to what the reader does not hold.
-std::optional<Result> Session::takeAhead(Subscriber& subscriber) {
+std::optional<Result> Session::takePrefetch(Subscriber& subscriber) {
   const Clock::time_point now = Clock::now();
-  dropOldAhead(subscriber, now);
-  const std::optional<Ahead> kept = std::exchange(subscriber.ahead, std::nullopt);
+  dropStalePrefetch(subscriber, now);
+  const std::optional<Prefetch> kept = std::exchange(subscriber.prefetch, std::nullopt);
   if (!kept || closed_ || !hasCredit(subscriber) || now < subscriber.notBefore) return std::nullopt;
   if (kept->result.baseId != subscriber.baseId || kept->result.meta.revision <= subscriber.shownRevision) {
     return std::nullopt;

@@ -15,7 +15,9 @@ constexpr std::chrono::milliseconds kRetryAfterFailure{1000};  // a failed tick 
 /// Of the frames that calls wait for, pixels that one tick makes: its targets are held until it ends. The others wait.
 constexpr std::int64_t kMostCallPixels = std::int64_t(4096) * 4096;
 
-std::int64_t pixelsOf(const FrameWish& wish) { return std::int64_t(wish.size.x) * wish.size.y; }
+std::int64_t pixelsOf(const FrameSettings& subscription) {
+  return std::int64_t(subscription.size.x) * subscription.size.y;
+}
 
 Clock::duration interval(double rate) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate));
@@ -31,8 +33,9 @@ void countTick(Counters& counters, Clock::time_point begun, const Expected<TickR
 }
 
 int qualityFor(const Subscriber& subscriber) {
-  const FrameWish& wish = *subscriber.wish.frame;
-  return subscriber.adapter ? subscriber.adapter->shapeFor({wish.size, wish.quality}).quality : wish.quality;
+  const FrameSettings& subscription = *subscriber.subscription.frame;
+  return subscriber.adapter ? subscriber.adapter->shapeFor({subscription.size, subscription.quality}).quality
+                            : subscription.quality;
 }
 
 std::int64_t nowNs() {
@@ -46,12 +49,12 @@ std::shared_ptr<WaitingCall> Session::ask(WaitingCall call) {
   auto waiting = std::make_shared<WaitingCall>(std::move(call));
   const std::lock_guard lock(mutex_);
   if (closed_) {
-    workshop_.pool->post([waiting, gone = closedStatus("session")] { waiting->done(gone); });
+    services_.pool->post([waiting, gone = closedStatus("session")] { waiting->done(gone); });
     return waiting;
   }
   lastUsed_ = std::chrono::system_clock::now();
   calls_.push_back(waiting);
-  kick();
+  scheduleTick();
   return waiting;
 }
 
@@ -60,32 +63,32 @@ void Session::forget(const std::shared_ptr<WaitingCall>& call) {
   calls_.remove(call);
 }
 
-void Session::kickLater(Clock::time_point when) {
-  if (kickAt_ && *kickAt_ <= when) return;
-  kickAt_ = when;
-  workshop_.timers->at(when, [weak = weak_from_this()] {
+void Session::scheduleTickAt(Clock::time_point when) {
+  if (tickScheduledAt_ && *tickScheduledAt_ <= when) return;
+  tickScheduledAt_ = when;
+  services_.timers->at(when, [weak = weak_from_this()] {
     const SessionPtr self = weak.lock();
     if (!self) return;
     const std::lock_guard lock(self->mutex_);
-    self->kickAt_.reset();
-    self->kick();
+    self->tickScheduledAt_.reset();
+    self->scheduleTick();
   });
 }
 
 /// Starts a tick where one is due. Called with the lock held, after everything that may make one due.
-void Session::kick() {
+void Session::scheduleTick() {
   if (tickUnderWay_ || closed_) return;
-  std::optional<Planned> plan = planTick(Clock::now());
+  std::optional<TickPlan> plan = planTick(Clock::now());
   if (!plan) return;
   tickUnderWay_ = true;
   const Clock::time_point now = Clock::now();
   plan->begun = now;
-  nextTick_ = now + interval(workshop_.limits.maxTickRate);
-  workshop_.counters->tickWatch.begun(now);
+  nextTick_ = now + interval(services_.limits.maxTickRate);
+  services_.counters->tickWatch.begun(now);
   TickRequest request = plan->request;
-  workshop_.engine->submit(
-      std::move(request), [weak = weak_from_this(), pool = workshop_.pool, counters = workshop_.counters, now,
-                           shared = std::make_shared<const Planned>(std::move(*plan))](Expected<TickResult> result) {
+  services_.engine->submit(
+      std::move(request), [weak = weak_from_this(), pool = services_.pool, counters = services_.counters, now,
+                           shared = std::make_shared<const TickPlan>(std::move(*plan))](Expected<TickResult> result) {
         countTick(*counters, now, result);
         pool->post([weak, shared, moved = std::make_shared<Expected<TickResult>>(std::move(result))] {
           if (const SessionPtr self = weak.lock()) self->tickDone(*shared, std::move(*moved));
@@ -93,53 +96,53 @@ void Session::kick() {
       });
 }
 
-std::optional<Session::Planned> Session::planTick(Clock::time_point now) {
-  Planned plan;
+std::optional<Session::TickPlan> Session::planTick(Clock::time_point now) {
+  TickPlan plan;
   Clock::time_point next = kNever;
   if (now < nextTick_) {
     for (const auto& [id, subscriber] : subscribers_) next = std::min(next, dueAt(*subscriber));
     if (!calls_.empty()) next = now;
-    if (next != kNever) kickLater(std::max(next, nextTick_));
+    if (next != kNever) scheduleTickAt(std::max(next, nextTick_));
     return std::nullopt;
   }
   planSubscribers(plan, now, next);
   planCalls(plan);
   const TickRequest& request = plan.request;
   if (!request.transported && !request.injected && request.frames.empty()) {
-    if (next != kNever) kickLater(next);
+    if (next != kNever) scheduleTickAt(next);
     return std::nullopt;
   }
   plan.request.session = key_;
   plan.request.scene = document_.snapshot();
-  if (workshop_.limits.selfCheck.count() > 0 && now >= nextUnaskedCheck_) {
-    nextUnaskedCheck_ = now + kUnaskedChecks * workshop_.limits.selfCheck;
+  if (services_.limits.selfCheck.count() > 0 && now >= nextUnaskedCheck_) {
+    nextUnaskedCheck_ = now + kUnaskedChecks * services_.limits.selfCheck;
     if (canSelfCheck(*plan.request.scene)) plan.request.transported = true;
   }
   plan.epoch = epoch_;
   plan.lookup = document_.options().lookup;
-  plan.clientSequences = clients_.sequencesSince(0);
+  plan.clientSequences = members_.sequencesSince(0);
   return plan;
 }
 
-void Session::planSubscribers(Planned& plan, Clock::time_point now, Clock::time_point& next) {
+void Session::planSubscribers(TickPlan& plan, Clock::time_point now, Clock::time_point& next) {
   for (const auto& [id, subscriber] : subscribers_) {
     if (const Clock::time_point due = dueAt(*subscriber); now < due) {
       next = std::min(next, due);
       continue;
     }
-    if (subscriber->wish.frame && !hasView(*subscriber->wish.frame, 0)) continue;
-    if (subscriber->wish.volume) {
-      addVolume(plan.request, *subscriber->wish.volume);
-      if (!hasCredit(*subscriber)) plan.aheadOf.push_back(subscriber);
+    if (subscriber->subscription.frame && !hasView(*subscriber->subscription.frame, 0)) continue;
+    if (subscriber->subscription.volume) {
+      addVolume(plan.request, *subscriber->subscription.volume);
+      if (!hasCredit(*subscriber)) plan.prefetchFor.push_back(subscriber);
     } else {
       plan.request.frames.push_back(frameRequest(*subscriber));
-      plan.frameReaders.emplace_back(subscriber, subscriber->wish.frame->cameraSequence);
-      subscriber->wishChanged = false;
+      plan.frameReaders.emplace_back(subscriber, subscriber->subscription.frame->cameraSequence);
+      subscriber->settingsChanged = false;
     }
   }
 }
 
-void Session::planCalls(Planned& plan) {
+void Session::planCalls(TickPlan& plan) {
   std::int64_t framePixels = 0;
   for (auto it = calls_.begin(); it != calls_.end();) {
     const std::shared_ptr<WaitingCall> call = *it;
@@ -155,7 +158,7 @@ void Session::planCalls(Planned& plan) {
       plan.frameCalls.push_back(call);
       framePixels += pixelsOf(*call->frame);
     } else if (const std::optional<Result> cached = cachedVolume(*call->volume, call->minRevision)) {
-      workshop_.pool->post([call, result = *cached] { call->done(result); });
+      services_.pool->post([call, result = *cached] { call->done(result); });
     } else {
       addVolume(plan.request, *call->volume);
       plan.volumeCalls.push_back(call);
@@ -173,26 +176,26 @@ std::optional<Result> Session::cachedVolume(VolumeStage stage, std::uint64_t min
   return found->second;
 }
 
-void Session::tickDone(const Planned& plan, Expected<TickResult> result) {
+void Session::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   if (!result) {
     fail(plan, result.status());
     return;
   }
-  ++workshop_.counters->ticks;
+  ++services_.counters->ticks;
   std::vector<Delivery> deliveries;
   {
     const std::lock_guard lock(mutex_);
     tickUnderWay_ = false;
     tickTook(Clock::now() - plan.begun);
-    deliveries = settle(plan, *result);
+    deliveries = planDeliveries(plan, *result);
   }
   deliver(std::move(deliveries));
   const std::lock_guard lock(mutex_);
-  kick();
+  scheduleTick();
 }
 
 /// Gives each result its name and picks who gets it.
-std::vector<Session::Delivery> Session::settle(const Planned& plan, TickResult& tick) {
+std::vector<Session::Delivery> Session::planDeliveries(const TickPlan& plan, TickResult& tick) {
   ResultMeta meta;
   meta.epoch = plan.epoch;
   meta.revision = tick.revision;
@@ -200,9 +203,9 @@ std::vector<Session::Delivery> Session::settle(const Planned& plan, TickResult& 
   meta.report = std::make_shared<const TickReport>(std::move(tick.report));
   meta.lookup = plan.lookup;
   std::vector<Delivery> out;
-  if (tick.transported) settleVolume(plan, meta, VolumeStage::kTransported, tick.transported, &out);
-  if (tick.injected) settleVolume(plan, meta, VolumeStage::kInjected, tick.injected, &out);
-  settleFrames(plan, meta, tick.frames, &out);
+  if (tick.transported) planVolumeDeliveries(plan, meta, VolumeStage::kTransported, tick.transported, &out);
+  if (tick.injected) planVolumeDeliveries(plan, meta, VolumeStage::kInjected, tick.injected, &out);
+  planFrameDeliveries(plan, meta, tick.frames, &out);
   countCoalesced(tick.revision, Clock::now());
   if (tick.transported) checkLater(plan.request.scene, tick.transported);
   return out;
@@ -211,12 +214,12 @@ std::vector<Session::Delivery> Session::settle(const Planned& plan, TickResult& 
 /// Now and then, on a worker, one at a time.
 void Session::checkLater(const ScenePtr& scene, const VolumePtr& volume) {
   const Clock::time_point now = Clock::now();
-  const std::chrono::seconds interval = workshop_.limits.selfCheck;
+  const std::chrono::seconds interval = services_.limits.selfCheck;
   if (interval.count() == 0 || checking_ || now < nextCheck_) return;
   checking_ = true;
   nextCheck_ = now + interval;
   nextUnaskedCheck_ = now + kUnaskedChecks * interval;
-  workshop_.pool->post([self = shared_from_this(), scene, volume] {
+  services_.pool->post([self = shared_from_this(), scene, volume] {
     const std::optional<double> error = selfCheck(*scene, *volume, std::uint32_t(scene->revision));
     const std::lock_guard lock(self->mutex_);
     self->checking_ = false;
@@ -226,20 +229,20 @@ void Session::checkLater(const ScenePtr& scene, const VolumePtr& volume) {
 
 /// A volume goes to every reader with credit that lacks it, also to those that came or got their credit back while the
 /// tick ran, and to the calls that waited; it is kept for readers whose credit is about to come back.
-void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
-                           std::vector<Delivery>* out) {
+void Session::planVolumeDeliveries(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
+                                   std::vector<Delivery>* out) {
   const Clock::time_point now = Clock::now();
   meta.resultId = nextResult_++;
   const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0, 0};
   for (const auto& [id, subscriber] : subscribers_) {
-    dropOldAhead(*subscriber, now);
+    dropStalePrefetch(*subscriber, now);
     const bool lacks = !subscriber->shownAny || subscriber->shownRevision < meta.revision;
-    const bool due = now >= dueAt(*subscriber) || (plan.isAheadOf(*subscriber) && canKeepAhead(*subscriber));
-    if (subscriber->wish.volume != stage || !lacks || !due) continue;
+    const bool due = now >= dueAt(*subscriber) || (plan.prefetchesFor(*subscriber) && canStorePrefetch(*subscriber));
+    if (subscriber->subscription.volume != stage || !lacks || !due) continue;
     Result result = latest;
-    result.meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
+    result.meta.clientSequence = plan.sequenceOf(subscriber->subscription.clientId);
     if (!hasCredit(*subscriber)) {
-      out->push_back({subscriber, keepAhead(*subscriber, std::move(result)), Delivery::kPrepare});
+      out->push_back({subscriber, storePrefetch(*subscriber, std::move(result)), Delivery::kPrepare});
       continue;
     }
     result.baseId = subscriber->baseId;
@@ -247,18 +250,18 @@ void Session::settleVolume(const Planned& plan, ResultMeta meta, VolumeStage sta
     out->push_back({subscriber, std::move(result)});
   }
   for (const auto& call : plan.volumeCalls) {
-    if (call->volume == stage) workshop_.pool->post([call, latest] { call->done(latest); });
+    if (call->volume == stage) services_.pool->post([call, latest] { call->done(latest); });
   }
 }
 
 /// The frames of a tick are its subscribers', in the order planned, then its calls'.
-void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
-                           std::vector<Delivery>* out) {
+void Session::planFrameDeliveries(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
+                                  std::vector<Delivery>* out) {
   const Clock::time_point now = Clock::now();
   auto frame = frames.begin();
   for (const auto& [subscriber, cameraSequence] : plan.frameReaders) {
     meta.resultId = nextResult_++;
-    meta.clientSequence = plan.sequenceOf(subscriber->wish.clientId);
+    meta.clientSequence = plan.sequenceOf(subscriber->subscription.clientId);
     Result result{meta, nullptr, *frame++, cameraSequence, qualityFor(*subscriber), 0};
     if (!subscribers_.contains(subscriber->id)) continue;
     markSent(*subscriber, result, now);
@@ -267,7 +270,7 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
   for (const auto& call : plan.frameCalls) {
     meta.resultId = nextResult_++;
     meta.clientSequence = 0;
-    workshop_.pool->post(
+    services_.pool->post(
         [call, result = Result{meta, nullptr, *frame++, 0, call->frame->quality, 0}] { call->done(result); });
   }
 }
@@ -276,37 +279,38 @@ void Session::settleFrames(const Planned& plan, ResultMeta meta, const std::vect
 void Session::countCoalesced(std::uint64_t revision, Clock::time_point now) {
   for (const auto& [id, subscriber] : subscribers_) {
     const bool lacks = !subscriber->shownAny || subscriber->shownRevision < revision;
-    if (lacks && !subscriber->ahead && now < dueAt(*subscriber)) ++workshop_.counters->resultsCoalesced;
+    if (lacks && !subscriber->prefetch && now < dueAt(*subscriber)) ++services_.counters->resultsCoalesced;
   }
 }
 
 void Session::markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) {
-  subscriber.ahead.reset();
+  subscriber.prefetch.reset();
   subscriber.inFlight.push_back({result.meta.resultId, now});
   subscriber.lastSent = result.meta.resultId;
   subscriber.shownRevision = result.meta.revision;
   subscriber.shownAny = true;
-  if (subscriber.wish.maxRate > 0.0) subscriber.notBefore = now + interval(subscriber.wish.maxRate);
+  if (subscriber.subscription.maxRate > 0.0) subscriber.notBefore = now + interval(subscriber.subscription.maxRate);
 }
 
-void Session::fail(const Planned& plan, const Status& status) {
-  if (workshop_.tell && status.code() != Code::kCancelled) workshop_.tell(Incident::kTickFailed, id_, status.message());
+void Session::fail(const TickPlan& plan, const Status& status) {
+  if (services_.onEvent && status.code() != Code::kCancelled)
+    services_.onEvent(SessionEvent::kTickFailed, id_, status.message());
   for (const auto& call : plan.volumeCalls) call->done(status);
   for (const auto& call : plan.frameCalls) call->done(status);
   const std::lock_guard lock(mutex_);
-  for (const auto& [subscriber, cameraSequence] : plan.frameReaders) subscriber->wishChanged = true;
+  for (const auto& [subscriber, cameraSequence] : plan.frameReaders) subscriber->settingsChanged = true;
   tickUnderWay_ = false;
   nextTick_ = Clock::now() + kRetryAfterFailure;
-  kick();
+  scheduleTick();
 }
 
 /// Each on a worker of its own: encoding one reader's frame keeps no other reader waiting. The first is timed: it
 /// encodes the volume that others share.
 void Session::deliver(std::vector<Delivery> deliveries) {
   for (std::size_t i = 0; i < deliveries.size(); ++i) {
-    if (deliveries[i].how != Delivery::kPrepare) ++workshop_.counters->resultsSent;
+    if (deliveries[i].how != Delivery::kPrepare) ++services_.counters->resultsSent;
     const bool timed = i == 0 && deliveries[i].how != Delivery::kOfferPrepared && deliveries[i].result.volume;
-    workshop_.pool->post([weak = weak_from_this(), timed, delivery = std::move(deliveries[i])] {
+    services_.pool->post([weak = weak_from_this(), timed, delivery = std::move(deliveries[i])] {
       const std::shared_ptr<ResultSink> sink = delivery.subscriber->sink.lock();
       if (!sink) return;
       const Clock::time_point begun = Clock::now();

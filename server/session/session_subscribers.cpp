@@ -7,31 +7,32 @@
 
 namespace lpv {
 
-Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Wish& wish, const std::shared_ptr<ResultSink>& sink) {
+Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Subscription& subscription,
+                                                         const std::shared_ptr<ResultSink>& sink) {
   const std::lock_guard lock(mutex_);
   if (closed_) return closedStatus("session");
-  if (std::ssize(subscribers_) >= workshop_.limits.maxSubscribersPerSession) {
+  if (std::ssize(subscribers_) >= services_.limits.maxSubscribersPerSession) {
     return exhausted("max_subscribers_per_session", "max_subscribers_per_session: allowed are " +
-                                                        std::to_string(workshop_.limits.maxSubscribersPerSession) +
+                                                        std::to_string(services_.limits.maxSubscribersPerSession) +
                                                         " result streams");
   }
   auto subscriber = std::make_shared<Subscriber>();
   subscriber->key = nextKey_++;
   subscriber->id = "s-" + std::to_string(subscriber->key) + "-" + randomHex(4);
-  subscriber->wish = wish;
+  subscriber->subscription = subscription;
   subscriber->sink = sink;
-  if (wish.frame && wish.adaptRate > 0.0) subscriber->adapter.emplace(wish.adaptRate);
+  if (subscription.frame && subscription.adaptRate > 0.0) subscriber->adapter.emplace(subscription.adaptRate);
   subscribers_[subscriber->id] = subscriber;
-  kick();
+  scheduleTick();
   return subscriber;
 }
 
 void Session::unsubscribe(const std::shared_ptr<Subscriber>& subscriber) {
   const std::lock_guard lock(mutex_);
   subscribers_.erase(subscriber->id);
-  clients_.hear(subscriber->wish.clientId, Clock::now());
+  members_.markActive(subscriber->subscription.clientId, Clock::now());
   lastUsed_ = std::chrono::system_clock::now();
-  workshop_.engine->forgetView(key_, subscriber->key);
+  services_.engine->forgetView(key_, subscriber->key);
 }
 
 std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const {
@@ -44,16 +45,16 @@ void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::ui
   std::vector<Delivery> ready;
   {
     const std::lock_guard lock(mutex_);
-    if (!takeBack(*subscriber, resultId)) return;
-    std::optional<Result> ahead = takeAhead(*subscriber);
+    if (!returnCredits(*subscriber, resultId)) return;
+    std::optional<Result> ahead = takePrefetch(*subscriber);
     if (ahead) ready.push_back({subscriber, std::move(*ahead), Delivery::kOfferPrepared});
-    kick();
+    scheduleTick();
   }
   deliver(std::move(ready));
 }
 
 /// The credits of `resultId` and of everything before it; false where none of them is out.
-bool Session::takeBack(Subscriber& subscriber, std::uint64_t resultId) {
+bool Session::returnCredits(Subscriber& subscriber, std::uint64_t resultId) {
   std::deque<Sent>& inFlight = subscriber.inFlight;
   if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) return false;
   Clock::time_point sentAt;
@@ -64,7 +65,7 @@ bool Session::takeBack(Subscriber& subscriber, std::uint64_t resultId) {
   if (resultId > subscriber.basesAfter) subscriber.baseId = resultId;
   const double seconds = std::chrono::duration<double>(Clock::now() - sentAt).count();
   subscriber.roundTrip.measured(seconds);
-  workshop_.counters->acknowledgeLag.observe(seconds);
+  services_.counters->acknowledgeLag.observe(seconds);
   if (subscriber.adapter) subscriber.adapter->acknowledged(seconds);
   return true;
 }
@@ -74,43 +75,44 @@ void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
   subscriber->shownAny = false;
   subscriber->baseId = 0;
   subscriber->basesAfter = subscriber->lastSent;
-  kick();
+  scheduleTick();
 }
 
-Status Session::rewish(const std::shared_ptr<Subscriber>& subscriber, const FrameWish& wish,
-                       std::optional<double> maxRate) {
+Status Session::updateSubscription(const std::shared_ptr<Subscriber>& subscriber, const FrameSettings& subscription,
+                                   std::optional<double> maxRate) {
   const std::lock_guard lock(mutex_);
-  if (maxRate) subscriber->wish.maxRate = *maxRate;
-  if (!subscriber->wish.frame) return {};
-  FrameWish next = wish;
-  if (next.cameraSequence < subscriber->wish.frame->cameraSequence) {
-    next.camera = subscriber->wish.frame->camera;
-    next.cameraSequence = subscriber->wish.frame->cameraSequence;
+  if (maxRate) subscriber->subscription.maxRate = *maxRate;
+  if (!subscriber->subscription.frame) return {};
+  FrameSettings next = subscription;
+  if (next.cameraSequence < subscriber->subscription.frame->cameraSequence) {
+    next.camera = subscriber->subscription.frame->camera;
+    next.cameraSequence = subscriber->subscription.frame->cameraSequence;
   }
-  subscriber->wish.frame = next;
-  subscriber->wishChanged = true;
-  kick();
+  subscriber->subscription.frame = next;
+  subscriber->settingsChanged = true;
+  scheduleTick();
   return {};
 }
 
-Wish Session::wishOf(const std::shared_ptr<Subscriber>& subscriber) const {
+Subscription Session::subscriptionOf(const std::shared_ptr<Subscriber>& subscriber) const {
   const std::lock_guard lock(mutex_);
-  return subscriber->wish;
+  return subscriber->subscription;
 }
 
-/// Newer state, or a changed wish, that the subscriber has not been sent.
+/// Newer state, or a changed subscription, that the subscriber has not been sent.
 bool Session::wants(const Subscriber& subscriber) const {
-  return !subscriber.shownAny || subscriber.shownRevision < document_.revision() || subscriber.wishChanged;
+  return !subscriber.shownAny || subscriber.shownRevision < document_.revision() || subscriber.settingsChanged;
 }
 
 bool Session::hasCredit(const Subscriber& subscriber) const {
   if (subscriber.inFlight.empty()) return true;
-  return subscriber.wish.twoCredits && subscriber.inFlight.size() == 1 && longTrip(subscriber);
+  return subscriber.subscription.twoCredits && subscriber.inFlight.size() == 1 && longTrip(subscriber);
 }
 
 /// Its round trip lasts for more than one of its intervals.
 bool Session::longTrip(const Subscriber& subscriber) const {
-  const double rate = subscriber.wish.maxRate > 0.0 ? subscriber.wish.maxRate : workshop_.limits.maxTickRate;
+  const double rate =
+      subscriber.subscription.maxRate > 0.0 ? subscriber.subscription.maxRate : services_.limits.maxTickRate;
   return subscriber.roundTrip.mean() > 1.0 / rate;
 }
 

@@ -18,21 +18,21 @@ Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
   if (Status s = checkPresence(seenAs); !s.ok()) return s;
   const std::lock_guard lock(mutex_);
   if (closed_) return closedStatus("session");
-  if (Status s = workshop_.journal->writable(); !s.ok()) return s;
-  if (clients_.full()) forget(clients_.silent(connected(), Clock::now()));
-  Expected<ClientIdentity> client = clients_.join();
+  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (members_.full()) forget(members_.silent(connected(), Clock::now()));
+  Expected<ClientIdentity> client = members_.join();
   if (!client) return client;
   presence_.join(client->id, seenAs, Clock::now());
   JournalStep step = nextStep();
-  step.joined = clients_.state(client->id);
-  keep(std::move(step));
+  step.joined = members_.state(client->id);
+  journal(std::move(step));
   return client;
 }
 
 void Session::leave(const ClientIdentity& client) {
   {
     const std::lock_guard lock(mutex_);
-    if (closed_ || !clients_.verify(client).ok()) return;
+    if (closed_ || !members_.verify(client).ok()) return;
     forget(client.id);
   }
   tellWatchers();
@@ -41,40 +41,40 @@ void Session::leave(const ClientIdentity& client) {
 /// Whoever it is, and nothing where it is nobody.
 void Session::forget(const std::string& client) {
   if (client.empty()) return;
-  clients_.leave(client);
+  members_.leave(client);
   history_.leave(client);
   presence_.leave(client);
   locks_.release(client, {});
   JournalStep step = nextStep();
   step.left = client;
-  keep(std::move(step));
+  journal(std::move(step));
 }
 
 /// Members with a stream.
 std::set<std::string> Session::connected() const {
   std::set<std::string> out;
   for (const auto& [key, watcher] : watchers_) out.insert(watcher.client);
-  for (const auto& [id, subscriber] : subscribers_) out.insert(subscriber->wish.clientId);
+  for (const auto& [id, subscriber] : subscribers_) out.insert(subscriber->subscription.clientId);
   return out;
 }
 
-void Session::hear(const std::string& client) {
+void Session::markActive(const std::string& client) {
   const Clock::time_point now = Clock::now();
-  clients_.hear(client, now);
-  presence_.hear(client, now);
+  members_.markActive(client, now);
+  presence_.markActive(client, now);
 }
 
-EditOutcome Session::takeStep(const ClientIdentity& client, std::uint64_t sequence, Direction direction) {
+EditOutcome Session::undoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction) {
   EditOutcome outcome;
   {
     const std::lock_guard lock(mutex_);
-    outcome = takeStepLocked(client, sequence, direction);
+    outcome = undoRedoLocked(client, sequence, direction);
   }
   countAndTell(outcome);
   return outcome;
 }
 
-EditOutcome Session::takeStepLocked(const ClientIdentity& client, std::uint64_t sequence, Direction direction) {
+EditOutcome Session::undoRedoLocked(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction) {
   EditOutcome outcome;
   if (!admit(client, sequence, &outcome)) return outcome;
   if (client.id.empty()) {
@@ -92,7 +92,7 @@ EditOutcome Session::takeStepLocked(const ClientIdentity& client, std::uint64_t 
   if (outcome.status.ok()) outcome.status = document_.restore(plan->objects);
   outcome.revision = document_.revision();
   if (outcome.status.ok()) {
-    const auto most = std::size_t(workshop_.limits.maxOperationsPerEdit);  // a step of many edits may be of any size
+    const auto most = std::size_t(services_.limits.maxOperationsPerEdit);  // a step of many edits may be of any size
     for (const auto& [key, object] : plan->objects) {
       if (outcome.names.size() < most) outcome.names.push_back(key.name);
     }
@@ -100,8 +100,8 @@ EditOutcome Session::takeStepLocked(const ClientIdentity& client, std::uint64_t 
     outcome.skipped.resize(std::min(outcome.skipped.size(), most));
     history_.done(client.id, direction, std::move(*plan));
   }
-  record(client, outcome);
-  if (outcome.status.ok()) kick();
+  recordOutcome(client, outcome);
+  if (outcome.status.ok()) scheduleTick();
   return outcome;
 }
 
@@ -110,9 +110,9 @@ bool Session::admit(const ClientIdentity& client, std::uint64_t sequence, EditOu
   lastUsed_ = std::chrono::system_clock::now();
   outcome->sequence = sequence;
   outcome->revision = document_.revision();
-  outcome->status = closed_ ? closedStatus("session") : clients_.verify(client);
+  outcome->status = closed_ ? closedStatus("session") : members_.verify(client);
   if (!outcome->status.ok()) return false;
-  const Expected<std::optional<EditOutcome>> before = clients_.repeated(client.id, sequence);
+  const Expected<std::optional<EditOutcome>> before = members_.repeated(client.id, sequence);
   if (!before) {
     outcome->status = before.status().within("edit");
     return false;
@@ -121,9 +121,9 @@ bool Session::admit(const ClientIdentity& client, std::uint64_t sequence, EditOu
     *outcome = **before;
     return false;
   }
-  outcome->status = workshop_.journal->writable();
-  if (outcome->status.ok()) outcome->status = clients_.admit(client.id, Clock::now());
-  hear(client.id);
+  outcome->status = services_.journal->writable();
+  if (outcome->status.ok()) outcome->status = members_.admit(client.id, Clock::now());
+  markActive(client.id);
   return outcome->status.ok();
 }
 
@@ -134,10 +134,10 @@ Status Session::present(const ClientIdentity& client, const PresenceUpdate& upda
     if (client.id.empty()) {
       return invalid("client", "client is not set: only members are seen; call JoinSession and send its identity");
     }
-    if (Status s = clients_.verify(client); !s.ok()) return s;
+    if (Status s = members_.verify(client); !s.ok()) return s;
     if (Status s = checkPresence(update); !s.ok()) return s.within("presence");
     lastUsed_ = std::chrono::system_clock::now();
-    hear(client.id);
+    markActive(client.id);
     if (Status s = presence_.update(client.id, update, Clock::now()); !s.ok()) return s;
   }
   tellWatchers();
@@ -149,7 +149,7 @@ std::uint64_t Session::presenceChanges() const {
   return presence_.changes();
 }
 
-PresentMembers Session::presentMembers() const {
+PresenceSnapshot Session::presenceSnapshot() const {
   const std::lock_guard lock(mutex_);
   return presence_.members();
 }
@@ -162,10 +162,10 @@ Status Session::lockObjects(const ClientIdentity& client, const std::vector<std:
     if (client.id.empty()) {
       return invalid("client", "client is not set: only members lock; call JoinSession and send its identity");
     }
-    if (Status s = clients_.verify(client); !s.ok()) return s;
+    if (Status s = members_.verify(client); !s.ok()) return s;
     if (Status s = lockLocked(client.id, names, time); !s.ok()) return s;
     lastUsed_ = std::chrono::system_clock::now();
-    hear(client.id);
+    markActive(client.id);
     presence_.setLocked(client.id, locks_.heldBy(client.id));
   }
   tellWatchers();
@@ -185,7 +185,7 @@ Status Session::lockLocked(const std::string& client, const std::vector<std::str
   if (names.empty()) return invalid("objects", "objects is empty; say what shall be locked");
   for (const std::string& name : names) {
     if (document_.object({false, name}).stands()) continue;
-    return Status(Code::kNotFound, "there is no light or surface \"" + shortened(name) + "\" in this session",
+    return Status(Code::kNotFound, "there is no light or surface \"" + truncatedUtf8(name) + "\" in this session",
                   "objects");
   }
   return locks_.lock(client, names, time, Clock::now());

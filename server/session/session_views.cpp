@@ -1,5 +1,5 @@
 // Which camera a frame is seen through. Those who give none share a view that is chosen from the scene on a worker,
-// outside the lock; ticks that need it wait for it (scene/default_view.h, Document::staged).
+// outside the lock; ticks that need it wait for it (scene/default_view.h, Document::viewScene).
 
 #include <algorithm>
 
@@ -26,21 +26,21 @@ Status Session::checkCamera(const CameraChoice& choice) const {
 
 Expected<Camera> Session::cameraFor(const CameraChoice& choice, const glm::ivec2& size) const {
   if (Status s = checkCamera(choice); !s.ok()) return s;
-  ScenePtr staged;
+  ScenePtr scene;
   {
     const std::lock_guard lock(mutex_);
     if (const auto camera = chosenCamera(choice)) return *camera;
-    staged = document_.staged();
-    if (viewScene_ == staged) return view_.camera(aspectOf(size));
+    scene = document_.viewScene();
+    if (viewScene_ == scene) return view_.camera(aspectOf(size));
   }
-  return DefaultView(*staged).camera(aspectOf(size));
+  return DefaultView(*scene).camera(aspectOf(size));
 }
 
 /// Whether frameRequest() knows where to look from. While a newer view is being chosen, an older one will do unless it
 /// is from before `minRevision` or shows nothing at all: streams go on while objects keep coming.
-bool Session::hasView(const FrameWish& wish, std::uint64_t minRevision) {
-  if (chosenCamera(wish.camera)) return true;
-  if (viewScene_ == document_.staged()) return true;
+bool Session::hasView(const FrameSettings& subscription, std::uint64_t minRevision) {
+  if (chosenCamera(subscription.camera)) return true;
+  if (viewScene_ == document_.viewScene()) return true;
   chooseView();
   constexpr std::uint64_t kFirstContent = 1;
   return viewScene_ && viewScene_->revision >= std::max(minRevision, kFirstContent);
@@ -49,7 +49,7 @@ bool Session::hasView(const FrameWish& wish, std::uint64_t minRevision) {
 void Session::chooseView() {
   if (choosingView_) return;
   choosingView_ = true;
-  workshop_.pool->post([weak = weak_from_this(), scene = document_.staged()] {
+  services_.pool->post([weak = weak_from_this(), scene = document_.viewScene()] {
     const DefaultView view(*scene);
     if (const SessionPtr self = weak.lock()) self->viewChosen(scene, view);
   });
@@ -61,25 +61,27 @@ void Session::viewChosen(const ScenePtr& scene, const DefaultView& view) {
   view_ = view;
   viewScene_ = scene;
   for (const auto& [id, subscriber] : subscribers_) {
-    if (subscriber->wish.frame && !chosenCamera(subscriber->wish.frame->camera)) subscriber->wishChanged = true;
+    if (subscriber->subscription.frame && !chosenCamera(subscriber->subscription.frame->camera))
+      subscriber->settingsChanged = true;
   }
-  kick();
+  scheduleTick();
 }
 
 /// A camera that was deleted since it was chosen by name shows the default view rather than ending the stream.
 FrameRequest Session::frameRequest(const Subscriber& subscriber) const {
-  FrameWish wish = *subscriber.wish.frame;
-  if (subscriber.adapter) wish.size = subscriber.adapter->shapeFor({wish.size, wish.quality}).size;
-  return frameRequest(wish, subscriber.key);
+  FrameSettings subscription = *subscriber.subscription.frame;
+  if (subscriber.adapter)
+    subscription.size = subscriber.adapter->shapeFor({subscription.size, subscription.quality}).size;
+  return frameRequest(subscription, subscriber.key);
 }
 
-FrameRequest Session::frameRequest(const FrameWish& wish, std::uint64_t view) const {
+FrameRequest Session::frameRequest(const FrameSettings& subscription, std::uint64_t view) const {
   FrameRequest request;
   request.view = view;
-  request.camera = chosenCamera(wish.camera).value_or(view_.camera(aspectOf(wish.size)));
-  request.size = wish.size;
-  request.exposure = wish.exposure;
-  request.format = wish.format;
+  request.camera = chosenCamera(subscription.camera).value_or(view_.camera(aspectOf(subscription.size)));
+  request.size = subscription.size;
+  request.exposure = subscription.exposure;
+  request.format = subscription.format;
   return request;
 }
 

@@ -14,15 +14,15 @@
 namespace lpv {
 
 /// Settings of a session that are not its light transport's.
-struct SessionManners {
+struct SessionPolicy {
   std::chrono::seconds ttl{3600};  ///< 0 = never expires
   std::string displayName;
 };
 
 /// All of a session's settings.
-struct Settings {
-  SessionOptions options;
-  SessionManners manners;
+struct SessionSettings {
+  LightingSettings options;
+  SessionPolicy policy;
 };
 
 /// How long an accepted edit is sure to live.
@@ -55,7 +55,7 @@ struct AccessToken {
 struct SessionSummary {
   std::string id;
   std::string displayName;
-  SessionOptions options;
+  LightingSettings options;
   Grid grid;
   std::uint64_t revision = 0;
   std::uint64_t epoch = 0;
@@ -80,7 +80,7 @@ struct SavedSession {
   std::uint64_t epoch = 0;
   std::string requestId;  ///< of the call that made it
   std::chrono::system_clock::time_point created;
-  SessionManners manners;
+  SessionPolicy policy;
   DocumentState document;
   std::vector<ClientState> clients;
   std::vector<BlobPtr> uploads;  ///< in use or not

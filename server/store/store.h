@@ -2,8 +2,8 @@
 // What outlives the process: a snapshot per session and the log of what changed since.
 //
 // The rule for acknowledgements. A change is made in memory first and may be seen by readers before it is kept; whoever
-// made it is told only when it is. append() takes changes in order and never waits; whenKept() tells when everything up
-// to a position is kept. Where the state directory cannot be written,
+// made it is told only when it is. append() takes changes in order and never waits; whenDurable() tells when everything
+// up to a position is kept. Where the state directory cannot be written,
 //   - nothing that was taken is given up: the same changes, in the same order, are tried again until they are kept;
 //   - everybody who waits is told UNAVAILABLE, naming the directory: the outcome is not known yet, and the sequence
 //     repeated gets the true one;
@@ -60,22 +60,22 @@ struct Loaded {
 };
 
 /// All of a session with the bytes that it needs.
-struct Whole {
+struct FullSnapshot {
   pb::Snapshot snapshot;
   std::vector<Content> contents;
 };
-/// As MakeStep.
-using MakeWhole = std::function<Whole()>;
+/// As MakeLogRecord.
+using MakeFullSnapshot = std::function<FullSnapshot()>;
 
 /// A step of a session's log with the bytes it brings.
-struct Step {
+struct LogRecord {
   pb::Record record;
   std::vector<Content> contents;
 };
 /// Whether the session's bytes of that hash are kept already.
-using Holds = std::function<bool(const std::string& hash)>;
+using HasContent = std::function<bool(const std::string& hash)>;
 /// Makes a step; called on the store's thread, again after a failure, or never.
-using MakeStep = std::function<Step(const Holds&)>;
+using MakeLogRecord = std::function<LogRecord(const HasContent&)>;
 
 /// How far a store has taken changes. 0 is before the first.
 using Position = std::uint64_t;
@@ -94,8 +94,8 @@ class Store {
   virtual std::int64_t queued() const = 0;
 
   // Changes: they return at once.
-  virtual Position create(const Head& head, MakeWhole whole) = 0;
-  virtual Position append(const std::string& session, MakeStep step) = 0;
+  virtual Position create(const Head& head, MakeFullSnapshot whole) = 0;
+  virtual Position append(const std::string& session, MakeLogRecord step) = 0;
   virtual Position setEpoch(const std::string& session, std::uint64_t epoch) = 0;
   virtual Position touch(const std::string& session, std::chrono::system_clock::time_point used) = 0;
   virtual Position remove(const std::string& session) = 0;  ///< its tokens too
@@ -103,7 +103,7 @@ class Store {
   virtual Position dropToken(const std::string& tokenId) = 0;
 
   /// Calls `kept` once: at once where `position` is kept or the store is failing, else on the store's executor.
-  virtual void whenKept(Position position, Kept kept) = 0;
+  virtual void whenDurable(Position position, Kept kept) = 0;
 
   /// Waits until everything given so far is kept, or fails to be; needs no executor.
   virtual Status flush() = 0;
@@ -123,14 +123,14 @@ class MemoryStore final : public Store {
   lpv::v1::Durability durability() const override { return lpv::v1::DURABILITY_MEMORY; }
   Status writable() const override { return {}; }
   std::int64_t queued() const override { return 0; }
-  Position create(const Head&, MakeWhole) override { return 0; }
-  Position append(const std::string&, MakeStep) override { return 0; }
+  Position create(const Head&, MakeFullSnapshot) override { return 0; }
+  Position append(const std::string&, MakeLogRecord) override { return 0; }
   Position setEpoch(const std::string&, std::uint64_t) override { return 0; }
   Position touch(const std::string&, std::chrono::system_clock::time_point) override { return 0; }
   Position remove(const std::string&) override { return 0; }
   Position keepToken(const Token&) override { return 0; }
   Position dropToken(const std::string&) override { return 0; }
-  void whenKept(Position, Kept kept) override { kept({}); }
+  void whenDurable(Position, Kept kept) override { kept({}); }
   Status flush() override { return {}; }
   Expected<std::vector<Head>> heads() override { return std::vector<Head>(); }
   Expected<std::vector<Token>> tokens() override { return std::vector<Token>(); }

@@ -18,7 +18,7 @@
 #include "transport/emitter_list.glsl"
 #endif
 #if LPV_DIRECT == 2
-layout(binding = kProximity) uniform sampler3D proximity;
+layout(binding = kEmitterDistance) uniform sampler3D emitterDistance;
 #endif
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
@@ -45,7 +45,7 @@ float farFromEmitters(vec3 p) {
 #if LPV_DIRECT == 1
   return 1.0;
 #else
-  return smoothstep(kNearBegin, kNearEnd, textureLod(proximity, p / dims, 0.0).x);
+  return smoothstep(kNearBegin, kNearEnd, textureLod(emitterDistance, p / dims, 0.0).x);
 #endif
 }
 #endif

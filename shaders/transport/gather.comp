@@ -18,7 +18,7 @@ layout(binding = kTree) uniform samplerBuffer tree;
 layout(std430, binding = kReceiverBlocks) readonly buffer Blocks { uint blocks[]; };
 layout(std430, binding = kCursors) buffer Cursors { uvec2 cursors[]; };
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
-layout(std430, binding = kNearestVpl) buffer NearestVpl { float nearestVpl[]; };
+layout(std430, binding = kEmitterDistanceBuffer) buffer EmitterDistance { float emitterDistance[]; };
 
 /// Fluence and vector irradiance of the cells of a column, one per component (kBlockZ is 4).
 struct Column {
@@ -138,6 +138,6 @@ void main() {
   for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
     store(cell + ivec3(0, 0, z), z);
     const int i = cellIndex(cell + ivec3(0, 0, z), params.dims.xyz);
-    if (closest[z] > 0.0) nearestVpl[i] = min(nearestVpl[i], 1.0 / closest[z]);
+    if (closest[z] > 0.0) emitterDistance[i] = min(emitterDistance[i], 1.0 / closest[z]);
   }
 }

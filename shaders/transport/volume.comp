@@ -29,8 +29,8 @@ layout(binding = kIncidentOut + 2, rgba32f) uniform writeonly image3D incidentBl
 #endif
 #endif
 #if LPV_PROXIMITY
-layout(std430, binding = kNearestVpl) readonly buffer NearestVpl { float nearestVpl[]; };
-layout(binding = kProximityOut, r32f) uniform writeonly image3D proximity;
+layout(std430, binding = kEmitterDistanceBuffer) readonly buffer EmitterDistance { float emitterDistance[]; };
+layout(binding = kEmitterDistanceOut, r32f) uniform writeonly image3D emitterDistanceOut;
 #endif
 #if LPV_BUFFER
 layout(std430, binding = kProduct) writeonly buffer Product { float product[]; };
@@ -73,7 +73,7 @@ void main() {
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
   const ivec3 texel = cell + ivec3(0, 0, params.group.x * params.dims.z);
 #if LPV_PROXIMITY
-  if (params.group.x == 0) imageStore(proximity, cell, vec4(nearestVpl[cellIndex(cell, params.dims.xyz)]));
+  if (params.group.x == 0) imageStore(emitterDistanceOut, cell, vec4(emitterDistance[cellIndex(cell, params.dims.xyz)]));
 #endif
   bool cut = false;
 #if LPV_CHANNELS == 1

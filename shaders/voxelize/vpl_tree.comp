@@ -52,7 +52,7 @@ void main() {
       lit += node.records > 0u ? 1u : 0u;
     }
   }
-  const uint own = bins == uvec2(0u) || passesOn(lit) ? 0u : 1u + binsIn(bins);
+  const uint own = bins == uvec2(0u) || isSingleChild(lit) ? 0u : 1u + binsIn(bins);
   nodes[self] = uvec4(bins, own + below, 0u);
   if (level + 1 == params.lower.w) voxelHeader[6] = own + below;
 }
@@ -85,7 +85,7 @@ void main() {
       lit += records_ > 0u ? 1u : 0u;
     }
   }
-  if (!passesOn(lit)) storeHeader(level, block, node);
+  if (!isSingleChild(lit)) storeHeader(level, block, node);
   if (level == 0) return;
   uint first = node.first + node.records - below;
   for (int i = 0; i < 8; ++i) {
@@ -218,7 +218,7 @@ void main() {
   ivec3 block;
   if (!blockOf(level, int(thread()), block)) return;
   const Node node = nodeAt(nodeIndex(level, block));
-  if (node.records == 0u || passesOn(childrenWithLight(level, block))) return;
+  if (node.records == 0u || isSingleChild(childrenWithLight(level, block))) return;
   uint record = node.first + 1u;
   for (uint bin = 0u; bin < uint(kNormalBins); ++bin) {
     if (hasBin(node.bins, bin)) storeVpl(record++, merged(level, block, bin));

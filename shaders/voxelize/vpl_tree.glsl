@@ -50,4 +50,4 @@ bool childOf(int level, ivec3 block, int i, out ivec3 child) {
 }
 
 /// Whether a node says no more than its only child does: it has no records of its own then.
-bool passesOn(uint childrenWithLight) { return childrenWithLight == 1u; }
+bool isSingleChild(uint childrenWithLight) { return childrenWithLight == 1u; }

@@ -81,7 +81,7 @@ MeshPtr statue() {
 Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells) {
   Scene scene;
   const Bounds room{glm::dvec3(-2.0, 0.0, -2.0), glm::dvec3(2.0, 3.0, 2.0)};
-  scene.options = SessionOptions::paper();
+  scene.options = LightingSettings::paper();
   scene.options.grid.longest = cells;
   scene.grid = orExit(makeGrid(scene.options.grid, room), "grid");
   auto light = std::make_shared<Light>();

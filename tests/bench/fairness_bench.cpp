@@ -57,7 +57,7 @@ Scene sceneOf(const Load& load) {
     light->name += std::to_string(i);
     scene.lights[light->name] = light;
   }
-  SessionOptions options;
+  LightingSettings options;
   options.transport = load.transport;
   if (load.transport != Transport::kPropagate) options.followTransport();
   options.grid = scene.options.grid;
@@ -92,7 +92,7 @@ std::vector<Load> largeOnes() {
 
 double predictedSeconds(const Load& load) {
   const Scene scene = sceneOf(load);
-  Workload workload(carriedOut(scene.options), scene.grid);
+  Workload workload(resolved(scene.options), scene.grid);
   for (const auto& [name, light] : scene.lights) workload.add(*light);
   for (const auto& [name, surface] : scene.surfaces) workload.add(*surface);
   return bench::engine().predict(workload).seconds;

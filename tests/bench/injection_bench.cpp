@@ -90,7 +90,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-void finish(Pieces pieces) {
+void finish(GpuTask pieces) {
   while (!pieces.done()) pieces.resume();
   glFinish();
 }
@@ -105,7 +105,7 @@ class Table {
   Cost measure(const MeshPtr& mesh, int cells, const VoxelMethod& method) {
     const EmittingLight light = placed(mesh, cells);
     LightField field({glm::dvec3(0.0), 1.0, glm::ivec3(cells)}, 1);
-    finish(field.blank());
+    finish(field.clear());
     SceneResources resources;
     Scene scene;
     auto named = std::make_shared<Light>();

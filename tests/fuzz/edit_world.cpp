@@ -18,7 +18,7 @@ Position FoldedJournal::create(const SavedSession& state) {
 }
 
 Position FoldedJournal::append(const std::string&, JournalStep step) {
-  const store::Step made = api::toStep(step, [this](const std::string& hash) { return contents_.contains(hash); });
+  const store::LogRecord made = api::toStep(step, [this](const std::string& hash) { return contents_.contains(hash); });
   for (const store::Content& content : made.contents) take(content);
   kept::Record read;
   const Status unsealed = store::unseal("the log", *store::seal("the log", made.record), &read);

@@ -25,7 +25,7 @@ class FoldedJournal final : public Journal {
   Position remove(const std::string&) override { return 0; }
   Position keepToken(const AccessToken&) override { return 0; }
   Position dropToken(const std::string&) override { return 0; }
-  void whenKept(Position, std::function<void(const Status&)> kept) override { kept({}); }
+  void whenDurable(Position, std::function<void(const Status&)> kept) override { kept({}); }
   Status flush() override { return {}; }
   Expected<std::vector<KeptSession>> kept() override { return std::vector<KeptSession>(); }
   Expected<std::vector<AccessToken>> tokens() override { return std::vector<AccessToken>(); }

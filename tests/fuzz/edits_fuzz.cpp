@@ -57,11 +57,11 @@ bool sameOutcome(const EditOutcome& a, const EditOutcome& b) {
 class Run {
  public:
   explicit Run(FuzzedDataProvider& in) : in_(in) {
-    SessionOptions options;
+    LightingSettings options;
     options.grid.longest = 4;
     options.grid.hasBounds = in.ConsumeBool();
     options.grid.bounds = {glm::dvec3(-1.0), glm::dvec3(1.0)};
-    session_ = std::make_shared<Session>("room", 1, 1, options, SessionManners(), workshop_);
+    session_ = std::make_shared<Session>("room", 1, 1, options, SessionPolicy(), services_);
     session_->begin("");
     for (Member& member : members_) member.identity = *session_->join();
   }
@@ -106,11 +106,11 @@ class Run {
       case 7:
       case 8:
         return repeatable(member, [&](std::uint64_t sequence) {
-          return session_->takeStep(identityOf(member), sequence, Direction::kUndo);
+          return session_->undoRedo(identityOf(member), sequence, UndoDirection::kUndo);
         });
       case 9:
         return repeatable(member, [&](std::uint64_t sequence) {
-          return session_->takeStep(identityOf(member), sequence, Direction::kRedo);
+          return session_->undoRedo(identityOf(member), sequence, UndoDirection::kRedo);
         });
       default: {
         const Edit made = edit();
@@ -159,13 +159,13 @@ class Run {
 
   void undoAndRedo(const Member* member) {
     const std::string before = scene(*session_);
-    const EditOutcome undone = session_->takeStep(identityOf(member), 0, Direction::kUndo);
+    const EditOutcome undone = session_->undoRedo(identityOf(member), 0, UndoDirection::kUndo);
     if (!undone.status.ok()) return;
     if (undone.names.empty()) {
       check(!undone.skipped.empty(), "what takes nothing back says why");
       return check(scene(*session_) == before, "what takes nothing back changes nothing");
     }
-    const EditOutcome redone = session_->takeStep(identityOf(member), 0, Direction::kRedo);
+    const EditOutcome redone = session_->undoRedo(identityOf(member), 0, UndoDirection::kRedo);
     check(redone.status.ok(), "what was taken back can be made again: " + redone.status.message());
     check(scene(*session_) == before, "undo and redo in turn change nothing");
   }
@@ -173,12 +173,12 @@ class Run {
   void upload() { (void)session_->addBlob(uploads()[in_.PickValueInArray({0U, 1U, 2U, 3U})]); }
 
   void settings() {
-    SessionOptions options = session_->summary().options;
+    LightingSettings options = session_->summary().options;
     options.iterations = in_.ConsumeIntegralInRange(-1, 8);
     if (in_.ConsumeBool()) options.grid.longest = in_.ConsumeIntegralInRange(0, 6);
     const std::uint64_t before = session_->revision();
-    const Status status = session_->changeSettings([&](const Settings&) {
-      return Expected<Settings>(Settings{options, {}});
+    const Status status = session_->changeSettings([&](const SessionSettings&) {
+      return Expected<SessionSettings>(Settings{options, {}});
     });
     if (status.ok()) return;
     checkRefusal(status);
@@ -209,7 +209,7 @@ class Run {
     compareLog();
     const Expected<SavedSession> state = journal_.load("room");
     check(state.ok(), "what was kept can be read: " + state.status().message());
-    session_ = std::make_shared<Session>(1, 2, *state, workshop_);
+    session_ = std::make_shared<Session>(1, 2, *state, services_);
     check(scene(*session_) == before, "a session comes back as it was");
     mirror_ = {};  // another epoch
     compareLog();
@@ -308,8 +308,8 @@ class Run {
 
   FuzzedDataProvider& in_;
   FoldedJournal journal_;
-  const Workshop workshop_{limitsOfEdits(),       &machinery().engine, &machinery().pool, &machinery().timers,
-                           &machinery().counters, api::meshHash,       &journal_};
+  const SessionServices services_{limitsOfEdits(),       &machinery().engine, &machinery().pool, &machinery().timers,
+                                  &machinery().counters, api::meshHash,       &journal_};
   std::shared_ptr<Session> session_;
   Member members_[kMembers];
   Mirror mirror_;

@@ -59,8 +59,8 @@ void useState(const SavedSession& state) {
   check(again.ok(), "what came back can be kept: " + again.status().message());
   check(deterministic(api::toSnapshot(*again)) == deterministic(once), "a session is kept as what it came back as");
   Machinery& m = machinery();
-  const Workshop workshop{smallLimits(), &m.engine, &m.pool, &m.timers, &m.counters, {}, &m.journal};
-  const auto session = std::make_shared<Session>(1, 2, state, workshop);
+  const SessionServices services{smallLimits(), &m.engine, &m.pool, &m.timers, &m.counters, {}, &m.journal};
+  const auto session = std::make_shared<Session>(1, 2, state, services);
   Edit edit;
   edit.operations = {PutCamera{"Another", Camera()}};
   (void)session->apply({}, edit);

@@ -55,10 +55,10 @@ static Edit furniture() {
 
 World::World(bool tokens)
     : access_(machinery().journal, machinery().timers),
-      workshop_{smallLimits(),         &machinery().engine, &machinery().pool,    &machinery().timers,
+      services_{smallLimits(),         &machinery().engine, &machinery().pool,    &machinery().timers,
                 &machinery().counters, api::meshHash,       &machinery().journal, &access_},
-      registry_(workshop_) {
-  SessionOptions options;
+      registry_(services_) {
+  LightingSettings options;
   options.grid.longest = 8;
   const Expected<SessionPtr> room = registry_.create("room", options, {}, "");
   check(room.ok() && (*room)->apply({}, furniture()).status.ok(), "the room is made");
@@ -74,7 +74,7 @@ World::~World() {
 
 api::Context World::contextOf(Role role) {
   Machinery& m = machinery();
-  api::Context context{&registry_, &m.pool, &m.timers, &m.counters, workshop_.limits, {}, "fuzz", {}, &access_};
+  api::Context context{&registry_, &m.pool, &m.timers, &m.counters, services_.limits, {}, "fuzz", {}, &access_};
   if (access_.required() && role != Role::kAdmin) context.caller = {role, "room", "token"};
   return context;
 }

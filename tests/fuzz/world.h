@@ -22,7 +22,7 @@ struct Machinery {
   Timers timers;
   WorkerPool pool{0};  ///< its jobs run in settle()
   store::MemoryStore memory;
-  api::StoreJournal journal{memory};
+  api::PersistentJournal journal{memory};
 
   /// Returns when everything that was posted, and what came of it, has run.
   void settle() { pool.runQueued(); }
@@ -45,7 +45,7 @@ class World {
 
  private:
   Access access_;
-  Workshop workshop_;
+  SessionServices services_;
   Registry registry_;
   ClientIdentity a_;
   ClientIdentity b_;

@@ -167,7 +167,7 @@ double worstCell(const reference::Field& got, const reference::Field& want, doub
 }
 
 // One texel of 512^2 is a million times the others: every cell keeps its digits.
-// Broken by: texels as shares of the brightest beside row integrals that are not.
+// Broken by: texels as shares of the radianceScale beside row integrals that are not.
 TEST_F(InvariantsTest, Invariant10AHotSpotLeavesTheOtherTexelsTheirDigits) {
   const Grid grid = test::unitGrid({10, 10, 10});
   const TexturePtr hot = reference::textureOf(512, 512, [](int x, int y) {

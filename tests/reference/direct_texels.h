@@ -37,7 +37,7 @@ struct DirectLight {
   bool coloured = false;  ///< records of five texels, not four
 };
 
-/// Rounded to floats, as the shader and DirectLights read them.
+/// Rounded to floats, as the shader and EmitterList read them.
 std::vector<glm::vec4> directTexels(const std::vector<DirectLight>& lights, double k);
 
 /// Irradiance at a grid position; a node whose centre is more than k edges away is taken whole.

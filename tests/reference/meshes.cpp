@@ -47,7 +47,7 @@ Mesh ball(int slices, int stacks, Radius radius) {
   return mesh;
 }
 
-/// Turns one triangle into three by a vertex at its centroid: the surface stays where it is.
+/// FairQueue one triangle into three by a vertex at its centroid: the surface stays where it is.
 void split(Mesh& mesh, std::size_t triangle) {
   const glm::uvec3 t = mesh.triangles[triangle];
   const auto middle = std::uint32_t(mesh.positions.size());

@@ -34,7 +34,7 @@ Scene smallRoom(int longest) {
   const glm::dvec3 white(0.75);
   const glm::dvec3 two(2, 2, 1);
   Scene scene;
-  scene.options = SessionOptions::paper();
+  scene.options = LightingSettings::paper();
   scene.grid.cell = 2.25 / longest;
   scene.grid.dims = glm::ivec3(longest);
   scene.grid.origin = glm::dvec3(-1.125);

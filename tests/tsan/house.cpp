@@ -16,7 +16,7 @@ House::House(const store::Folder& folder) {
     counters_.storeCommitSeconds.observe(took.count());
   };
   store_ = store::openStore(folder, std::move(sqlite));
-  journal_ = std::make_unique<api::StoreJournal>(*store_);
+  journal_ = std::make_unique<api::PersistentJournal>(*store_);
   access_ = std::make_unique<Access>(*journal_, timers_);
   EXPECT_TRUE(access_->open().ok());
   EXPECT_TRUE(access_->require("an admin's token of this test").ok());
@@ -26,8 +26,8 @@ House::House(const store::Folder& folder) {
   limits.maxPresenceUpdatesPerSecond = 1e9;
   limits.keepUnusedBlobs = std::chrono::minutes(0);
   limits.selfCheck = std::chrono::seconds(1);
-  workshop_ = {limits, &engine_, &pool_, &timers_, &counters_, api::meshHash, journal_.get(), access_.get(), {}};
-  registry_ = std::make_unique<Registry>(workshop_);
+  services_ = {limits, &engine_, &pool_, &timers_, &counters_, api::meshHash, journal_.get(), access_.get(), {}};
+  registry_ = std::make_unique<Registry>(services_);
   EXPECT_TRUE(registry_->open().ok());
   context_ = std::make_unique<api::Context>(api::Context{registry_.get(), &pool_, &timers_, &counters_, limits,
                                                          engine_.device(), "tsan", std::chrono::system_clock::now(),

@@ -48,11 +48,11 @@ class House {
   WorkerPool pool_{3};
   ThreadedEngine engine_;
   std::unique_ptr<store::SqliteStore> store_;
-  std::unique_ptr<api::StoreJournal> journal_;
+  std::unique_ptr<api::PersistentJournal> journal_;
   std::unique_ptr<Access> access_;
   std::unique_ptr<Registry> registry_;
   std::unique_ptr<api::Context> context_;
-  Workshop workshop_;
+  SessionServices services_;
 };
 
 }  // namespace lpv::test

@@ -4,7 +4,7 @@
 //
 // LPV_TSAN_ROUNDS: how often everybody does what they do (default 40).
 //
-// Seen to fail with a data race when Session::whenKept reads its position without the session's lock.
+// Seen to fail with a data race when Session::whenDurable reads its position without the session's lock.
 
 #include <gtest/gtest.h>
 

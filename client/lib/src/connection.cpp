@@ -120,7 +120,7 @@ Status statusFrom(const grpc::Status& status, const std::string& address) {
   return Status(code, std::move(message), std::move(field));
 }
 
-bool worthReopening(const grpc::Status& status) {
+bool isRetryable(const grpc::Status& status) {
   switch (status.error_code()) {
     case grpc::StatusCode::OK:  // the server finished a stream that has no end of its own
     case grpc::StatusCode::UNAVAILABLE:

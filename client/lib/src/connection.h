@@ -72,7 +72,7 @@ std::chrono::milliseconds timeFor(std::uint64_t bytes);
 Status statusFrom(const grpc::Status& status, const std::string& address);
 
 /// True where opening a stream again can help.
-bool worthReopening(const grpc::Status& status);
+bool isRetryable(const grpc::Status& status);
 
 /// One unary call: `method` is a stub's member.
 template <typename Response, typename Stub, typename Request>

@@ -20,10 +20,10 @@ constexpr int kAttempts = 4;
 
 /// Repeats a call whose answer was lost: its sequence sees to it that it is done once.
 template <typename Request, typename Response>
-Expected<Response> persistent(Connection& connection,
-                              grpc::Status (v1::SceneService::Stub::*method)(grpc::ClientContext*, const Request&,
-                                                                             Response*),
-                              const Request& request) {
+Expected<Response> retryWhileUnavailable(Connection& connection,
+                                         grpc::Status (v1::SceneService::Stub::*method)(grpc::ClientContext*,
+                                                                                        const Request&, Response*),
+                                         const Request& request) {
   for (int attempt = 1;; ++attempt) {
     auto response = unary(connection, *connection.scene, method, request);
     if (response || response.status().code() != Code::kUnavailable || attempt == kAttempts) return response;
@@ -63,7 +63,7 @@ Expected<v1::EditAck> Editor::apply(v1::Edit edit) {
   request.set_session(session_);
   *request.mutable_client() = identity_;
   *request.mutable_edit() = std::move(edit);
-  const auto response = persistent(*client_.connection(), &v1::SceneService::Stub::ApplyEdit, request);
+  const auto response = retryWhileUnavailable(*client_.connection(), &v1::SceneService::Stub::ApplyEdit, request);
   if (!response) return response.status();
   return response->ack();
 }
@@ -73,7 +73,7 @@ Expected<v1::UndoResponse> Editor::undo() {
   request.set_session(session_);
   *request.mutable_client() = identity_;
   request.set_sequence(++*sequence_);
-  return persistent(*client_.connection(), &v1::SceneService::Stub::Undo, request);
+  return retryWhileUnavailable(*client_.connection(), &v1::SceneService::Stub::Undo, request);
 }
 
 Expected<v1::RedoResponse> Editor::redo() {
@@ -81,7 +81,7 @@ Expected<v1::RedoResponse> Editor::redo() {
   request.set_session(session_);
   *request.mutable_client() = identity_;
   request.set_sequence(++*sequence_);
-  return persistent(*client_.connection(), &v1::SceneService::Stub::Redo, request);
+  return retryWhileUnavailable(*client_.connection(), &v1::SceneService::Stub::Redo, request);
 }
 
 Status Editor::present(const v1::Presence& presence) {
@@ -204,7 +204,7 @@ struct EditStream::State {
   std::condition_variable changed;
   std::deque<v1::Edit> unanswered;
   Status ended;
-  Reopening loop;             ///< last: its thread uses all of the above
+  ReconnectLoop loop;             ///< last: its thread uses all of the above
 };
 
 EditStream::EditStream(const Editor& editor, OnAck onAck, OnEnd onEnd, std::shared_ptr<LatencyLog> latency)

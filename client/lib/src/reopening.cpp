@@ -23,15 +23,15 @@ std::chrono::milliseconds jitter(int failures) {
 
 }  // namespace
 
-Reopening::Reopening(std::shared_ptr<Connection> connection, Behaviour behaviour)
+ReconnectLoop::ReconnectLoop(std::shared_ptr<Connection> connection, Behaviour behaviour)
     : connection_(std::move(connection)), behaviour_(std::move(behaviour)) {}
 
-void Reopening::start() {
+void ReconnectLoop::start() {
   watchdog_ = std::thread([this] { guard(); });
   reader_ = std::thread([this] { run(); });
 }
 
-void Reopening::stop() {
+void ReconnectLoop::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -43,19 +43,19 @@ void Reopening::stop() {
   if (watchdog_.joinable()) watchdog_.join();
 }
 
-std::uint64_t Reopening::reopened() const {
+std::uint64_t ReconnectLoop::reopened() const {
   const std::lock_guard lock(mutex_);
   return attempts_ == 0 ? 0 : attempts_ - 1;
 }
 
-void Reopening::watch(bool waiting) {
+void ReconnectLoop::watch(bool waiting) {
   const std::lock_guard lock(mutex_);
   waiting_ = waiting;
   waitingSince_ = Clock::now();
   if (waiting) changed_.notify_all();
 }
 
-grpc::Status Reopening::attemptOnce() {
+grpc::Status ReconnectLoop::attemptOnce() {
   Call call(*connection_, Call::Stream{});
   {
     const std::lock_guard lock(mutex_);
@@ -71,12 +71,12 @@ grpc::Status Reopening::attemptOnce() {
 }
 
 /// False where the pause was ended by stop().
-bool Reopening::pause(int failures) {
+bool ReconnectLoop::pause(int failures) {
   std::unique_lock lock(mutex_);
   return !changed_.wait_for(lock, jitter(failures), [this] { return stopping_; });
 }
 
-void Reopening::run() {
+void ReconnectLoop::run() {
   int failures = 0;
   bool stopped = false;
   grpc::Status status;
@@ -86,7 +86,7 @@ void Reopening::run() {
       const std::lock_guard lock(mutex_);
       stopped = stopping_;
     }
-    if (stopped || connection_->cancelled() || !worthReopening(status)) break;
+    if (stopped || connection_->cancelled() || !isRetryable(status)) break;
     failures = alive_ ? 0 : failures + 1;
     if (behaviour_.reopening) behaviour_.reopening(statusFrom(status, connection_->options.address));
     stopped = !pause(failures);
@@ -99,7 +99,7 @@ void Reopening::run() {
   if (!stopped && behaviour_.ended) behaviour_.ended(statusFrom(status, connection_->options.address));
 }
 
-void Reopening::guard() {
+void ReconnectLoop::guard() {
   std::unique_lock lock(mutex_);
   while (!stopping_ && !finished_) {
     if (!waiting_ || context_ == nullptr) {

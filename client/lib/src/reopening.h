@@ -12,7 +12,7 @@
 
 namespace lpv::client {
 
-class Reopening {
+class ReconnectLoop {
  public:
   struct Behaviour {
     /// Opens the stream, reads it to its end with read() below, returns its status.
@@ -21,12 +21,12 @@ class Reopening {
     std::function<void(const Status&)> ended;      ///< once, unless stopped; may be empty
   };
 
-  Reopening(std::shared_ptr<Connection> connection, Behaviour behaviour);
+  ReconnectLoop(std::shared_ptr<Connection> connection, Behaviour behaviour);
   /// Begins; from here on `behaviour` is called.
   void start();
-  ~Reopening() { stop(); }
-  Reopening(const Reopening&) = delete;
-  Reopening& operator=(const Reopening&) = delete;
+  ~ReconnectLoop() { stop(); }
+  ReconnectLoop(const ReconnectLoop&) = delete;
+  ReconnectLoop& operator=(const ReconnectLoop&) = delete;
 
   /// Reads one message; the watchdog cancels the stream when none comes for 3 s.
   template <typename Stream, typename Message>

@@ -129,7 +129,7 @@ class ResultStream {
   std::function<void(Result)> onResult_;
   WatchHooks hooks_;
   std::pair<std::uint64_t, std::uint64_t> newest_;  ///< (epoch, revision) delivered; reading thread only
-  Reopening loop_;                                  ///< last: its thread uses all of the above
+  ReconnectLoop loop_;                                  ///< last: its thread uses all of the above
 };
 
 }  // namespace lpv::client

@@ -137,7 +137,7 @@ struct SceneWatcher::State {
   OnEvent onEvent;
   WatchHooks hooks;
   v1::ClientIdentity member;
-  Reopening loop;
+  ReconnectLoop loop;
 };
 
 SceneWatcher::SceneWatcher(const Client& client, std::string session, std::uint64_t sinceRevision, OnEvent onEvent,

@@ -8,13 +8,13 @@
 namespace lpv::api {
 
 /// One of so many large things that the server holds in memory at once, on their way in or out; given up when it goes.
-class Berth {
+class AdmissionSlot {
  public:
   /// `taken` counts them, and outlives this.
-  explicit Berth(std::atomic<int>& taken) : taken_(taken) {}
-  ~Berth() { leave(); }
-  Berth(const Berth&) = delete;
-  Berth& operator=(const Berth&) = delete;
+  explicit AdmissionSlot(std::atomic<int>& taken) : taken_(taken) {}
+  ~AdmissionSlot() { leave(); }
+  AdmissionSlot(const AdmissionSlot&) = delete;
+  AdmissionSlot& operator=(const AdmissionSlot&) = delete;
 
   /// RESOURCE_EXHAUSTED (`limit`) where all are taken.
   Status enter(const char* limit, int most) {

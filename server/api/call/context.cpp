@@ -11,7 +11,7 @@ Status allow(const Context& context, const std::string& id, Role needed) {
   if (caller.role == Role::kAdmin) return {};
   if (caller.session != id) {
     return {Code::kPermissionDenied,
-            "this access token is for session \"" + caller.session + "\", not for \"" + shortened(id) + "\"",
+            "this access token is for session \"" + caller.session + "\", not for \"" + truncatedUtf8(id) + "\"",
             "authorization"};
   }
   if (caller.role >= needed) return {};
@@ -35,8 +35,8 @@ Expected<MintedToken> ownerToken(const Context& context, const std::string& id) 
 
 void whenBothKept(const Context& context, const SessionPtr& session, const MintedToken& token,
                   std::function<void(const Status&)> kept) {
-  if (token.token.empty()) return session->whenKept(std::move(kept));
-  context.registry->whenKept(token.position, std::move(kept));
+  if (token.token.empty()) return session->whenDurable(std::move(kept));
+  context.registry->whenDurable(token.position, std::move(kept));
 }
 
 }  // namespace lpv::api

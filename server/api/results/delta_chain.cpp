@@ -30,14 +30,14 @@ bool same(const std::optional<Bounds>& a, const std::optional<Bounds>& b) {
 
 }  // namespace
 
-EncodingPtr VolumeChain::encode(const Result& result, const VolumeOrder& order) {
+EncodingPtr DeltaChain::encode(const Result& result, const VolumeEncodingRequest& order) {
   const std::lock_guard lock(mutex_);
   const wire::VolumeStatePtr target = stateOf(result, order);
   const bool inChain = find(result.meta.resultId) != nullptr;
   wire::VolumeStatePtr base = inChain && result.baseId != 0 ? find(result.baseId) : nullptr;
   if (base && base->shape != target->shape) base = nullptr;
   const std::uint64_t baseId = base ? result.baseId : 0;
-  for (const Made& made : made_) {
+  for (const CachedEncoding& made : encodings_) {
     if (made.resultId == result.meta.resultId && made.baseId == baseId && made.compression == order.compression &&
         same(made.region, order.region)) {
       return made.encoding;
@@ -46,12 +46,12 @@ EncodingPtr VolumeChain::encode(const Result& result, const VolumeOrder& order) 
   auto encoding = std::make_shared<Encoding>();
   encoding->volume = make(*target, base.get(), order);
   encoding->baseId = baseId;
-  made_.push_front({result.meta.resultId, baseId, order.compression, order.region, encoding});
+  encodings_.push_front({result.meta.resultId, baseId, order.compression, order.region, encoding});
   return encoding;
 }
 
 /// Publishes what is newer than everything published.
-wire::VolumeStatePtr VolumeChain::stateOf(const Result& result, const VolumeOrder& order) {
+wire::VolumeStatePtr DeltaChain::stateOf(const Result& result, const VolumeEncodingRequest& order) {
   if (wire::VolumeStatePtr known = find(result.meta.resultId)) return known;
   const bool newest = published_.empty() || published_.back().resultId < result.meta.resultId;
   const wire::VolumeState* previous = newest && !published_.empty() ? published_.back().state.get() : nullptr;
@@ -59,21 +59,21 @@ wire::VolumeStatePtr VolumeChain::stateOf(const Result& result, const VolumeOrde
   if (!newest) return state;
   // A worker may still ask for what was the newest until now, for nothing older.
   const std::uint64_t before = published_.empty() ? 0 : published_.back().resultId;
-  std::erase_if(made_, [before](const Made& made) { return made.resultId < before; });
+  std::erase_if(encodings_, [before](const CachedEncoding& made) { return made.resultId < before; });
   published_.push_back({result.meta.resultId, state});
   while (published_.size() > basesKept(*state)) published_.pop_front();
   return state;
 }
 
-wire::VolumeStatePtr VolumeChain::find(std::uint64_t resultId) const {
+wire::VolumeStatePtr DeltaChain::find(std::uint64_t resultId) const {
   for (const Published& p : published_) {
     if (p.resultId == resultId) return p.state;
   }
   return nullptr;
 }
 
-wire::EncodedVolume VolumeChain::make(const wire::VolumeState& target, const wire::VolumeState* base,
-                                      const VolumeOrder& order) {
+wire::EncodedVolume DeltaChain::make(const wire::VolumeState& target, const wire::VolumeState* base,
+                                     const VolumeEncodingRequest& order) {
   ++counters_.volumesEncoded;
   if (!order.region) return wire::encodeVolume(target, base, order.compression, kMaxPartBytes);
   const std::vector<bool> chosen = wire::bricksWithin(target.shape.grid, *order.region);
@@ -83,18 +83,18 @@ wire::EncodedVolume VolumeChain::make(const wire::VolumeState& target, const wir
   return wire::encodeVolume(part, &partOfBase, order.compression, kMaxPartBytes);
 }
 
-std::shared_ptr<VolumeChain> VolumeChains::get(const SessionPtr& session, const VolumeOrder& order,
-                                               Counters& counters) {
+std::shared_ptr<DeltaChain> VolumeChains::get(const SessionPtr& session, const VolumeEncodingRequest& order,
+                                              Counters& counters) {
   const std::lock_guard lock(mutex_);
   std::erase_if(chains_, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<VolumeChain>& chain =
+  std::weak_ptr<DeltaChain>& chain =
       chains_[{session->id(), session->epoch(), order.stage, order.format, order.toleranceClass}];
-  std::shared_ptr<VolumeChain> live = chain.lock();
-  if (!live) chain = live = std::make_shared<VolumeChain>(counters);
+  std::shared_ptr<DeltaChain> live = chain.lock();
+  if (!live) chain = live = std::make_shared<DeltaChain>(counters);
   return live;
 }
 
-VolumeChains& volumeChains() {
+VolumeChains& deltaChains() {
   static VolumeChains chains;
   return chains;
 }

@@ -19,7 +19,7 @@
 namespace lpv::api {
 
 /// How a reader wants its volumes.
-struct VolumeOrder {
+struct VolumeEncodingRequest {
   VolumeStage stage = VolumeStage::kTransported;
   wire::Format format = wire::Format::kHalf;
   wire::Compression compression = wire::Compression::kNone;
@@ -35,20 +35,20 @@ struct Encoding {
 using EncodingPtr = std::shared_ptr<const Encoding>;
 
 /// Thread-safe.
-class VolumeChain {
+class DeltaChain {
  public:
-  explicit VolumeChain(Counters& counters) : counters_(counters) {}
+  explicit DeltaChain(Counters& counters) : counters_(counters) {}
 
   /// `result` for a reader who holds result.baseId; a key frame where that is not among the last kept. A result older
   /// than the newest published is a key frame outside the chain.
-  EncodingPtr encode(const Result& result, const VolumeOrder& order);
+  EncodingPtr encode(const Result& result, const VolumeEncodingRequest& order);
 
  private:
   struct Published {
     std::uint64_t resultId = 0;
     wire::VolumeStatePtr state;
   };
-  struct Made {
+  struct CachedEncoding {
     std::uint64_t resultId = 0;
     std::uint64_t baseId = 0;
     wire::Compression compression;
@@ -56,28 +56,29 @@ class VolumeChain {
     EncodingPtr encoding;
   };
 
-  wire::VolumeStatePtr stateOf(const Result& result, const VolumeOrder& order);
+  wire::VolumeStatePtr stateOf(const Result& result, const VolumeEncodingRequest& order);
   wire::VolumeStatePtr find(std::uint64_t resultId) const;
-  wire::EncodedVolume make(const wire::VolumeState& target, const wire::VolumeState* base, const VolumeOrder& order);
+  wire::EncodedVolume make(const wire::VolumeState& target, const wire::VolumeState* base,
+                           const VolumeEncodingRequest& order);
 
   Counters& counters_;
   std::mutex mutex_;  ///< held while encoding: a second reader waits instead of encoding again
   std::deque<Published> published_;  ///< oldest first
-  std::list<Made> made_;  ///< newest first
+  std::list<CachedEncoding> encodings_;  ///< newest first
 };
 
 /// The chains that live subscribers share: one is gone when its last reader is.
 class VolumeChains {
  public:
-  std::shared_ptr<VolumeChain> get(const SessionPtr& session, const VolumeOrder& order, Counters& counters);
+  std::shared_ptr<DeltaChain> get(const SessionPtr& session, const VolumeEncodingRequest& order, Counters& counters);
 
  private:
   using Key = std::tuple<std::string, std::uint64_t, VolumeStage, wire::Format, int>;
   std::mutex mutex_;
-  std::map<Key, std::weak_ptr<VolumeChain>> chains_;
+  std::map<Key, std::weak_ptr<DeltaChain>> chains_;
 };
 
 /// The process's.
-VolumeChains& volumeChains();
+VolumeChains& deltaChains();
 
 }  // namespace lpv::api

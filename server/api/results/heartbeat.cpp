@@ -2,7 +2,7 @@
 
 namespace lpv::api {
 
-void Pulse::start(std::function<void()> wake) {
+void HeartbeatEmitter::start(std::function<void()> wake) {
   {
     const std::lock_guard lock(state_->mutex);
     state_->wake = std::move(wake);
@@ -10,13 +10,13 @@ void Pulse::start(std::function<void()> wake) {
   beatLater(state_);
 }
 
-void Pulse::stop() {
+void HeartbeatEmitter::stop() {
   state_->deadline.stop();
   const std::lock_guard lock(state_->mutex);
   state_->wake = nullptr;
 }
 
-void Pulse::close(Closing why) {
+void HeartbeatEmitter::close(Closing why) {
   {
     const std::lock_guard lock(state_->mutex);
     if (!state_->closing) state_->closing = why;
@@ -24,17 +24,17 @@ void Pulse::close(Closing why) {
   wake(*state_);
 }
 
-void Pulse::quiet() {
+void HeartbeatEmitter::quiet() {
   const std::lock_guard lock(state_->mutex);
   state_->beatDue = false;
 }
 
-bool Pulse::over() const {
+bool HeartbeatEmitter::over() const {
   const std::lock_guard lock(state_->mutex);
   return state_->over;
 }
 
-void Pulse::beatLater(const std::shared_ptr<State>& state) {
+void HeartbeatEmitter::beatLater(const std::shared_ptr<State>& state) {
   state->deadline.restart(kHeartbeatInterval, [weak = std::weak_ptr<State>(state)] {
     const std::shared_ptr<State> self = weak.lock();
     if (!self) return;
@@ -48,7 +48,7 @@ void Pulse::beatLater(const std::shared_ptr<State>& state) {
   });
 }
 
-void Pulse::wake(State& state) {
+void HeartbeatEmitter::wake(State& state) {
   std::function<void()> call;
   {
     const std::lock_guard lock(state.mutex);
@@ -57,38 +57,38 @@ void Pulse::wake(State& state) {
   if (call) call();
 }
 
-std::optional<Closing> Pulse::takeClosing() {
+std::optional<Closing> HeartbeatEmitter::takeClosing() {
   const std::lock_guard lock(state_->mutex);
   if (!state_->closing || state_->over) return std::nullopt;
   state_->over = true;
   return state_->closing;
 }
 
-bool Pulse::takeBeat() {
+bool HeartbeatEmitter::takeBeat() {
   const std::lock_guard lock(state_->mutex);
   return std::exchange(state_->beatDue, false) && !state_->over;
 }
 
-bool Pulse::takeReadOnly(bool readOnly) {
+bool HeartbeatEmitter::takeReadOnly(bool readOnly) {
   const std::lock_guard lock(state_->mutex);
   return std::exchange(state_->readOnly, readOnly) != readOnly;
 }
 
-void Pulse::fillNotice(bool readOnly, pb::Notice* out) {
+void HeartbeatEmitter::fillNotice(bool readOnly, pb::Notice* out) {
   out->set_kind(readOnly ? pb::Notice::KIND_READ_ONLY : pb::Notice::KIND_READ_WRITE);
   out->set_message(readOnly ? "the state directory cannot be written: edits are refused for now"
                             : "the state directory can be written again");
 }
 
-void Pulse::fillNotice(Closing why, pb::Notice* out) {
+void HeartbeatEmitter::fillNotice(Closing why, pb::Notice* out) {
   const bool deleted = why == Closing::kDeleted;
   out->set_kind(deleted ? pb::Notice::KIND_DELETED : pb::Notice::KIND_DRAINING);
   out->set_message(deleted                    ? "the session was deleted"
-                   : why == Closing::kRetired ? "the session was idle and is being put away; open it again"
+                   : why == Closing::kEvicted ? "the session was idle and is being put away; open it again"
                                               : "the server is draining");
 }
 
-void Pulse::fillHeartbeat(const Session& session, pb::Heartbeat* out) {
+void HeartbeatEmitter::fillHeartbeat(const Session& session, pb::Heartbeat* out) {
   out->set_epoch(session.epoch());
   out->set_revision(session.revision());
   const auto now = std::chrono::system_clock::now().time_since_epoch();

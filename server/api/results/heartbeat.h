@@ -19,12 +19,12 @@ namespace pb = lpv::v1;
 inline constexpr std::chrono::seconds kHeartbeatInterval{1};
 
 /// Thread-safe. Calls its wake function, without locks, when something is due.
-class Pulse {
+class HeartbeatEmitter {
  public:
-  explicit Pulse(Timers& timers) : state_(std::make_shared<State>(timers)) {}
-  ~Pulse() { stop(); }
-  Pulse(const Pulse&) = delete;
-  Pulse& operator=(const Pulse&) = delete;
+  explicit HeartbeatEmitter(Timers& timers) : state_(std::make_shared<State>(timers)) {}
+  ~HeartbeatEmitter() { stop(); }
+  HeartbeatEmitter(const HeartbeatEmitter&) = delete;
+  HeartbeatEmitter& operator=(const HeartbeatEmitter&) = delete;
 
   void start(std::function<void()> wake);
   void stop();

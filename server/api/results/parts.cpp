@@ -17,7 +17,7 @@ std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
 
 }  // namespace
 
-EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeOrder& order, Counters& counters) {
+EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRequest& order, Counters& counters) {
   const std::lock_guard lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
   for (const Entry& entry : entries_) {
     const bool coding = entry.format == order.format && entry.compression == order.compression;
@@ -38,7 +38,7 @@ VolumeEncodings& volumeEncodings() {
   return encodings;
 }
 
-VolumeParts::VolumeParts(const Result& result, const VolumeOrder& order, EncodingPtr encoding)
+VolumeParts::VolumeParts(const Result& result, const VolumeEncodingRequest& order, EncodingPtr encoding)
     : result_(result), order_(order), encoding_(std::move(encoding)), bytes_(payloadBytes(encoding_->volume)) {}
 
 void VolumeParts::fill(pb::VolumeHeader* header) const {

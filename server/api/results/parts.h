@@ -18,7 +18,7 @@ namespace pb = lpv::v1;
 /// The last few whole volumes, so that calls for one volume in one coding share one.
 class VolumeEncodings {
  public:
-  EncodingPtr get(const VolumePtr& volume, const VolumeOrder& order, Counters& counters);
+  EncodingPtr get(const VolumePtr& volume, const VolumeEncodingRequest& order, Counters& counters);
 
  private:
   struct Entry {
@@ -37,7 +37,7 @@ VolumeEncodings& volumeEncodings();
 /// A finished result, ready to be pulled part by part.
 class VolumeParts {
  public:
-  VolumeParts(const Result& result, const VolumeOrder& order, EncodingPtr encoding);
+  VolumeParts(const Result& result, const VolumeEncodingRequest& order, EncodingPtr encoding);
   /// False after the last part.
   bool next(pb::VolumePart* part);
   std::int64_t bytes() const { return bytes_; }
@@ -46,7 +46,7 @@ class VolumeParts {
   void fill(pb::VolumeHeader* header) const;
 
   Result result_;
-  VolumeOrder order_;
+  VolumeEncodingRequest order_;
   EncodingPtr encoding_;
   std::size_t index_ = 0;
   std::int64_t bytes_ = 0;

@@ -40,9 +40,9 @@ Expected<CameraChoice> cameraChoice(const pb::Camera* camera, const std::string&
 
 /// What subscriptions and calls have in common.
 template <typename Message>
-Expected<FrameOrder> common(const Message& in, const pb::Camera* camera, pb::FrameFormat otherwise,
-                            const Limits& limits) {
-  FrameOrder order;
+Expected<FrameEncodingRequest> common(const Message& in, const pb::Camera* camera, pb::FrameFormat otherwise,
+                                      const Limits& limits) {
+  FrameEncodingRequest order;
   const Expected<glm::ivec2> size = frameSize(in.width(), in.height(), limits);
   if (!size) return size.status();
   const Expected<pb::FrameFormat> format = formatOf(in.format(), otherwise);
@@ -53,12 +53,12 @@ Expected<FrameOrder> common(const Message& in, const pb::Camera* camera, pb::Fra
   if (!exposure) return exposure.status().within("exposure");
   const Expected<CameraChoice> choice = cameraChoice(camera, in.camera_name());
   if (!choice) return choice.status();
-  order.wish.size = *size;
-  order.wish.exposure = *exposure;
-  order.wish.camera = *choice;
-  order.wish.format = *format == pb::FRAME_FORMAT_EXR ? PixelFormat::kRgb32F : PixelFormat::kRgb8;
+  order.subscription.size = *size;
+  order.subscription.exposure = *exposure;
+  order.subscription.camera = *choice;
+  order.subscription.format = *format == pb::FRAME_FORMAT_EXR ? PixelFormat::kRgb32F : PixelFormat::kRgb8;
   order.format = *format;
-  order.wish.quality = *quality;
+  order.subscription.quality = *quality;
   return order;
 }
 
@@ -115,8 +115,8 @@ Expected<Bounds> regionFrom(const pb::Box& in) {
 
 /// What subscriptions and calls have in common.
 template <typename Message>
-Expected<VolumeOrder> commonVolume(const Message& in, bool stream) {
-  VolumeOrder order;
+Expected<VolumeEncodingRequest> commonVolume(const Message& in, bool stream) {
+  VolumeEncodingRequest order;
   const Expected<VolumeStage> stage = stageOf(in.stage());
   if (!stage) return stage.status();
   const Expected<wire::Format> format = volumeFormatOf(in.format());
@@ -156,9 +156,9 @@ Status checkRate(double rate) {
                  "max_rate is " + std::to_string(rate) + " a second, allowed are 0 (the server's) and 0.1 to 240");
 }
 
-Expected<VolumeOrder> orderFrom(const pb::VolumeSubscription& in) {
+Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::VolumeSubscription& in) {
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
-  Expected<VolumeOrder> order = commonVolume(in, true);
+  Expected<VolumeEncodingRequest> order = commonVolume(in, true);
   if (!order) return order;
   if (in.tolerance_class() < 0 || in.tolerance_class() >= wire::kToleranceClasses) {
     return invalid("tolerance_class", "tolerance_class is " + std::to_string(in.tolerance_class()) +
@@ -173,22 +173,23 @@ Expected<VolumeOrder> orderFrom(const pb::VolumeSubscription& in) {
   return order;
 }
 
-Expected<VolumeOrder> orderFrom(const pb::GetVolumeRequest& in) { return commonVolume(in, false); }
+Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& in) { return commonVolume(in, false); }
 
-Expected<FrameOrder> orderFrom(const pb::FrameSubscription& in, const Limits& limits) {
+Expected<FrameEncodingRequest> encodingRequestFrom(const pb::FrameSubscription& in, const Limits& limits) {
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
   const pb::Camera* camera = in.has_camera() && in.camera().has_camera() ? &in.camera().camera() : nullptr;
-  Expected<FrameOrder> order = common(in, camera, pb::FRAME_FORMAT_JPEG, limits);
-  if (order) order->wish.cameraSequence = in.camera().sequence();
+  Expected<FrameEncodingRequest> order = common(in, camera, pb::FRAME_FORMAT_JPEG, limits);
+  if (order) order->subscription.cameraSequence = in.camera().sequence();
   return order;
 }
 
-Expected<FrameOrder> orderFrom(const pb::GetFrameRequest& in, const Limits& limits) {
+Expected<FrameEncodingRequest> encodingRequestFrom(const pb::GetFrameRequest& in, const Limits& limits) {
   return common(in, in.has_camera() ? &in.camera() : nullptr, pb::FRAME_FORMAT_PNG, limits);
 }
 
-Expected<FrameWish> updated(const FrameWish& wish, const pb::SubscriberUpdate& update, const Limits& limits) {
-  FrameWish out = wish;
+Expected<FrameSettings> updated(const FrameSettings& subscription, const pb::SubscriberUpdate& update,
+                                const Limits& limits) {
+  FrameSettings out = subscription;
   if (update.has_camera()) {
     const Expected<Camera> camera = fromProto(update.camera().camera());
     if (!camera) return camera.status().within("camera");

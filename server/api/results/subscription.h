@@ -10,18 +10,18 @@ namespace lpv::api {
 
 namespace pb = lpv::v1;
 
-/// A frame wish and the coding its pixels get.
-struct FrameOrder {
-  FrameWish wish;
+/// A frame subscription and the coding its pixels get.
+struct FrameEncodingRequest {
+  FrameSettings subscription;
   pb::FrameFormat format = pb::FRAME_FORMAT_JPEG;
 };
 
 /// Defaults filled in; INVALID_ARGUMENT by field.
-Expected<FrameOrder> orderFrom(const pb::FrameSubscription& subscription, const Limits& limits);
-Expected<FrameOrder> orderFrom(const pb::GetFrameRequest& request, const Limits& limits);
+Expected<FrameEncodingRequest> encodingRequestFrom(const pb::FrameSubscription& subscription, const Limits& limits);
+Expected<FrameEncodingRequest> encodingRequestFrom(const pb::GetFrameRequest& request, const Limits& limits);
 
-Expected<VolumeOrder> orderFrom(const pb::VolumeSubscription& subscription);
-Expected<VolumeOrder> orderFrom(const pb::GetVolumeRequest& request);
+Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::VolumeSubscription& subscription);
+Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& request);
 
 Expected<lpv::Exposure> exposureFrom(const pb::Exposure& exposure);
 /// Both 0: 640 x 360.
@@ -29,6 +29,7 @@ Expected<glm::ivec2> frameSize(int width, int height, const Limits& limits);
 Status checkRate(double rate);
 
 /// `order.wish` changed as an update says; the session decides about camera sequences.
-Expected<FrameWish> updated(const FrameWish& wish, const pb::SubscriberUpdate& update, const Limits& limits);
+Expected<FrameSettings> updated(const FrameSettings& subscription, const pb::SubscriberUpdate& update,
+                                const Limits& limits);
 
 }  // namespace lpv::api

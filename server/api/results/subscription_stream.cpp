@@ -9,13 +9,13 @@
 namespace lpv::api {
 
 template <typename Event>
-Status Feed<Event>::start(const Wish& wish, std::function<void()> wake) {
+Status SubscriptionStream<Event>::start(const Subscription& subscription, std::function<void()> wake) {
   {
     const std::lock_guard lock(mutex_);
     wake_ = wake;
   }
-  pulse_.start(std::move(wake));
-  const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(wish, this->shared_from_this());
+  heartbeat_.start(std::move(wake));
+  const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(subscription, this->shared_from_this());
   if (!subscriber) return subscriber.status();
   {
     const std::lock_guard lock(mutex_);
@@ -25,11 +25,11 @@ Status Feed<Event>::start(const Wish& wish, std::function<void()> wake) {
 }
 
 template <typename Event>
-bool Feed<Event>::next(Event* event) {
+bool SubscriptionStream<Event>::next(Event* event) {
   const std::lock_guard lock(mutex_);
-  if (!subscriber_ || pulse_.over()) return false;
-  if (!greeted_) {
-    greeted_ = true;
+  if (!subscriber_ || heartbeat_.over()) return false;
+  if (!subscribedSent_) {
+    subscribedSent_ = true;
     event->mutable_subscribed()->set_subscriber(subscriber_->id);
     event->mutable_subscribed()->set_epoch(session_->epoch());
     event->mutable_subscribed()->set_revision(session_->revision());
@@ -38,16 +38,17 @@ bool Feed<Event>::next(Event* event) {
   while (!results_.empty()) {
     if (results_.front().parts(event)) {
       subscriber_->taken = results_.front().id;
-      pulse_.quiet();
+      heartbeat_.quiet();
       return true;
     }
     results_.pop_front();
   }
-  return pulse_.next(*session_, event);
+  return heartbeat_.next(*session_, event);
 }
 
 template <typename Event>
-void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts, SentAs as, std::int64_t bytes) {
+void SubscriptionStream<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts, SentAs as,
+                                     std::int64_t bytes) {
   std::function<void()> wake;
   {
     const std::lock_guard lock(mutex_);
@@ -64,8 +65,8 @@ void Feed<Event>::push(std::uint64_t resultId, std::function<bool(Event*)> parts
 }
 
 template <typename Event>
-void Feed<Event>::stop() {
-  pulse_.stop();
+void SubscriptionStream<Event>::stop() {
+  heartbeat_.stop();
   std::shared_ptr<Subscriber> subscriber;
   {
     const std::lock_guard lock(mutex_);
@@ -76,14 +77,14 @@ void Feed<Event>::stop() {
 }
 
 template <typename Event>
-Status Feed<Event>::update(const pb::SubscriberUpdate& update) {
+Status SubscriptionStream<Event>::update(const pb::SubscriberUpdate& update) {
   return applyUpdate(session_, subscriber_, update, context_.limits);
 }
 
-template class Feed<pb::VolumeEvent>;
-template class Feed<pb::FrameEvent>;
+template class SubscriptionStream<pb::VolumeEvent>;
+template class SubscriptionStream<pb::FrameEvent>;
 
-void VolumeFeed::offer(const Result& result) {
+void VolumeSubscription::offer(const Result& result) {
   const auto parts = std::make_shared<VolumeParts>(result, order_, chain_->encode(result, order_));
   push(
       result.meta.resultId,
@@ -96,7 +97,7 @@ void VolumeFeed::offer(const Result& result) {
       sentAs(order_.format), parts->bytes());
 }
 
-void FrameFeed::offer(const Result& result) {
+void FrameSubscription::offer(const Result& result) {
   Expected<std::string> file = encodeFrame(*result.frame, format_, result.quality);
   if (!file) {
     const ops::LogScope scope({session()->id(), {}, {}});
@@ -116,45 +117,45 @@ void FrameFeed::offer(const Result& result) {
       sentAs(format_), parts->bytes());
 }
 
-Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& in,
-                                               std::function<void()> wake) {
+Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, const pb::VolumeSubscription& in,
+                                                       std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
-  const Expected<VolumeOrder> order = orderFrom(in);
+  const Expected<VolumeEncodingRequest> order = encodingRequestFrom(in);
   if (!order) return order.status();
-  Wish wish;
-  wish.volume = order->stage;
-  wish.clientId = client.id;
-  wish.maxRate = in.max_rate();
-  wish.twoCredits = in.two_credits();
-  auto feed = std::make_shared<VolumeFeed>(context, *session, *order);
-  if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
+  Subscription subscription;
+  subscription.volume = order->stage;
+  subscription.clientId = client.id;
+  subscription.maxRate = in.max_rate();
+  subscription.twoCredits = in.two_credits();
+  auto feed = std::make_shared<VolumeSubscription>(context, *session, *order);
+  if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
   return feed;
 }
 
-Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::FrameSubscription& in,
-                                              std::function<void()> wake) {
+Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& in,
+                                                      std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
-  const Expected<FrameOrder> order = orderFrom(in, context.limits);
+  const Expected<FrameEncodingRequest> order = encodingRequestFrom(in, context.limits);
   if (!order) return order.status();
-  if (Status s = (*session)->checkCamera(order->wish.camera); !s.ok()) return s;
-  Wish wish;
-  wish.frame = order->wish;
-  wish.clientId = client.id;
-  wish.maxRate = in.max_rate();
-  wish.twoCredits = in.two_credits();
+  if (Status s = (*session)->checkCamera(order->subscription.camera); !s.ok()) return s;
+  Subscription subscription;
+  subscription.frame = order->subscription;
+  subscription.clientId = client.id;
+  subscription.maxRate = in.max_rate();
+  subscription.twoCredits = in.two_credits();
   if (Status s = checkRate(in.adapt_rate()); !s.ok()) return s.within("adapt_rate");
   if (in.adapt_rate() > 0.0 && order->format != pb::FRAME_FORMAT_JPEG) {
     return invalid("adapt_rate", "adapt_rate is given for a format that has no quality; want JPEG, or leave it out");
   }
-  wish.adaptRate = in.adapt_rate();
-  auto feed = std::make_shared<FrameFeed>(context, *session, order->format);
-  if (Status s = feed->start(wish, std::move(wake)); !s.ok()) return s;
+  subscription.adaptRate = in.adapt_rate();
+  auto feed = std::make_shared<FrameSubscription>(context, *session, order->format);
+  if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
   return feed;
 }
 
@@ -168,14 +169,15 @@ Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>&
   const bool rewishes = update.has_camera() || update.width() != 0 || update.height() != 0 || update.has_exposure() ||
                         update.max_rate() != 0.0;
   if (!rewishes) return {};
-  const Wish now = session->wishOf(subscriber);
-  FrameWish wish;
+  const Subscription now = session->subscriptionOf(subscriber);
+  FrameSettings subscription;
   if (now.frame) {
-    const Expected<FrameWish> next = updated(*now.frame, update, limits);
+    const Expected<FrameSettings> next = updated(*now.frame, update, limits);
     if (!next) return next.status();
-    wish = *next;
+    subscription = *next;
   }
-  return session->rewish(subscriber, wish, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
+  return session->updateSubscription(subscriber, subscription,
+                                     update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
 }
 
 Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {

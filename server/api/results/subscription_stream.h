@@ -16,21 +16,21 @@ namespace lpv::api {
 
 /// What volume and frame feeds share. Event is VolumeEvent or FrameEvent.
 template <typename Event>
-class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>> {
+class SubscriptionStream : public ResultSink, public std::enable_shared_from_this<SubscriptionStream<Event>> {
  public:
-  Feed(const Context& context, SessionPtr session)
-      : context_(context), session_(std::move(session)), pulse_(*context.timers) {}
+  SubscriptionStream(const Context& context, SessionPtr session)
+      : context_(context), session_(std::move(session)), heartbeat_(*context.timers) {}
 
   /// Subscribes and starts the heartbeat; `wake` is called when next() may have something.
-  Status start(const Wish& wish, std::function<void()> wake);
+  Status start(const Subscription& subscription, std::function<void()> wake);
   /// The next event; false where there is none.
   bool next(Event* event);
   /// True after the closing notice has been taken.
-  bool closed() const { return pulse_.over(); }
+  bool closed() const { return heartbeat_.over(); }
   Status update(const pb::SubscriberUpdate& update);
   void stop();
 
-  void close(Closing why) override { pulse_.close(why); }
+  void close(Closing why) override { heartbeat_.close(why); }
   const SessionPtr& session() const { return session_; }
 
  protected:
@@ -41,7 +41,7 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
  private:
   SessionPtr session_;
   std::shared_ptr<Subscriber> subscriber_;
-  Pulse pulse_;
+  HeartbeatEmitter heartbeat_;
   std::mutex mutex_;
   std::function<void()> wake_;
   struct Queued {
@@ -50,27 +50,27 @@ class Feed : public ResultSink, public std::enable_shared_from_this<Feed<Event>>
   };
   std::deque<Queued> results_;
   std::uint64_t newest_ = 0;  ///< result id
-  bool greeted_ = false;
+  bool subscribedSent_ = false;
 };
 
-class VolumeFeed final : public Feed<pb::VolumeEvent> {
+class VolumeSubscription final : public SubscriptionStream<pb::VolumeEvent> {
  public:
-  VolumeFeed(const Context& context, SessionPtr session, const VolumeOrder& order)
-      : Feed(context, std::move(session)),
+  VolumeSubscription(const Context& context, SessionPtr session, const VolumeEncodingRequest& order)
+      : SubscriptionStream(context, std::move(session)),
         order_(order),
-        chain_(volumeChains().get(this->session(), order, *context.counters)) {}
+        chain_(deltaChains().get(this->session(), order, *context.counters)) {}
   void offer(const Result& result) override;
   void prepare(const Result& result) override { (void)chain_->encode(result, order_); }
 
  private:
-  VolumeOrder order_;
-  std::shared_ptr<VolumeChain> chain_;
+  VolumeEncodingRequest order_;
+  std::shared_ptr<DeltaChain> chain_;
 };
 
-class FrameFeed final : public Feed<pb::FrameEvent> {
+class FrameSubscription final : public SubscriptionStream<pb::FrameEvent> {
  public:
-  FrameFeed(const Context& context, SessionPtr session, pb::FrameFormat format)
-      : Feed(context, std::move(session)), format_(format) {}
+  FrameSubscription(const Context& context, SessionPtr session, pb::FrameFormat format)
+      : SubscriptionStream(context, std::move(session)), format_(format) {}
   void offer(const Result& result) override;
 
  private:
@@ -78,10 +78,11 @@ class FrameFeed final : public Feed<pb::FrameEvent> {
 };
 
 /// A feed for what a subscription asks, subscribed; errors by field.
-Expected<std::shared_ptr<VolumeFeed>> openFeed(const Context& context, const pb::VolumeSubscription& subscription,
-                                               std::function<void()> wake);
-Expected<std::shared_ptr<FrameFeed>> openFeed(const Context& context, const pb::FrameSubscription& subscription,
-                                              std::function<void()> wake);
+Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context,
+                                                       const pb::VolumeSubscription& subscription,
+                                                       std::function<void()> wake);
+Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& subscription,
+                                                      std::function<void()> wake);
 
 /// An update's effect on a live subscriber.
 Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,

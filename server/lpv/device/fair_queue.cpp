@@ -6,26 +6,26 @@ namespace lpv {
 
 namespace {
 
-double counted(double tick) { return tick + std::max(0.0, tick - Turns::kShortTick); }
+double counted(double tick) { return tick + std::max(0.0, tick - FairQueue::kShortTick); }
 
 }  // namespace
 
-void Turns::arrive(Party party) {
-  Account& account = accounts_[party];
+void FairQueue::arrive(Tenant tenant) {
+  Account& account = accounts_[tenant];
   account.used = std::max(account.used, now_);
   account.tick = 0.0;
 }
 
-void Turns::charge(Party party, double seconds) {
-  Account& account = accounts_[party];
+void FairQueue::charge(Tenant tenant, double seconds) {
+  Account& account = accounts_[tenant];
   account.used += counted(account.tick + seconds) - counted(account.tick);
   account.tick += seconds;
 }
 
-void Turns::begin(Party party) { now_ = std::max(now_, accounts_[party].used); }
+void FairQueue::begin(Tenant tenant) { now_ = std::max(now_, accounts_[tenant].used); }
 
-double Turns::used(Party party) const {
-  const auto found = accounts_.find(party);
+double FairQueue::used(Tenant tenant) const {
+  const auto found = accounts_.find(tenant);
   return found == accounts_.end() ? now_ : found->second.used;
 }
 

@@ -10,24 +10,24 @@ namespace lpv {
 /// Who comes back from a pause starts level with the others: time not used is not saved up. What a tick takes beyond
 /// kShortTick counts twice: somebody who drags a lamp in a small scene waits less than twice as long because of one
 /// whose large scene takes its time anyway. Times in seconds.
-class Turns {
+class FairQueue {
  public:
-  using Party = std::uint64_t;
+  using Tenant = std::uint64_t;
 
   /// What feels immediate.
   static constexpr double kShortTick = 0.05;
 
-  /// The party has another tick to be worked at.
-  void arrive(Party party);
-  void forget(Party party) { accounts_.erase(party); }
+  /// The tenant has another tick to be worked at.
+  void arrive(Tenant tenant);
+  void forget(Tenant tenant) { accounts_.erase(tenant); }
 
-  /// Takes time on the party's account: predicted when work is queued, later the difference to what it took.
-  void charge(Party party, double seconds);
-  /// `party` is given a turn: nobody who arrives later starts with less than it had.
-  void begin(Party party);
+  /// Takes time on the tenant's account: predicted when work is queued, later the difference to what it took.
+  void charge(Tenant tenant, double seconds);
+  /// `tenant` is given a turn: nobody who arrives later starts with less than it had.
+  void begin(Tenant tenant);
 
   /// What counts of the time it has had.
-  double used(Party party) const;
+  double used(Tenant tenant) const;
 
  private:
   struct Account {
@@ -35,17 +35,17 @@ class Turns {
     double tick = 0.0;  ///< that its tick has had
   };
 
-  std::map<Party, Account> accounts_;
-  double now_ = 0.0;  ///< what the party of the last turn had when it began
+  std::map<Tenant, Account> accounts_;
+  double now_ = 0.0;  ///< what the tenant of the last turn had when it began
 };
 
 /// The one with the least time used, the first of equals; end() for none.
-template <typename Iterator, typename PartyOf>
-Iterator leastServed(const Turns& turns, Iterator begin, Iterator end, PartyOf partyOf) {
+template <typename Iterator, typename TenantOf>
+Iterator leastServed(const FairQueue& turns, Iterator begin, Iterator end, TenantOf tenantOf) {
   Iterator least = end;
   double most = std::numeric_limits<double>::infinity();
   for (Iterator i = begin; i != end; ++i) {
-    const double used = turns.used(partyOf(*i));
+    const double used = turns.used(tenantOf(*i));
     if (used >= most) continue;
     most = used;
     least = i;

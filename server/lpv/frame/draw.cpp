@@ -107,8 +107,8 @@ void MeshDrawer::bind(const DrawItem& item, std::size_t index, const gpu::Buffer
   if (item.texture != nullptr) item.texture->bind(layout::kAlbedo);
 }
 
-Pieces MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-                       const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const {
+GpuTask MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
+                        const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const {
   const gpu::Buffer params = drawParams(items);
   const glm::ivec2 size = target.size();
   const double all = trianglesOf(items);
@@ -120,9 +120,9 @@ Pieces MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::B
   }
 }
 
-Pieces MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-                            const glm::ivec2& band, double unitsPerTriangle, const std::vector<DrawItem>& items,
-                            const gpu::Buffer& params, const ProgramOf& programOf, Pacing pacing) const {
+GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
+                             const glm::ivec2& band, double unitsPerTriangle, const std::vector<DrawItem>& items,
+                             const gpu::Buffer& params, const ProgramOf& programOf, Pacing pacing) const {
   double queued = 0.0;  // since the last pause
   begin(target, band, frameParams);
   clear(target);

@@ -38,14 +38,14 @@ class MeshDrawer {
 
   /// Clears `target` and draws all of `items` into it as pieces of `stage`: reversed depth test, no blending. The
   /// arguments by reference outlive the coroutine.
-  Pieces run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-             const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const;
+  GpuTask run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
+              const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const;
 
  private:
   /// `band`: first row and rows.
-  Pieces drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const glm::ivec2& band,
-                  double unitsPerTriangle, const std::vector<DrawItem>& items, const gpu::Buffer& drawParams,
-                  const ProgramOf& programOf, Pacing pacing) const;
+  GpuTask drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const glm::ivec2& band,
+                   double unitsPerTriangle, const std::vector<DrawItem>& items, const gpu::Buffer& drawParams,
+                   const ProgramOf& programOf, Pacing pacing) const;
   void begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams) const;
   void bind(const DrawItem& item, std::size_t index, const gpu::Buffer& drawParams) const;
 

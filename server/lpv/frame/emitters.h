@@ -21,8 +21,8 @@ struct EmitterBuffer {
 
 class EmitterRenderer {
  public:
-  Pieces run(const EmitterBuffer& buffer, const FrameRequest& request, const Scene& scene,
-             const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+  GpuTask run(const EmitterBuffer& buffer, const FrameRequest& request, const Scene& scene,
+              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   gpu::ProgramVariants programs_{{"frame/emitters.vert", "frame/emitters.frag"}};

@@ -44,9 +44,9 @@ bool Gbuffer::shows(const FrameRequest& request, const Scene& scene) const {
                     [](const SurfacePtr& a, const auto& b) { return a == b.second; });
 }
 
-Pieces GbufferRenderer::run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene,
-                            const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
-                            Pacing pacing) {
+GpuTask GbufferRenderer::run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene,
+                             const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
+                             Pacing pacing) {
   gbuffer.complete = false;
   gbuffer.camera = request.camera;
   gbuffer.surfaces.clear();

@@ -31,8 +31,8 @@ struct Gbuffer {
 class GbufferRenderer {
  public:
   /// Draws the scene's surfaces, some triangles at a time. `frameParams` holds the view's FrameParams.
-  Pieces run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene, const SceneResources& resources,
-             const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+  GpuTask run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene, const SceneResources& resources,
+              const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   gpu::ProgramVariants programs_{{"frame/gbuffer.vert", "frame/gbuffer.frag"}};

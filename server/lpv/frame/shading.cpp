@@ -21,7 +21,7 @@ gpu::Texture colourTarget(const char* label, const glm::ivec2& size, GLenum form
 }
 
 /// `lit` is null for the pass from radiance to the display.
-void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy* lit) {
+void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const IrradianceSources* lit) {
   targets.frameParams.bindUniform(layout::kParams);
   gbuffer.albedo.bind(layout::kAlbedo);
   gbuffer.normal.bind(layout::kNormal);
@@ -37,16 +37,16 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const LitBy
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
-  if (lit->volume->proximity) lit->volume->proximity.bind(layout::kProximity);
+  if (lit->volume->emitterDistance) lit->volume->emitterDistance.bind(layout::kEmitterDistance);
 }
 
 /// Where receivers look at the lights themselves: the values of LPV_DIRECT in shade.frag.
-enum class LightsSeen { kNowhere, kBeyondTheGrid, kNearEmittersToo, kEverywhere };
+enum class NearFieldMode { kNowhere, kBeyondTheGrid, kNearEmittersToo, kEverywhere };
 
-LightsSeen lightsSeen(const LitBy& lit) {
-  if (lit.volume == nullptr) return LightsSeen::kEverywhere;
-  if (lit.transport != Transport::kGather) return LightsSeen::kNowhere;
-  return lit.nearField ? LightsSeen::kNearEmittersToo : LightsSeen::kBeyondTheGrid;
+NearFieldMode lightsSeen(const IrradianceSources& lit) {
+  if (lit.volume == nullptr) return NearFieldMode::kEverywhere;
+  if (lit.transport != Transport::kGather) return NearFieldMode::kNowhere;
+  return lit.nearField ? NearFieldMode::kNearEmittersToo : NearFieldMode::kBeyondTheGrid;
 }
 
 void prepareFullScreen() {
@@ -84,13 +84,13 @@ glm::vec4 exposureParams(const Exposure& exposure) {
   return {float(std::exp2(exposure.ev)), float(kAutoExposureKey), 0.0F, 0.0F};
 }
 
-Shader::Shader() { glCreateVertexArrays(1, &noVertices_); }
+ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
 
-Shader::~Shader() { glDeleteVertexArrays(1, &noVertices_); }
+ShadingPass::~ShadingPass() { glDeleteVertexArrays(1, &noVertices_); }
 
 /// A full-screen pass, band by band.
-Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
-                    const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing) {
+GpuTask ShadingPass::fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
+                          const Gbuffer& gbuffer, const IrradianceSources* lit, Pacing pacing) {
   const glm::ivec2 size = target.size();
   for (int row = 0; row < size.y;) {
     const int rows = std::clamp(pacing.unitsFor(Stage::kShade) / size.x, 1, size.y - row);
@@ -107,14 +107,14 @@ Pieces Shader::fill(const gpu::Framebuffer& target, gpu::Program& program, const
   }
 }
 
-void Shader::bindExposure(const FrameTargets& targets) {
+void ShadingPass::bindExposure(const FrameTargets& targets) {
   gpu::memoryBarrier();
   targets.frameParams.bindUniform(layout::kParams);
   targets.radiance.bind(layout::kRadiance);
   targets.exposure.bindStorage(layout::kExposure);
 }
 
-Pieces Shader::findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing) {
+GpuTask ShadingPass::findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing) {
   const int groups = exposureGroups(targets.size);
   for (int first = 0; first < groups;) {
     const int count = std::clamp(pacing.unitsFor(Stage::kShade) / layout::kExposurePixels, 1, groups - first);
@@ -130,8 +130,8 @@ Pieces Shader::findExposure(FrameTargets& targets, glm::vec4 params, Pacing paci
   gpu::memoryBarrier();
 }
 
-Pieces Shader::run(FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
-                   Pacing pacing) {
+GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const IrradianceSources& lit,
+                         const FrameRequest& request, Pacing pacing) {
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
   const bool grid = lit.volume != nullptr;

@@ -36,29 +36,29 @@ struct FrameTargets {
 glm::vec4 exposureParams(const Exposure& exposure);
 
 /// Where a surface's irradiance comes from.
-struct LitBy {
+struct IrradianceSources {
   Transport transport = Transport::kPropagate;
   Lookup lookup = Lookup::kSh2;
   bool nearField = false;  ///< GATHER: near emitters receivers look at the lights; else the volume is all they see
   const IncidentTextures* volume = nullptr;  ///< null with DIRECT
-  const DirectBuffer* direct = nullptr;      ///< not read with PROPAGATE
+  const EmitterBufferList* direct = nullptr;      ///< not read with PROPAGATE
 };
 
-class Shader {
+class ShadingPass {
  public:
-  Shader();
-  Shader(const Shader&) = delete;
-  Shader& operator=(const Shader&) = delete;
-  ~Shader();
+  ShadingPass();
+  ShadingPass(const ShadingPass&) = delete;
+  ShadingPass& operator=(const ShadingPass&) = delete;
+  ~ShadingPass();
 
-  Pieces run(FrameTargets& targets, const Gbuffer& gbuffer, const LitBy& lit, const FrameRequest& request,
-             Pacing pacing);
+  GpuTask run(FrameTargets& targets, const Gbuffer& gbuffer, const IrradianceSources& lit, const FrameRequest& request,
+              Pacing pacing);
 
  private:
-  Pieces fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
-              const Gbuffer& gbuffer, const LitBy* lit, Pacing pacing);
+  GpuTask fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
+               const Gbuffer& gbuffer, const IrradianceSources* lit, Pacing pacing);
   static void bindExposure(const FrameTargets& targets);
-  Pieces findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing);
+  GpuTask findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing);
 
   gpu::ProgramVariants shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
   gpu::ProgramVariants display_{{"frame/fullscreen.vert", "frame/display.frag"}};

@@ -4,15 +4,15 @@
 
 namespace lpv {
 
-std::vector<Part> partsOf(std::size_t bytes) {
-  std::vector<Part> parts;
-  for (std::size_t offset = 0; offset < bytes; offset += kBulkBytes)
-    parts.push_back({offset, std::min(kBulkBytes, bytes - offset)});
+std::vector<Chunk> chunksOf(std::size_t bytes) {
+  std::vector<Chunk> parts;
+  for (std::size_t offset = 0; offset < bytes; offset += kChunkBytes)
+    parts.push_back({offset, std::min(kChunkBytes, bytes - offset)});
   return parts;
 }
 
-Pieces fillInPieces(gpu::Buffer& buffer, std::uint32_t word) {
-  for (const Part& part : partsOf(buffer.size() / 4 * 4)) {
+GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word) {
+  for (const Chunk& part : chunksOf(buffer.size() / 4 * 4)) {
     buffer.fill(word, part.offset, part.bytes);
     co_yield rest();
   }

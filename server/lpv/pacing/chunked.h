@@ -11,16 +11,16 @@
 namespace lpv {
 
 /// Bytes that are cleared or copied in one piece: a few milliseconds without a GPU, also where memory is new.
-inline constexpr std::size_t kBulkBytes = std::size_t(8) << 20;
+inline constexpr std::size_t kChunkBytes = std::size_t(8) << 20;
 
 /// One such part of something larger.
-struct Part {
+struct Chunk {
   std::size_t offset;
   std::size_t bytes;
 };
-std::vector<Part> partsOf(std::size_t bytes);
+std::vector<Chunk> chunksOf(std::size_t bytes);
 
 /// Fills `buffer`, which outlives the coroutine, with one 32-bit word.
-Pieces fillInPieces(gpu::Buffer& buffer, std::uint32_t word = 0);
+GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word = 0);
 
 }  // namespace lpv

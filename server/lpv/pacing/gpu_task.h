@@ -1,5 +1,5 @@
 #pragma once
-// Coroutines that give the GPU back between bounded pieces of work. A stage is a function returning Pieces: it queues
+// Coroutines that give the GPU back between bounded pieces of work. A stage is a function returning GpuTask: it queues
 // GL commands, says `co_yield piece(...)`, and goes on when its turn comes again; it never waits for the GPU itself,
 // `co_yield until(fence)` lets others work meanwhile. One stage runs another with `co_await`.
 
@@ -31,7 +31,7 @@ inline Pause rest() { return {Pause::Kind::kRest, Stage::kUpload, 0.0, nullptr};
 inline Pause until(const gpu::Fence& fence) { return {Pause::Kind::kFence, Stage::kReadback, 0.0, &fence}; }
 
 /// A lazily started coroutine of pieces. Move-only; destroying it abandons the rest.
-class [[nodiscard]] Pieces {
+class [[nodiscard]] GpuTask {
  public:
   struct promise_type;
   using Handle = std::coroutine_handle<promise_type>;
@@ -43,9 +43,9 @@ class [[nodiscard]] Pieces {
     std::coroutine_handle<> parent; ///< who awaits this one
     std::exception_ptr error;
 
-    Pieces get_return_object() {
+    GpuTask get_return_object() {
       leaf = Handle::from_promise(*this);
-      return Pieces(leaf);
+      return GpuTask(leaf);
     }
     std::suspend_always initial_suspend() noexcept { return {}; }
     std::suspend_always yield_value(const Pause& p) noexcept {
@@ -68,13 +68,13 @@ class [[nodiscard]] Pieces {
     BackToParent final_suspend() noexcept { return {}; }
   };
 
-  Pieces(Pieces&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
-  Pieces& operator=(Pieces&& other) noexcept {
-    Pieces taken(std::move(other));
+  GpuTask(GpuTask&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  GpuTask& operator=(GpuTask&& other) noexcept {
+    GpuTask taken(std::move(other));
     std::swap(handle_, taken.handle_);
     return *this;
   }
-  ~Pieces() {
+  ~GpuTask() {
     if (handle_) handle_.destroy();
   }
 
@@ -105,7 +105,7 @@ class [[nodiscard]] Pieces {
   Awaiter operator co_await() const& noexcept { return {handle_}; }
 
  private:
-  explicit Pieces(Handle handle) : handle_(handle) {}
+  explicit GpuTask(Handle handle) : handle_(handle) {}
   Handle handle_;
 };
 

@@ -50,7 +50,7 @@ struct Pacing {
   int unitsFor(Stage stage) const { return int(std::min(1e9, clock->unitsFor(stage, target))); }
 };
 
-/// Pieces under way on the device, in the order of submission. A piece's time runs from its first command, or from the
+/// GpuTask under way on the device, in the order of submission. A piece's time runs from its first command, or from the
 /// end of the piece before it, to its fence.
 class Timeline {
  public:

@@ -24,22 +24,23 @@ LightField::LightField(const Grid& g, int c, int n, Transport t)
       groups(n),
       counters("counters", sizeof(layout::Counters), gpu::BufferUse::kDynamic),
       transport(t) {
-  steps[0] = FieldBuffer("field, even steps", grid.dims, allChannels());
+  pingPong[0] = FieldBuffer("field, even steps", grid.dims, allChannels());
   if (transport != Transport::kPropagate) {
-    nearestVpl = gpu::Buffer("nearest VPL", grid.cells() * sizeof(float), gpu::BufferUse::kDevice, gpu::Undefined{});
+    emitterDistance =
+        gpu::Buffer("nearest VPL", grid.cells() * sizeof(float), gpu::BufferUse::kDevice, gpu::Undefined{});
     return;
   }
-  steps[1] = FieldBuffer("field, odd steps", grid.dims, allChannels());
+  pingPong[1] = FieldBuffer("field, odd steps", grid.dims, allChannels());
   lobeCounts = gpu::Buffer("lobe counts", grid.cells() * std::size_t(groups) * sizeof(float), gpu::BufferUse::kDevice,
                            gpu::Undefined{});
   makeInjected();
 }
 
-Pieces LightField::blank() {
-  if (isBlank) co_return;
-  co_await fillInPieces(injected.buffer);
-  co_await fillInPieces(lobeCounts);
-  isBlank = true;
+GpuTask LightField::clear() {
+  if (cleared) co_return;
+  co_await fillChunked(injected.buffer);
+  co_await fillChunked(lobeCounts);
+  cleared = true;
 }
 
 void LightField::makeInjected() {

@@ -26,7 +26,7 @@ struct FieldBuffer {
 
 /// Everything whose size follows from grid, channels and groups. Made anew when one of them or the transport changes.
 struct LightField {
-  /// With what `transport` needs from the start; blank() comes before anything is put into it.
+  /// With what `transport` needs from the start; clear() comes before anything is put into it.
   LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate);
 
   Grid grid;
@@ -40,23 +40,23 @@ struct LightField {
   gpu::Buffer counters;                    ///< layout::Counters
   Transport transport;
   FieldBuffer injected;                    ///< emitted intensity of unit palette radiance, W/sr per W/(sr m^2)
-  std::array<FieldBuffer, 2> steps;        ///< propagation goes back and forth between them; GATHER sums in one
+  std::array<FieldBuffer, 2> pingPong;        ///< propagation goes back and forth between them; GATHER sums in one
   std::optional<FieldBuffer> sum;          ///< clamped form only
   int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does):
                    ///< PROPAGATE flux through cells, else SH of incident radiance
-  bool isBlank = false;
+  bool cleared = false;
   bool clamped = false;  ///< the transported field is in `sum`
-  gpu::Buffer nearestVpl;  ///< GATHER: float per cell, cells to the nearest VPL near it
+  gpu::Buffer emitterDistance;  ///< GATHER: float per cell, cells to the nearest VPL near it
   gpu::Buffer receivers, cursors;  ///< GATHER: blocks under way, and how far each has come
 
   /// Clears what is added to, once: the injected field and what counts lobes.
-  Pieces blank();
+  GpuTask clear();
   /// The injected field, for transports that do not start from one. Its content is undefined.
   void makeInjected();
 
   int allChannels() const { return channels * groups; }
 
-  const FieldBuffer& transported() const { return clamped ? *sum : steps[std::size_t(result)]; }
+  const FieldBuffer& transported() const { return clamped ? *sum : pingPong[std::size_t(result)]; }
 };
 
 }  // namespace lpv

@@ -73,7 +73,7 @@ int rowsAtOnce(const Picture& picture) {
   return int(std::max<std::size_t>(1, kPieceTexels / std::size_t(picture.size.x)));
 }
 
-Pieces uploadTexels(const Picture& picture, int level, const gpu::Texture& texture) {
+GpuTask uploadTexels(const Picture& picture, int level, const gpu::Texture& texture) {
   const int step = rowsAtOnce(picture);
   for (int row = 0; row < picture.size.y; row += step) {
     const int rows = std::min(step, picture.size.y - row);
@@ -82,7 +82,7 @@ Pieces uploadTexels(const Picture& picture, int level, const gpu::Texture& textu
   }
 }
 
-Pieces uploadLevels(Picture picture, const GpuLightTexture& out) {
+GpuTask uploadLevels(Picture picture, const GpuLightTexture& out) {
   for (int level = 0; level < out.levels; ++level) {
     co_await uploadTexels(picture, level, out.radiance);
     picture = halved(picture);
@@ -90,7 +90,7 @@ Pieces uploadLevels(Picture picture, const GpuLightTexture& out) {
   }
 }
 
-Pieces uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
+GpuTask uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
   const std::size_t rowBytes = (std::size_t(picture.size.x) + 1) * 3 * sizeof(double);
   out.rowIntegrals = gpu::Buffer("row integrals", rowBytes * std::size_t(picture.size.y), gpu::BufferUse::kDynamic);
   const int step = rowsAtOnce(picture);
@@ -105,7 +105,7 @@ Pieces uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
 
 }  // namespace
 
-Pieces uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out) {
+GpuTask uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out) {
   Picture picture;
   picture.size = {texture->width, texture->height};
   picture.texels.reserve(std::size_t(texture->width) * std::size_t(texture->height));
@@ -119,13 +119,13 @@ Pieces uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out) {
   out.levels = gpu::mipLevels(picture.size);
   out.radiance =
       gpu::Texture::make2d("light texture", picture.size, GL_RGBA32F, gpu::Sampling::kMipmapRepeat, out.levels);
-  float brightest = 0.0F;
+  float radianceScale = 0.0F;
   for (const glm::vec3& c : picture.texels) {
-    brightest = std::max({brightest, c.r, c.g, c.b});
+    radianceScale = std::max({radianceScale, c.r, c.g, c.b});
     out.mean += glm::dvec3(c);
   }
   out.mean /= double(picture.texels.size());
-  out.brightest = brightest > 0.0F ? double(brightest) : 1.0;
+  out.radianceScale = radianceScale > 0.0F ? double(radianceScale) : 1.0;
   co_await uploadIntegrals(picture, out);
   co_await uploadLevels(std::move(picture), out);
 }

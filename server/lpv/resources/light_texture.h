@@ -19,11 +19,11 @@ struct GpuLightTexture {
   gpu::Texture radiance;      ///< RGBA32F with mip levels
   gpu::Buffer rowIntegrals;  ///< double x 3: integral along the row from texel centre 0
  ///< (shaders/voxelize/texture_integral.glsl)
-  double brightest = 1.0;  ///< largest component of any texel; 1 for an all-black texture
+  double radianceScale = 1.0;  ///< largest component of any texel; 1 for an all-black texture
   glm::dvec3 mean{0.0};
 };
 
 /// Fills `out` from `texture`, a bounded number of rows at a time.
-Pieces uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out);
+GpuTask uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out);
 
 }  // namespace lpv

@@ -44,7 +44,7 @@ bool VplTree::adopt(const CellBox& other) {
   return true;
 }
 
-LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : sets(s) {
+LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : momentsPerCell(s) {
   if (vpls) {
     tree = std::make_unique<VplTree>(box);
     return;
@@ -57,7 +57,7 @@ LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : sets(s) {
 }
 
 bool LightVoxels::takes(const CellBox& box, int wantedSets, bool vpls) {
-  if (wantedSets != sets || vpls != (tree != nullptr)) return false;
+  if (wantedSets != momentsPerCell || vpls != (tree != nullptr)) return false;
   return vpls ? tree->adopt(box) : cellsIn(box) <= capacity;
 }
 

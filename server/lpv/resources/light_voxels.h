@@ -50,7 +50,7 @@ struct VplTree {
   gpu::Buffer nodes;
   gpu::Buffer records;
   gpu::BufferTexture texels;  ///< the same, as transport reads them
-  std::uint32_t recordCount = 0;
+  std::uint32_t entryCount = 0;
   std::uint32_t vplCount = 0;  ///< of the leaves
   std::uint32_t cellCount = 0;  ///< that hold light
   std::uint32_t degenerate = 0;  ///< triangles without area
@@ -65,13 +65,13 @@ struct LightVoxels {
 
   VoxelSource source;
   bool made = false;  ///< `cells` and `moments` are what follows from `source`
-  int sets = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/deposit.glsl)
+  int momentsPerCell = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/deposit.glsl)
   std::size_t capacity = 0;  ///< cells
   gpu::Buffer cells;  ///< header and (cell, lobes) entries (layout::kVoxelCells)
   gpu::Buffer moments;  ///< vec4 per cell and set
   std::unique_ptr<VplTree> tree;  ///< instead of them, with VoxelMethod::vpls
-  double unit = 1.0;  ///< FLUX: area that a moment of 1 stands for, cell^2; COUNT: 1
-  double brightest = 1.0;  ///< radiance factor that a colour of 1 stands for
+  double areaScale = 1.0;  ///< FLUX: area that a moment of 1 stands for, cell^2; COUNT: 1
+  double radianceScale = 1.0;  ///< radiance factor that a colour of 1 stands for
   int group = 0;  ///< of the field that it was put into
   double roundingError = 0.0;  ///< bound for one coefficient, relative to the largest possible
 

@@ -7,7 +7,7 @@ namespace lpv {
 
 namespace {
 
-double brightest(const glm::dvec3& c) { return std::max({c.r, c.g, c.b}); }
+double radianceScale(const glm::dvec3& c) { return std::max({c.r, c.g, c.b}); }
 
 EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, const glm::dvec3& radiance) {
   return {light,
@@ -23,8 +23,9 @@ EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, c
 int channelOf(const Palette& palette, int used, const glm::dvec3& c) {
   for (int k = 0; k < used; ++k) {
     const glm::dvec3& p = palette.radiance[std::size_t(k)];
-    const double tolerance = 1e-12 * brightest(c) * brightest(p);
-    if (glm::all(glm::lessThanEqual(glm::abs(c * brightest(p) - p * brightest(c)), glm::dvec3(tolerance)))) return k;
+    const double tolerance = 1e-12 * radianceScale(c) * radianceScale(p);
+    if (glm::all(glm::lessThanEqual(glm::abs(c * radianceScale(p) - p * radianceScale(c)), glm::dvec3(tolerance))))
+      return k;
   }
   return -1;
 }
@@ -58,7 +59,7 @@ std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<
     if (!light->enabled) continue;
     const auto known = std::find_if(previous.begin(), previous.end(), [&](const auto& p) { return p.source == light; });
     const glm::dvec3 radiance = known != previous.end() ? known->radiance : emittedRadiance(*light);
-    if (brightest(radiance) > 0.0) lights.push_back(emitting(light, gridFromWorld, radiance));
+    if (radianceScale(radiance) > 0.0) lights.push_back(emitting(light, gridFromWorld, radiance));
   }
   return lights;
 }
@@ -74,13 +75,13 @@ Palette choosePalette(const std::vector<EmittingLight>& lights) {
     if (k < 0 && used == 2) return redGreenBlue(lights);
     if (k < 0) palette.radiance[std::size_t(k = used++)] = light.radiance;
     glm::dvec3& unit = palette.radiance[std::size_t(k)];
-    if (brightest(light.radiance) > brightest(unit)) unit = light.radiance;
+    if (radianceScale(light.radiance) > radianceScale(unit)) unit = light.radiance;
     channels.push_back(k);
   }
   palette.channels = std::max(used, 1);
   for (std::size_t i = 0; i < lights.size(); ++i) {
     glm::dvec3 weight(0.0);
-    weight[channels[i]] = brightest(lights[i].radiance) / brightest(palette.radiance[std::size_t(channels[i])]);
+    weight[channels[i]] = radianceScale(lights[i].radiance) / radianceScale(palette.radiance[std::size_t(channels[i])]);
     palette.weights.push_back(weight);
   }
   return palette;

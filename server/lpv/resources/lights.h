@@ -35,7 +35,7 @@ std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<
 /// every colour.
 struct Palette {
   int channels = 1;  ///< 1..3; 3 is always red, green, blue
-  std::array<glm::dvec3, 3> radiance{};  ///< rgb of each channel's unit, that of its brightest light
+  std::array<glm::dvec3, 3> radiance{};  ///< rgb of each channel's unit, that of its radianceScale light
   std::vector<glm::dvec3> weights;  ///< per light: share of each channel's unit, 0..1
 };
 Palette choosePalette(const std::vector<EmittingLight>& lights);

@@ -16,11 +16,11 @@ constexpr std::size_t kUploadPieceBytes = std::size_t(4) << 20;
 
 /// `values` as a new buffer; none for none.
 template <typename T>
-Pieces sendArray(const char* label, const std::vector<T>& values, std::shared_ptr<gpu::Buffer>& out) {
+GpuTask sendArray(const char* label, const std::vector<T>& values, std::shared_ptr<gpu::Buffer>& out) {
   const auto bytes = gpu::bytesOf(std::span<const T>(values));
   if (bytes.empty()) co_return;
   auto made = std::make_shared<gpu::Buffer>(label, bytes.size(), gpu::BufferUse::kDynamic, gpu::Undefined{});
-  for (const Part& part : partsOf(bytes.size())) {
+  for (const Chunk& part : chunksOf(bytes.size())) {
     made->update(part.offset, bytes.subspan(part.offset, part.bytes));
     co_yield piece(Stage::kUpload, double(part.bytes));
   }
@@ -29,15 +29,15 @@ Pieces sendArray(const char* label, const std::vector<T>& values, std::shared_pt
 
 /// `values` in the old buffer where it is nobody else's and of the right size, else in a new one.
 template <typename T>
-Pieces rewrite(const char* label, std::shared_ptr<gpu::Buffer> old, const std::vector<T>& values,
-               std::shared_ptr<gpu::Buffer>& out) {
+GpuTask rewrite(const char* label, std::shared_ptr<gpu::Buffer> old, const std::vector<T>& values,
+                std::shared_ptr<gpu::Buffer>& out) {
   const auto bytes = gpu::bytesOf(std::span<const T>(values));
   if (old == nullptr || old.use_count() > 1 || old->size() != bytes.size()) {
     co_await sendArray(label, values, out);
     co_return;
   }
   glInvalidateBufferData(old->id());
-  for (const Part& part : partsOf(bytes.size())) {
+  for (const Chunk& part : chunksOf(bytes.size())) {
     old->update(part.offset, bytes.subspan(part.offset, part.bytes));
     co_yield piece(Stage::kUpload, double(part.bytes));
   }
@@ -85,7 +85,7 @@ std::vector<MeshUse> meshUses(const Scene& scene) {
 
 }  // namespace
 
-Pieces SceneCache::uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshPtr& out) {
+GpuTask SceneCache::uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshPtr& out) {
   if (const auto found = meshes_.find(mesh.get()); found != meshes_.end()) {
     if ((out = found->second.lock()) != nullptr) co_return;
   }
@@ -116,7 +116,7 @@ Pieces SceneCache::uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshP
   out = std::move(made);
 }
 
-Pieces SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& resources) {
+GpuTask SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& resources) {
   if (const auto found = textures_.find(texture.get()); found != textures_.end()) {
     if (GpuTexturePtr shared = found->second.lock()) {
       resources.textures[texture] = shared;
@@ -140,7 +140,7 @@ Pieces SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& reso
   resources.textures[texture] = made;
 }
 
-Pieces SceneCache::uploadLightTextures(const Scene& scene, SceneResources& resources) {
+GpuTask SceneCache::uploadLightTextures(const Scene& scene, SceneResources& resources) {
   std::map<TexturePtr, GpuLightTexturePtr> used;
   for (const auto& [name, light] : scene.lights) {
     const TexturePtr& texture = light->texture;
@@ -158,7 +158,7 @@ Pieces SceneCache::uploadLightTextures(const Scene& scene, SceneResources& resou
   dropExpired(lightTextures_);
 }
 
-Pieces SceneCache::uploadMeshes(const Scene& scene, SceneResources& resources) {
+GpuTask SceneCache::uploadMeshes(const Scene& scene, SceneResources& resources) {
   const std::vector<MeshUse> uses = meshUses(scene);
   std::map<MeshPtr, GpuMeshPtr> used;
   std::map<std::string, MeshPtr> meshOf;
@@ -180,7 +180,7 @@ Pieces SceneCache::uploadMeshes(const Scene& scene, SceneResources& resources) {
   dropExpired(meshes_);
 }
 
-Pieces SceneCache::upload(const Scene& scene, SceneResources& resources) {
+GpuTask SceneCache::upload(const Scene& scene, SceneResources& resources) {
   co_await uploadMeshes(scene, resources);
   co_await uploadLightTextures(scene, resources);
   std::map<TexturePtr, GpuTexturePtr> textures;

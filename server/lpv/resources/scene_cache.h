@@ -43,13 +43,13 @@ class SceneCache {
   /// Brings everything `scene` needs onto the GPU and lets go of what it does not need any more. A light or surface
   /// whose mesh was replaced by one with the same triangles (a deforming mesh) only sends vertices, into the old
   /// buffers where nobody else uses them.
-  Pieces upload(const Scene& scene, SceneResources& resources);
+  GpuTask upload(const Scene& scene, SceneResources& resources);
 
  private:
-  Pieces uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshPtr& out);
-  Pieces uploadMeshes(const Scene& scene, SceneResources& resources);
-  Pieces uploadTexture(const TexturePtr& texture, SceneResources& resources);
-  Pieces uploadLightTextures(const Scene& scene, SceneResources& resources);
+  GpuTask uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMeshPtr& out);
+  GpuTask uploadMeshes(const Scene& scene, SceneResources& resources);
+  GpuTask uploadTexture(const TexturePtr& texture, SceneResources& resources);
+  GpuTask uploadLightTextures(const Scene& scene, SceneResources& resources);
 
   std::map<const Mesh*, std::weak_ptr<const GpuMesh>> meshes_;
   std::map<const Texture*, std::weak_ptr<const gpu::Texture>> textures_;

@@ -27,18 +27,18 @@ void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
 }
 
 int texelsPerRecord(const LightVoxels& voxels) {
-  return voxels.sets > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+  return voxels.momentsPerCell > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
 }
 
 /// Texels of a tree's records.
 std::size_t recordTexels(const LightVoxels& voxels) {
-  return voxels.tree->recordCount * std::size_t(texelsPerRecord(voxels));
+  return voxels.tree->entryCount * std::size_t(texelsPerRecord(voxels));
 }
 
 }  // namespace
 
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k) {
-  const bool accurate = transport == Transport::kDirect && k >= kAccurateRule;
+  const bool accurate = transport == Transport::kDirect && k >= kAccurateOpeningRatio;
   const std::size_t most = accurate ? kMostPolygons : kFewPolygons;
   std::vector<EmittingLight*> candidates;
   for (EmittingLight& light : lights) {
@@ -54,7 +54,8 @@ void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, dou
   }
 }
 
-void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels, double k) {
+void EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+                             double k) {
   std::vector<glm::vec4> head(1 + 2 * lights.size());
   head[0] = {float(lights.size()), float(std::min(k, 1e15)), 0.0F, 0.0F};
   for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -67,8 +68,8 @@ void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vec
   count = head.size();
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (lights[i].polygons) continue;
-    head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->brightest, 1.0);
-    head[2 + 2 * i] = {float(count), float(voxels[i]->tree->recordCount), lights[i].twoSided ? 2.0F : 1.0F,
+    head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->radianceScale, 1.0);
+    head[2 + 2 * i] = {float(count), float(voxels[i]->tree->entryCount), lights[i].twoSided ? 2.0F : 1.0F,
                        float(texelsPerRecord(*voxels[i]))};
     count += recordTexels(*voxels[i]);
   }
@@ -80,7 +81,7 @@ void DirectBuffer::make(const std::vector<EmittingLight>& lights, const std::vec
   }
   texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(head)));
   for (std::size_t i = 0, at = head.size(); i < lights.size(); ++i) {
-    if (lights[i].polygons || voxels[i]->tree->recordCount == 0) continue;
+    if (lights[i].polygons || voxels[i]->tree->entryCount == 0) continue;
     const std::size_t records = recordTexels(*voxels[i]);
     glCopyNamedBufferSubData(voxels[i]->tree->records.id(), texels.id(), 0, GLintptr(at * sizeof(glm::vec4)),
                              GLsizeiptr(records * sizeof(glm::vec4)));

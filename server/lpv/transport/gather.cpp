@@ -21,20 +21,20 @@ std::uint32_t packed(const glm::ivec3& block) {
 
 /// What a block costs with a tree of so many records, in records visited: a walk sees most of a small tree, and of a
 /// large one what is near and a few nodes of each size.
-double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.recordCount)); }
+double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.entryCount)); }
 
 layout::GatherParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
                               const glm::dvec3& weight, double k) {
   layout::GatherParams params{};
   params.dims = glm::ivec4(field.grid.dims, 0);
-  params.weight = glm::vec4(weight * voxels.brightest, 0.0);
+  params.weight = glm::vec4(weight * voxels.radianceScale, 0.0);
   params.rule.x = std::min(float(k), kFarthest);
-  params.tree = glm::ivec4(voxels.tree->recordCount, 0, light.group * field.channels, 0);
+  params.tree = glm::ivec4(voxels.tree->entryCount, 0, light.group * field.channels, 0);
   return params;
 }
 
 /// Walks that one dispatch may have to leave unfinished.
-int dispatchesFor(const VplTree& tree) { return int(tree.recordCount) / layout::kMaxRounds + 1; }
+int dispatchesFor(const VplTree& tree) { return int(tree.entryCount) / layout::kMaxRounds + 1; }
 
 }  // namespace
 
@@ -56,23 +56,23 @@ void Gatherer::bind(const LightField& field, const LightVoxels& voxels) {
   voxels.tree->texels.bind(layout::kTree);
   field.receivers.bindStorage(layout::kReceiverBlocks);
   field.cursors.bindStorage(layout::kCursors);
-  field.nearestVpl.bindStorage(layout::kNearestVpl);
+  field.emitterDistance.bindStorage(layout::kEmitterDistanceBuffer);
   field.transported().buffer.bindStorage(layout::kFieldOut);
 }
 
-Pieces Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
-                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k,
-                     const ReceiverBlocks& blocks, Pacing pacing) {
+GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
+                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k,
+                      const ReceiverBlocks& blocks, Pacing pacing) {
   const auto blockCount = std::uint32_t(blocks.size());
   field.receivers = gpu::Buffer("receiver blocks", gpu::bytesOf(std::span(blocks)));
   field.cursors = gpu::Buffer("cursors", blocks.size() * sizeof(glm::uvec2));
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const LightVoxels& light = *voxels[i];
-    if (light.tree->recordCount == 0) continue;
+    if (light.tree->entryCount == 0) continue;
     layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
     gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
-                                           {"LPV_TEXTURED", light.sets > 1 ? "1" : "0"},
+                                           {"LPV_TEXTURED", light.momentsPerCell > 1 ? "1" : "0"},
                                            {"LPV_TWO_SIDED", lights[i].twoSided ? "1" : "0"}});
     const double units = unitsPerBlock(*light.tree);
     for (std::uint32_t first = 0; first < blockCount;) {

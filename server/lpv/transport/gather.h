@@ -19,7 +19,7 @@ using ReceiverBlocks = std::vector<std::uint32_t>;
 /// All blocks of a grid.
 ReceiverBlocks allBlocks(const glm::ivec3& dims);
 /// Those with a cell that a surface of the scene reads when it is lit: within one cell of one of its triangles.
-Pieces blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);
+GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);
 
 class Gatherer {
  public:
@@ -27,8 +27,8 @@ class Gatherer {
 
   /// Adds what the lights send to these blocks, which hold zeros, as SH of incident radiance to field.transported().
   /// `k`: the distance rule; infinite takes every VPL by itself.
-  Pieces run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
-             const Palette& palette, double k, const ReceiverBlocks& blocks, Pacing pacing);
+  GpuTask run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+              const Palette& palette, double k, const ReceiverBlocks& blocks, Pacing pacing);
 
  private:
   void bind(const LightField& field, const LightVoxels& voxels);

@@ -28,7 +28,7 @@ layout::InjectParams paramsOf(const LightField& field, const EmittingLight& ligh
   layout::InjectParams params{};
   params.dims = glm::ivec4(field.grid.dims, light.group);
   const double face = field.grid.cell * field.grid.cell;  // m^2
-  params.weight = glm::vec4(weight * (face * voxels.unit * voxels.brightest), 0.0);
+  params.weight = glm::vec4(weight * (face * voxels.areaScale * voxels.radianceScale), 0.0);
   params.lobe = light.twoSided ? glm::vec4(2.0F, 0.0F, 0.0F, 0.0F) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
   return params;
 }
@@ -46,13 +46,13 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Pass
   voxels.moments.bindStorage(layout::kVoxelMoments);
   voxels.cells.bindAsDispatchArguments();
   gpu::Defines variant = {{"LPV_CHANNELS", std::to_string(field.channels)},
-                          {"LPV_TEXTURED", voxels.sets > 1 ? "1" : "0"}};
+                          {"LPV_TEXTURED", voxels.momentsPerCell > 1 ? "1" : "0"}};
   for (const char* pass : passes) variant.emplace_back(pass, "1");
   programs_.get(variant).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
-Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing) {
+GpuTask Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing) {
   double queued = 0.0;
   for (const LightVoxelsPtr& light : voxels) {
     if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
@@ -66,8 +66,8 @@ Pieces Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& vo
   co_yield piece(Stage::kInject, queued);
 }
 
-Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
-                     const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
+GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
+                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
   field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
   const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
   double queued = 0.0;
@@ -94,16 +94,16 @@ Pieces Injector::add(LightField& field, const std::vector<EmittingLight>& lights
   co_yield piece(Stage::kInject, queued);
 }
 
-Pieces Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
-                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
+GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
+                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
   field.makeInjected();
-  co_await fillInPieces(field.injected.buffer);
+  co_await fillChunked(field.injected.buffer);
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const VplTree& tree = *voxels[i]->tree;
-    if (tree.recordCount == 0) continue;
+    if (tree.entryCount == 0) continue;
     layout::InjectParams params = paramsOf(field, lights[i], *voxels[i], palette.weights[i]);
-    params.weight /= float(voxels[i]->unit);  // VPLs have areas, not shares of one
+    params.weight /= float(voxels[i]->areaScale);  // VPLs have areas, not shares of one
     const glm::ivec3 size = tree.box.upper - tree.box.lower;
     params.boxLower = glm::ivec4(tree.box.lower, 0);
     params.boxSize = glm::ivec4(size, 0);
@@ -113,7 +113,8 @@ Pieces Injector::show(LightField& field, const std::vector<EmittingLight>& light
     tree.records.bindStorage(layout::kTreeRecords);
     field.injected.buffer.bindStorage(layout::kFieldOut);
     vplPrograms_
-        .get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_TEXTURED", voxels[i]->sets > 1 ? "1" : "0"}})
+        .get({{"LPV_CHANNELS", std::to_string(field.channels)},
+              {"LPV_TEXTURED", voxels[i]->momentsPerCell > 1 ? "1" : "0"}})
         .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
     gpu::memoryBarrier();
     queued += cellsOf(*voxels[i]);

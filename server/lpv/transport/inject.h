@@ -16,13 +16,13 @@ class Injector {
   Injector();
 
   /// Takes everything that `voxels` put into the field out of it: before any of them is made anew.
-  Pieces retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing);
+  GpuTask retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing);
   /// Puts the lights in, in order. `voxels` and `palette.weights` are per light.
-  Pieces add(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
-             const Palette& palette, Pacing pacing);
-  /// The same for lights that are trees of VPLs, into a field that held something else.
-  Pieces show(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+  GpuTask add(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
               const Palette& palette, Pacing pacing);
+  /// The same for lights that are trees of VPLs, into a field that held something else.
+  GpuTask show(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+               const Palette& palette, Pacing pacing);
 
  private:
   using Passes = std::vector<const char*>;  ///< of shaders/transport/inject.comp

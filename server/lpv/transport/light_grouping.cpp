@@ -18,7 +18,7 @@ namespace {
 constexpr int kPoints = 64;
 constexpr int kNormals = 6;
 
-/// What a light is from afar: cell units, unit of radiance its brightest channel.
+/// What a light is from afar: cell units, unit of radiance its radianceScale channel.
 struct Outline {
   glm::dvec3 centre{0.0};
   double radius = 0.0;
@@ -115,7 +115,7 @@ double errorOf(const Apart& apart, const std::vector<int>& groups, int count) {
   return whole > 0.0 ? norm(e) / whole : 0.0;
 }
 
-/// The brightest first, each into the group where it does the least harm.
+/// The radianceScale first, each into the group where it does the least harm.
 std::vector<int> dealt(const Apart& apart, const std::vector<std::size_t>& order, int count) {
   std::vector<int> groups(apart.fields.size(), 0);
   std::vector<Field> sums(std::size_t(count), Field{});
@@ -192,7 +192,7 @@ double groupingError(const std::vector<EmittingLight>& lights, const Grid& grid,
   return errorOf(Apart(lights, grid), groups, countOf(groups));
 }
 
-bool groupsItself(const SessionOptions& o) {
+bool groupsItself(const LightingSettings& o) {
   const bool asked = o.quality == Quality::kAccurate || o.maxError > 0.0;
   return o.transport == Transport::kGather && asked && o.lookup == Lookup::kCap;
 }

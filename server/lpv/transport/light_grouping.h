@@ -11,7 +11,7 @@ namespace lpv {
 
 /// Whether groups are chosen where the scene names none: quality ACCURATE or an error goal, transport GATHER, lookup
 /// CAP.
-bool groupsItself(const SessionOptions& options);
+bool groupsItself(const LightingSettings& options);
 
 /// Puts each light into a group by what the scene says: by hand, where any light names a group; by itself, where
 /// groupsItself; else into one. Sets `group` of each light and returns the groups' names in order: one at least.

@@ -17,17 +17,17 @@ double cellsOf(const CellBox& box) {
   return double(size.x) * double(size.y) * double(size.z);
 }
 
-Pieces copy(const gpu::Buffer& from, const gpu::Buffer& to) {
-  for (const Part& part : partsOf(from.size())) {
+GpuTask copy(const gpu::Buffer& from, const gpu::Buffer& to) {
+  for (const Chunk& part : chunksOf(from.size())) {
     glCopyNamedBufferSubData(from.id(), to.id(), GLintptr(part.offset), GLintptr(part.offset), GLsizeiptr(part.bytes));
     co_yield rest();
   }
 }
 
 /// Both forms read cells that were never written this tick as zero.
-Pieces prepare(LightField& field, bool clampFaces) {
+GpuTask prepare(LightField& field, bool clampFaces) {
   field.clamped = clampFaces;
-  for (FieldBuffer& step : field.steps) co_await fillInPieces(step.buffer);
+  for (FieldBuffer& step : field.pingPong) co_await fillChunked(step.buffer);
   if (!clampFaces) co_return;
   if (!field.sum) field.sum.emplace("field, sum", field.grid.dims, field.allChannels());
   co_await copy(field.injected.buffer, field.sum->buffer);
@@ -44,7 +44,7 @@ int layersFor(double cellsPerLayer, double room) {
 Propagator::Propagator() : params_("propagate params", sizeof(layout::PropagateParams), gpu::BufferUse::kDynamic) {}
 
 void Propagator::step(LightField& field, const CellBox& box, int iteration, bool clampFaces) {
-  const FieldBuffer& from = iteration == 1 ? field.injected : field.steps[std::size_t(1 - field.result)];
+  const FieldBuffer& from = iteration == 1 ? field.injected : field.pingPong[std::size_t(1 - field.result)];
   const glm::ivec3 size = box.upper - box.lower;
   const int groupsY = groupsOf(size.y, layout::kFieldGroupY);
   params_.update(0, gpu::bytesOfValue(layout::PropagateParams{glm::ivec4(field.grid.dims, 0), glm::ivec4(box.lower, 0),
@@ -52,7 +52,7 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
   params_.bindUniform(layout::kParams);
   from.texels.bind(layout::kFieldIn);
   field.injected.texels.bind(layout::kFieldSource);
-  field.steps[std::size_t(field.result)].buffer.bindStorage(layout::kFieldOut);
+  field.pingPong[std::size_t(field.result)].buffer.bindStorage(layout::kFieldOut);
   if (clampFaces) field.sum->buffer.bindStorage(layout::kFieldSum);
   programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_CLAMP_FACES", clampFaces ? "1" : "0"}})
       .dispatch(std::uint32_t(groupsOf(size.x, layout::kFieldGroupX)), std::uint32_t(groupsY * field.allChannels()),
@@ -60,7 +60,7 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
   gpu::memoryBarrier();
 }
 
-Pieces Propagator::run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing) {
+GpuTask Propagator::run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing) {
   co_await prepare(field, clampFaces);
   double queued = 0.0;  // cells x channels since the last pause
   for (int i = 1; i <= iterations && !box.empty(); ++i) {

@@ -13,7 +13,7 @@ class Propagator {
 
   /// The injected field and `iterations` steps of it, summed. `box` holds every cell that emits: step i is computed
   /// only as far as light has come, which loses nothing.
-  Pieces run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing);
+  GpuTask run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing);
 
  private:
   void step(LightField& field, const CellBox& box, int iteration, bool clampFaces);

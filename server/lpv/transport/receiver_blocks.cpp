@@ -70,7 +70,7 @@ class BlockMarks {
 
 }  // namespace
 
-Pieces blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
+GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
   BlockMarks marks(scene.grid.dims);
   const glm::dmat4 gridFromWorld = scene.grid.gridFromWorldMatrix();
   for (const auto& [name, surface] : scene.surfaces) {

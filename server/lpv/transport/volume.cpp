@@ -27,7 +27,7 @@ void bindOutputs(VolumeTarget target, const IncidentTextures* textures, const gp
   const int count = textures->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i)
     textures->colours[std::size_t(i)].bindImage(std::uint32_t(layout::kIncidentOut + i), GL_WRITE_ONLY);
-  if (textures->proximity) textures->proximity.bindImage(layout::kProximityOut, GL_WRITE_ONLY);
+  if (textures->emitterDistance) textures->emitterDistance.bindImage(layout::kEmitterDistanceOut, GL_WRITE_ONLY);
 }
 
 std::uint32_t groups(int cells, int perGroup) { return std::uint32_t((cells + perGroup - 1) / perGroup); }
@@ -39,17 +39,17 @@ IncidentTextures::IncidentTextures(const glm::ivec3& d, int c, int g, bool near)
   const std::size_t count = channels == 1 ? 1 : 3;
   for (std::size_t i = 0; i < count; ++i)
     colours[i] = gpu::Texture::make3d("incident radiance", size, GL_RGBA32F, gpu::Sampling::kLinearClamp);
-  if (near) proximity = gpu::Texture::make3d("proximity", dims, GL_R32F, gpu::Sampling::kLinearClamp);
+  if (near) emitterDistance = gpu::Texture::make3d("emitterDistance", dims, GL_R32F, gpu::Sampling::kLinearClamp);
 }
 
 VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
 
-Pieces VolumeMaker::run(const LightField& field, const Palette& palette, VolumeTarget target,
-                        const IncidentTextures* textures, const gpu::Buffer* product, Pacing pacing) {
+GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, VolumeTarget target,
+                         const IncidentTextures* textures, const gpu::Buffer* product, Pacing pacing) {
   const glm::ivec3 dims = field.grid.dims;
   layout::VolumeParams params = paramsOf(field, palette);
   const bool injected = target == VolumeTarget::kInjected, toTextures = target == VolumeTarget::kTextures;
-  const bool near = toTextures && bool(textures->proximity);
+  const bool near = toTextures && bool(textures->emitterDistance);
   gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
                                          {"LPV_TEXTURES", toTextures ? "1" : "0"},
                                          {"LPV_BUFFER", toTextures ? "0" : "1"},
@@ -66,7 +66,7 @@ Pieces VolumeMaker::run(const LightField& field, const Palette& palette, VolumeT
     (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);
     field.counters.bindStorage(layout::kCounters);
     bindOutputs(target, textures, product);
-    if (near) field.nearestVpl.bindStorage(layout::kNearestVpl);
+    if (near) field.emitterDistance.bindStorage(layout::kEmitterDistanceBuffer);
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();
     slab += slabs;

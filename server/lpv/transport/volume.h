@@ -26,7 +26,7 @@ struct IncidentTextures {
   int groups;  ///< one behind the other along z, dims.z texels each
   /// RGBA32F (L00, L1-1, L10, L11). One channel: colours[0] of unit palette radiance. Else one per colour.
   std::array<gpu::Texture, 3> colours;
-  gpu::Texture proximity;  ///< R32F: cells from a cell's centre to the nearest VPL; GATHER only
+  gpu::Texture emitterDistance;  ///< R32F: cells from a cell's centre to the nearest VPL; GATHER only
 };
 
 class VolumeMaker {
@@ -34,8 +34,8 @@ class VolumeMaker {
   VolumeMaker();
 
   /// Slab by slab. `textures` is written for kTextures, `product` (12 floats per cell) otherwise.
-  Pieces run(const LightField& field, const Palette& palette, VolumeTarget target, const IncidentTextures* textures,
-             const gpu::Buffer* product, Pacing pacing);
+  GpuTask run(const LightField& field, const Palette& palette, VolumeTarget target, const IncidentTextures* textures,
+              const gpu::Buffer* product, Pacing pacing);
 
  private:
   gpu::ProgramVariants programs_{{"transport/volume.comp"}};

@@ -67,12 +67,12 @@ std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
   return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
 }
 
-Pieces makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
+GpuTask makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
   const std::size_t bytes = entries * vplWords(source) * sizeof(std::uint32_t);
   if (field.accumulators.size() < bytes) {
     field.accumulators = {};  // first the old memory, then the new
     gpu::Buffer table("VPL table", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-    co_await fillInPieces(table);
+    co_await fillChunked(table);
     field.accumulators = std::move(table);
   }
   const std::size_t listBytes = layout::kVoxelHeaderWords * sizeof(std::uint32_t) + entries * sizeof(glm::uvec2);
@@ -97,7 +97,7 @@ constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
 /// What a column of cells costs that a triangle meets, in triangles.
 constexpr double kColumnCost = 0.5;
 
-Pieces survey(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, Survey& out) {
+GpuTask estimateCosts(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, TriangleCosts& out) {
   const glm::dmat3 map(areaFromObject);
   const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
   out.costs.assign((mesh.triangles.size() + kTrianglesPerCost - 1) / kTrianglesPerCost, 1.0);
@@ -110,23 +110,23 @@ Pieces survey(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ive
 }
 
 /// How many triangles from `first` on make up `room` units, and what they are; at least one.
-struct Share {
+struct Batch {
   std::uint32_t count = 0;
   double units = 0.0;
 };
-Share shareOf(const Survey& of, std::uint32_t first, std::uint32_t end, double room) {
-  Share share;
-  while (first + share.count < end) {
-    const std::uint32_t at = first + share.count;
+Batch nextBatch(const TriangleCosts& of, std::uint32_t first, std::uint32_t end, double room) {
+  Batch batch;
+  while (first + batch.count < end) {
+    const std::uint32_t at = first + batch.count;
     const double cost = of.costs[at / kTrianglesPerCost];
     const auto left = std::uint32_t(kTrianglesPerCost - at % kTrianglesPerCost);
-    const auto fit = std::uint32_t(std::min(std::max(0.0, (room - share.units) / cost), 1e9));
-    const std::uint32_t taken = std::min({left, end - at, std::max(fit, share.count == 0 ? 1U : 0U)});
-    share.count += taken;
-    share.units += taken * cost;
+    const auto fit = std::uint32_t(std::min(std::max(0.0, (room - batch.units) / cost), 1e9));
+    const std::uint32_t taken = std::min({left, end - at, std::max(fit, batch.count == 0 ? 1U : 0U)});
+    batch.count += taken;
+    batch.units += taken * cost;
     if (taken < left) break;
   }
-  return share;
+  return batch;
 }
 
 /// For collect.comp; nothing comes to a cell from a triangle without area.
@@ -145,20 +145,20 @@ void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxe
   const double triangles = double(source.mesh->triangles.size());
   if (source.method.injection == Injection::kFlux) {
     // A little more than the sum, for its rounding. A light without area has nothing to scale.
-    voxels.unit = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
-    params.areaFromObject /= voxels.unit;
+    voxels.areaScale = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
+    params.areaFromObject /= voxels.areaScale;
     params.scale.x = std::ldexp(1.0, layout::kFluxBits);
     voxels.roundingError = 0.5 * triangles / params.scale.x;
     return;
   }
   const Expected<FixedPoint> fixedPoint = fixedPointFor(std::uint64_t(triangles) * lobesPerTriangle(source));
   if (!fixedPoint.ok()) throw gpu::Failure(fixedPoint.status());
-  voxels.unit = 1.0;
+  voxels.areaScale = 1.0;
   params.scale.x = std::ldexp(1.0, fixedPoint->shift);
   voxels.roundingError = fixedPoint->error;
 }
 
-/// But for its scales, which the survey of the light tells.
+/// But for its scales, which the estimateCosts of the light tells.
 VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
   const VoxelSource& source = voxels.source;
   VoxelizeJob job;
@@ -170,11 +170,11 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
   const auto samples = std::uint32_t(source.method.denseSamples);
   job.params.triangles.z = samples;
   job.params.triangles.w = (samples + std::uint32_t(layout::kSamplesPerThread) - 1) / layout::kSamplesPerThread;
-  voxels.brightest = texture != nullptr ? texture->brightest : 1.0;
-  job.params.scale.y = 1.0 / voxels.brightest;
+  voxels.radianceScale = texture != nullptr ? texture->radianceScale : 1.0;
+  job.params.scale.y = 1.0 / voxels.radianceScale;
   if (texture != nullptr) {
     job.params.texture = glm::ivec4(texture->size, texture->levels, 0);
-    job.params.textureMean = glm::vec4(texture->mean / texture->brightest, 0.0);
+    job.params.textureMean = glm::vec4(texture->mean / texture->radianceScale, 0.0);
   }
   if (keepsSets(source)) listNormals(job.params, *source.mesh);
   return job;
@@ -184,7 +184,7 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
 
 Voxelizer::Voxelizer() : params_("voxelize params", sizeof(layout::VoxelizeParams), gpu::BufferUse::kDynamic) {}
 
-TriangleInjector& Voxelizer::injectorFor(InjectionMethod method) {
+TriangleVoxelizer& Voxelizer::voxelizerFor(InjectionMethod method) {
   switch (method) {
     case InjectionMethod::kRaster:
       return raster_;
@@ -223,29 +223,29 @@ void Voxelizer::collect(const VoxelizeJob& job, const LightVoxels& voxels) {
   gpu::memoryBarrier();
 }
 
-Pieces Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
-                          const LightVoxels& voxels, const Survey& of, VoxelizeJob& job, Pacing pacing) {
-  TriangleInjector& injector = injectorFor(voxels.source.method.method);
+GpuTask Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
+                           const LightVoxels& voxels, const TriangleCosts& of, VoxelizeJob& job, Pacing pacing) {
+  TriangleVoxelizer& injector = voxelizerFor(voxels.source.method.method);
   for (std::uint32_t first = 0; first < mesh.triangleCount;) {
     const std::uint32_t end = first + std::min(injector.limit(job), mesh.triangleCount - first);
-    const Share share = shareOf(of, first, end, pacing.unitsFor(Stage::kVoxelize));
+    const Batch batch = nextBatch(of, first, end, pacing.unitsFor(Stage::kVoxelize));
     job.params.triangles.x = first;
-    job.params.triangles.y = share.count;
+    job.params.triangles.y = batch.count;
     params_.update(0, gpu::bytesOfValue(job.params));
     bind(field, mesh, texture, voxels);
     injector.dispatch(job);
-    first += share.count;
-    co_yield piece(Stage::kVoxelize, share.units);
+    first += batch.count;
+    co_yield piece(Stage::kVoxelize, batch.units);
   }
 }
 
 /// Again with a larger table while VPLs found no room in it.
-Pieces Voxelizer::plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                            const Survey& of, VoxelizeJob& job, Pacing pacing) {
+GpuTask Voxelizer::buildVplTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
+                                LightVoxels& voxels, const TriangleCosts& of, VoxelizeJob& job, Pacing pacing) {
   VplTree& tree = *voxels.tree;
   const gpu::Defines variant = treeVariantOf(voxels.source);
   job.params.boxLower = glm::ivec4(tree.box.lower, 0);
-  for (std::uint32_t entries = entriesFor(voxels, voxels.unit);; entries *= 2) {
+  for (std::uint32_t entries = entriesFor(voxels, voxels.areaScale);; entries *= 2) {
     job.params.boxSize = glm::ivec4(tree.box.upper - tree.box.lower, entries);
     co_await makeTable(field, voxels.source, entries);
     field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
@@ -259,30 +259,30 @@ Pieces Voxelizer::plantTree(LightField& field, const GpuMesh& mesh, const GpuLig
     co_yield until(counted);
     const VplCounts counts = TreeBuilder::read(field.vplHeader);
     if (counts.lost == 0) {
-      const TreeScales scales{voxels.unit, job.params.scale.x};
+      const TreeScales scales{voxels.areaScale, job.params.scale.x};
       co_await trees_.build(tree, counts, variant, scales, bindLight);
       co_yield piece(Stage::kVoxelize, 0.0);
       co_return;
     }
-    co_await fillInPieces(field.accumulators);
+    co_await fillChunked(field.accumulators);
   }
 }
 
-Pieces Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                      Pacing pacing) {
+GpuTask Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                       Pacing pacing) {
   VoxelizeJob job = jobOf(voxels, texture);
-  Survey of;
-  co_await survey(*voxels.source.mesh, job.params.areaFromObject, voxels.source.dims, of);
+  TriangleCosts of;
+  co_await estimateCosts(*voxels.source.mesh, job.params.areaFromObject, voxels.source.dims, of);
   chooseScales(job.params, of.area, voxels);
   if (voxels.tree != nullptr) {
-    co_await plantTree(field, mesh, texture, voxels, of, job, pacing);
+    co_await buildVplTree(field, mesh, texture, voxels, of, job, pacing);
     co_return;
   }
   const std::size_t bytes = field.grid.cells() * accumulatorWords(voxels.source) * sizeof(std::uint32_t);
   if (field.accumulators.size() < bytes) {
     field.accumulators = {};  // first the old memory, then the new
     gpu::Buffer words("accumulators", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-    co_await fillInPieces(words);
+    co_await fillChunked(words);
     field.accumulators = std::move(words);
   }
   voxels.cells.update(0, gpu::bytesOfValue(kEmptyList));

@@ -28,9 +28,9 @@ struct VoxelizeJob {
 };
 
 /// Adds triangles to the accumulators.
-class TriangleInjector {
+class TriangleVoxelizer {
  public:
-  virtual ~TriangleInjector() = default;
+  virtual ~TriangleVoxelizer() = default;
   /// The most triangles one call can take.
   virtual std::uint32_t limit(const VoxelizeJob& job) const = 0;
   /// Triangles params.triangles.x .. + params.triangles.y.
@@ -38,9 +38,9 @@ class TriangleInjector {
 };
 
 /// A thread per small triangle, work items of columns for large ones.
-class ComputeInjector final : public TriangleInjector {
+class ComputeVoxelizer final : public TriangleVoxelizer {
  public:
-  ComputeInjector();
+  ComputeVoxelizer();
   std::uint32_t limit(const VoxelizeJob& job) const override;
   void dispatch(const VoxelizeJob& job) override;
 
@@ -50,12 +50,12 @@ class ComputeInjector final : public TriangleInjector {
 };
 
 /// The paper's pipeline: the rasterizer walks the columns of every triangle along its dominant axis.
-class RasterInjector final : public TriangleInjector {
+class RasterVoxelizer final : public TriangleVoxelizer {
  public:
-  RasterInjector();
-  RasterInjector(const RasterInjector&) = delete;
-  RasterInjector& operator=(const RasterInjector&) = delete;
-  ~RasterInjector() override;
+  RasterVoxelizer();
+  RasterVoxelizer(const RasterVoxelizer&) = delete;
+  RasterVoxelizer& operator=(const RasterVoxelizer&) = delete;
+  ~RasterVoxelizer() override;
   std::uint32_t limit(const VoxelizeJob& job) const override;
   void dispatch(const VoxelizeJob& job) override;
 
@@ -66,7 +66,7 @@ class RasterInjector final : public TriangleInjector {
 };
 
 /// Random points on every triangle (paper 4.1), for comparison.
-class DenseInjector final : public TriangleInjector {
+class DenseVoxelizer final : public TriangleVoxelizer {
  public:
   std::uint32_t limit(const VoxelizeJob& job) const override;
   void dispatch(const VoxelizeJob& job) override;
@@ -76,7 +76,7 @@ class DenseInjector final : public TriangleInjector {
 };
 
 /// What is known of a light's triangles before they are voxelized.
-struct Survey {
+struct TriangleCosts {
   double area = 0.0;          ///< of all, in the grid's unit, cell^2: what the largest moment can be
   std::vector<double> costs;  ///< of the triangles, in units of Stage::kVoxelize: means of a few at a time
 };
@@ -87,22 +87,22 @@ class Voxelizer {
 
   /// Fills `voxels`, whose source says from what, a bounded number of triangles at a time. `texture` is null for a
   /// light without. Throws gpu::Failure (RESOURCE_EXHAUSTED) for a mesh that the accumulators cannot hold.
-  Pieces run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-             Pacing pacing);
+  GpuTask run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+              Pacing pacing);
 
  private:
-  TriangleInjector& injectorFor(InjectionMethod method);
-  Pieces deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
-                 const Survey& of, VoxelizeJob& job, Pacing pacing);
-  Pieces plantTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                   const Survey& of, VoxelizeJob& job, Pacing pacing);
+  TriangleVoxelizer& voxelizerFor(InjectionMethod method);
+  GpuTask deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
+                  const TriangleCosts& of, VoxelizeJob& job, Pacing pacing);
+  GpuTask buildVplTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
+                       const TriangleCosts& of, VoxelizeJob& job, Pacing pacing);
   void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
   void collect(const VoxelizeJob& job, const LightVoxels& voxels);
 
   gpu::Buffer params_;
-  ComputeInjector compute_;
-  RasterInjector raster_;
-  DenseInjector dense_;
+  ComputeVoxelizer compute_;
+  RasterVoxelizer raster_;
+  DenseVoxelizer dense_;
   gpu::ProgramVariants collect_{{"voxelize/collect.comp"}};
   TreeBuilder trees_;
 };

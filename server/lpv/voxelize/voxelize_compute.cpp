@@ -17,18 +17,18 @@ gpu::Defines compiledFor(gpu::Defines variant, const char* name) {
 
 }  // namespace
 
-ComputeInjector::ComputeInjector()
+ComputeVoxelizer::ComputeVoxelizer()
     : large_("large triangles",
              std::size_t(layout::kListHeaderWords + layout::kMaxPieceTriangles * layout::kMaxSlices) *
                  sizeof(std::uint32_t),
              gpu::BufferUse::kDynamic) {}
 
-std::uint32_t ComputeInjector::limit(const VoxelizeJob& job) const {
+std::uint32_t ComputeVoxelizer::limit(const VoxelizeJob& job) const {
   if (!job.varying) return layout::kMaxPieceTriangles;
   return layout::kMaxPieceTriangles * layout::kMaxSlices / layout::kMaxVaryingSlices;
 }
 
-void ComputeInjector::dispatch(const VoxelizeJob& job) {
+void ComputeVoxelizer::dispatch(const VoxelizeJob& job) {
   large_.update(0, gpu::bytesOfValue(kNoWork));
   large_.bindStorage(layout::kLargeTriangles);
   large_.bindAsDispatchArguments();

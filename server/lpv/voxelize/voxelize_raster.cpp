@@ -12,13 +12,13 @@ constexpr std::uint32_t kMostTriangles = 1u << 20;
 
 }  // namespace
 
-RasterInjector::RasterInjector() { glCreateVertexArrays(1, &noVertices_); }
+RasterVoxelizer::RasterVoxelizer() { glCreateVertexArrays(1, &noVertices_); }
 
-RasterInjector::~RasterInjector() { glDeleteVertexArrays(1, &noVertices_); }
+RasterVoxelizer::~RasterVoxelizer() { glDeleteVertexArrays(1, &noVertices_); }
 
-std::uint32_t RasterInjector::limit(const VoxelizeJob&) const { return kMostTriangles; }
+std::uint32_t RasterVoxelizer::limit(const VoxelizeJob&) const { return kMostTriangles; }
 
-void RasterInjector::dispatch(const VoxelizeJob& job) {
+void RasterVoxelizer::dispatch(const VoxelizeJob& job) {
   const glm::ivec4& dims = job.params.dims;
   const int edge = std::max({dims.x, dims.y, dims.z});
   if (target_.size().x < edge) target_ = gpu::Framebuffer::withoutAttachments("columns", glm::ivec2(edge));

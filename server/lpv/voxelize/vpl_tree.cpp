@@ -46,14 +46,14 @@ std::uint32_t nodesOf(const VplTree& tree, int level) {
 
 TreeBuilder::TreeBuilder() : params_("tree params", sizeof(layout::TreeParams), gpu::BufferUse::kDynamic) {}
 
-Pieces TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
-                         const std::function<void()>& bindLight) {
+GpuTask TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+                          const std::function<void()>& bindLight) {
   const gpu::Defines defines = with(variant, pass.name);
   layout::TreeParams shape{};
   shape.lower = glm::ivec4(tree.box.lower, tree.levels);
   shape.upper = glm::ivec4(tree.box.upper, pass.level);
   for (int i = 0; i < tree.levels; ++i) shape.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
-  shape.scale.x = float(scales.unit);
+  shape.scale.x = float(scales.areaScale);
   shape.unit.x = 1.0 / scales.moment;
   for (std::uint32_t first = 0; first < pass.threads; first += kThreadsAtOnce) {
     const std::uint32_t threads = std::min(kThreadsAtOnce, pass.threads - first);
@@ -69,9 +69,9 @@ Pieces TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreeP
   }
 }
 
-Pieces TreeBuilder::prepare(VplTree& tree) { co_await fillInPieces(tree.nodes); }
+GpuTask TreeBuilder::prepare(VplTree& tree) { co_await fillChunked(tree.nodes); }
 
-Pieces TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
+GpuTask TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
   const TreeScales none;
   for (int level = 0; level < tree.levels; ++level)
     co_await pass(tree, variant, {"LPV_UP", level, nodesOf(tree, level)}, none, bindLight);
@@ -83,14 +83,14 @@ VplCounts TreeBuilder::read(const gpu::Readback& header) {
   return {words[3], words[4], words[5], words[6], words[7]};
 }
 
-Pieces TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
-                          const std::function<void()>& bindLight) {
+GpuTask TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant,
+                           const TreeScales& scales, const std::function<void()>& bindLight) {
   if (counts.records > kMostRecords) {
     throw gpu::Failure(exhausted("lights", "a light makes " + std::to_string(counts.records) +
                                                " VPLs and nodes, more than the " + std::to_string(kMostRecords) +
                                                " of its tree; use a coarser grid, or transport PROPAGATE"));
   }
-  tree.recordCount = counts.records;
+  tree.entryCount = counts.records;
   tree.vplCount = counts.vpls;
   tree.cellCount = counts.cells;
   tree.degenerate = counts.degenerate;

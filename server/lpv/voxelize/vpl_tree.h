@@ -23,7 +23,7 @@ struct VplCounts {
 
 /// What the numbers of the table stand for.
 struct TreeScales {
-  double unit = 1.0;    ///< area of a moment of 1, cell^2
+  double areaScale = 1.0;    ///< area of a moment of 1, cell^2
   double moment = 1.0;  ///< fixed-point units of a moment of 1
 };
 
@@ -34,14 +34,14 @@ class TreeBuilder {
   TreeBuilder();
 
   /// Before voxelization: no leaf holds light.
-  Pieces prepare(VplTree& tree);
+  GpuTask prepare(VplTree& tree);
   /// After it: counts what there is, bottom up, into the list's header.
-  Pieces count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight);
+  GpuTask count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight);
   static VplCounts read(const gpu::Readback& header);
   /// Puts the counted VPLs into the tree's records, which are made larger where needed. Throws gpu::Failure
   /// (RESOURCE_EXHAUSTED).
-  Pieces build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
-               const std::function<void()>& bindLight);
+  GpuTask build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
+                const std::function<void()>& bindLight);
 
  private:
   struct TreePass {
@@ -49,8 +49,8 @@ class TreeBuilder {
     int level;
     std::uint32_t threads;
   };
-  Pieces pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
-              const std::function<void()>& bindLight);
+  GpuTask pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+               const std::function<void()>& bindLight);
 
   gpu::Buffer params_;
   gpu::ProgramVariants programs_{{"voxelize/vpl_tree.comp"}};

@@ -43,7 +43,7 @@ struct Result {
 enum class Closing {
   kDeleted,
   kDraining,
-  kRetired,  ///< idle: it is kept on disk, and comes back with the next call
+  kEvicted,  ///< idle: it is kept on disk, and comes back with the next call
 };
 
 /// The camera of a frame subscriber or call: given, or a camera of the session by name, or the default view.
@@ -53,7 +53,7 @@ struct CameraChoice {
 };
 
 /// What a frame subscriber or call wants to see.
-struct FrameWish {
+struct FrameSettings {
   CameraChoice camera;
   std::uint64_t cameraSequence = 0;
   glm::ivec2 size{640, 360};
@@ -63,9 +63,9 @@ struct FrameWish {
 };
 
 /// What a subscriber wants.
-struct Wish {
+struct Subscription {
   std::optional<VolumeStage> volume;  ///< a volume of this stage ...
-  std::optional<FrameWish> frame;  ///< ... or frames
+  std::optional<FrameSettings> frame;  ///< ... or frames
   std::string clientId;  ///< whose edit sequences to echo; may be empty
   double maxRate = 0.0;  ///< results per second; 0 = the session's tick rate
   bool twoCredits = false;
@@ -89,7 +89,7 @@ struct Sent {
 };
 
 /// A volume that was made for a credit that is about to come back.
-struct Ahead {
+struct Prefetch {
   Result result;
   Clock::time_point at{};
 };
@@ -98,7 +98,7 @@ struct Ahead {
 struct Subscriber {
   std::uint64_t key = 0;
   std::string id;
-  Wish wish;
+  Subscription subscription;
   std::weak_ptr<ResultSink> sink;
   /// Newest result that the receiver has begun to take; nobody has seen a later one.
   std::atomic<std::uint64_t> taken{0};
@@ -109,19 +109,19 @@ struct Subscriber {
   std::uint64_t basesAfter = 0;  ///< ... among those after this one; what came before is lost
   std::uint64_t shownRevision = 0;  ///< of the last result sent
   bool shownAny = false;
-  bool wishChanged = false;  ///< camera, size or exposure since the last frame asked for
+  bool settingsChanged = false;  ///< camera, size or exposure since the last frame asked for
   Clock::time_point notBefore{};  ///< rate limit
   RoundTrip roundTrip;
-  std::optional<Ahead> ahead;
-  std::uint64_t aheadOf = 0;  ///< the result whose acknowledgement a volume was last made ahead of
-  std::optional<FrameAdapter> adapter;  ///< where the wish has a rate to adapt to
+  std::optional<Prefetch> prefetch;
+  std::uint64_t prefetchFor = 0;  ///< the result whose acknowledgement a volume was last made ahead of
+  std::optional<FrameAdapter> adapter;  ///< where the subscription has a rate to adapt to
 };
 
 /// A call that waits for one result.
 struct WaitingCall {
   std::uint64_t minRevision = 0;
   std::optional<VolumeStage> volume;
-  std::optional<FrameWish> frame;
+  std::optional<FrameSettings> frame;
   std::function<void(Expected<Result>)> done;  ///< called once, on a worker thread
 };
 

@@ -40,10 +40,10 @@ Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
   return exhausted("max_tick_seconds", text);
 }
 
-Document::Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher)
+Document::Document(const LightingSettings& options, const Limits& limits, MeshHasher hasher)
     : limits_(limits), hasher_(std::move(hasher)), options_(options) {
   grid_ = *gridFor(options, Bounds());  // the caller has checked the options
-  staged_ = snapshot();
+  viewScene_ = snapshot();
 }
 
 MeshPtr Document::meshOf(const std::string& object) const {
@@ -60,56 +60,56 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
                   "expected_revision");
   }
   std::vector<std::string> names;
-  Status status = change([&](Undo& undo) { return applyAll(edit, blobs, undo, &names); });
+  Status status = change([&](Rollback& rollback) { return applyAll(edit, blobs, rollback, &names); });
   if (!status.ok()) return status;
   return names;
 }
 
 Status Document::restore(const std::vector<NamedState>& objects) {
-  return change([&](Undo& undo) {
-    for (const NamedState& each : objects) restoreOne(each, undo);
+  return change([&](Rollback& rollback) {
+    for (const NamedState& each : objects) restoreOne(each, rollback);
     return Status();
   });
 }
 
 /// One revision, or nothing where `make` or the limits say no.
-Status Document::change(const std::function<Status(Undo&)>& make) {
-  Undo undo;
-  undo.tombstones = tombstones_.size();
-  undo.grid = grid_;
-  undo.gridRevision = gridRevision_;
+Status Document::change(const std::function<Status(Rollback&)>& make) {
+  Rollback rollback;
+  rollback.tombstones = tombstones_.size();
+  rollback.grid = grid_;
+  rollback.gridRevision = gridRevision_;
   ++revision_;
-  Status status = make(undo);
-  if (status.ok()) status = checkAll(undo);
+  Status status = make(rollback);
+  if (status.ok()) status = checkAll(rollback);
   if (!status.ok()) {
-    takeBack(undo);
+    rollBack(rollback);
     return status;
   }
-  noteChange(undo);
-  restage(undo);
+  noteChange(rollback);
+  updateViewScene(rollback);
   while (tombstones_.size() > kMaxTombstones) {
     forgottenUpTo_ = tombstones_.front().revision;
     tombstones_.pop_front();
   }
-  replaced_ = std::move(undo);
+  replaced_ = std::move(rollback);
   return {};
 }
 
-Status Document::applyAll(const Edit& edit, const Blobs& blobs, Undo& undo, std::vector<std::string>* names) {
+Status Document::applyAll(const Edit& edit, const Blobs& blobs, Rollback& rollback, std::vector<std::string>* names) {
   for (std::size_t i = 0; i < edit.operations.size(); ++i) {
     Expected<std::string> name =
-        std::visit([&](const auto& op) { return applyOne(op, blobs, undo); }, edit.operations[i]);
+        std::visit([&](const auto& op) { return applyOne(op, blobs, rollback); }, edit.operations[i]);
     if (!name) return name.status().within("operations[" + std::to_string(i) + "]");
     names->push_back(std::move(*name));
   }
   return {};
 }
 
-Status Document::checkAll(const Undo& undo) {
+Status Document::checkAll(const Rollback& rollback) {
   recount();
   if (Status s = checkTotals(); !s.ok()) return s;
-  if (Status s = checkGroups(undo); !s.ok()) return s;
-  if (undo.contentAdded) {
+  if (Status s = checkGroups(rollback); !s.ok()) return s;
+  if (rollback.contentAdded) {
     if (Status s = refit(false); !s.ok()) return s;
   }
   return checkCost(options_, grid_);
@@ -117,11 +117,11 @@ Status Document::checkAll(const Undo& undo) {
 
 void Document::predictWith(std::function<Prediction(const Workload&)> predict) {
   predict_ = std::move(predict);
-  admitted_ = workload(options_, grid_);
+  admittedWorkload_ = workload(options_, grid_);
 }
 
-Workload Document::workload(const SessionOptions& options, const Grid& grid) const {
-  Workload out(carriedOut(options), grid);
+Workload Document::workload(const LightingSettings& options, const Grid& grid) const {
+  Workload out(resolved(options), grid);
   for (const auto& [name, light] : lights_) out.add(*light.object);
   for (const auto& [name, surface] : surfaces_) out.add(*surface.object);
   return out;
@@ -129,23 +129,23 @@ Workload Document::workload(const SessionOptions& options, const Grid& grid) con
 
 /// A change that makes nothing dearer is accepted: what was admitted once, when the device seemed faster, can be
 /// edited.
-Status Document::checkCost(const SessionOptions& options, const Grid& grid) {
+Status Document::checkCost(const LightingSettings& options, const Grid& grid) {
   if (!predict_) return {};
   Workload after = workload(options, grid);
   if (Status s = checkTickSeconds(predict_(after), limits_); !s.ok()) {
-    if (predict_(after).seconds > predict_(admitted_).seconds) return s;
+    if (predict_(after).seconds > predict_(admittedWorkload_).seconds) return s;
   }
-  admitted_ = std::move(after);
+  admittedWorkload_ = std::move(after);
   return {};
 }
 
-void Document::takeBack(Undo& undo) {
-  putBack(lights_, undo.lights);
-  putBack(surfaces_, undo.surfaces);
-  putBack(cameras_, undo.cameras);
-  tombstones_.resize(undo.tombstones, Deleted{});
-  grid_ = undo.grid;
-  gridRevision_ = undo.gridRevision;
+void Document::rollBack(Rollback& rollback) {
+  putBack(lights_, rollback.lights);
+  putBack(surfaces_, rollback.surfaces);
+  putBack(cameras_, rollback.cameras);
+  tombstones_.resize(rollback.tombstones, Deleted{});
+  grid_ = rollback.grid;
+  gridRevision_ = rollback.gridRevision;
   --revision_;
   recount();
 }
@@ -169,12 +169,12 @@ Status Document::checkTotals() const {
 }
 
 /// Names one of the groups that the edit brings where there are too many.
-Status Document::checkGroups(const Undo& undo) const {
+Status Document::checkGroups(const Rollback& rollback) const {
   std::set<std::string> all;
   std::set<std::string> there;  // those of lights that the edit did not touch
   for (const auto& [name, light] : lights_) {
     all.insert(light.object->group);
-    if (!undo.lights.contains(name)) there.insert(light.object->group);
+    if (!rollback.lights.contains(name)) there.insert(light.object->group);
   }
   if (all.size() <= std::size_t(kMaxGroups)) return {};
   std::string brought;
@@ -216,30 +216,30 @@ Status Document::refit(bool always) {
   return {};
 }
 
-void Document::restage(const Undo& undo) {
-  if (undo.contentAdded || undo.contentRemoved || undo.fitted || leftStage(undo)) setStage();
+void Document::updateViewScene(const Rollback& rollback) {
+  if (rollback.contentAdded || rollback.contentRemoved || rollback.fitted || leftViewBounds(rollback)) setStage();
 }
 
 void Document::setStage() {
-  staged_ = snapshot();
-  stage_ = content();
-  if (stage_.empty()) return;
-  const glm::dvec3 extent = stage_.extent();
+  viewScene_ = snapshot();
+  viewBounds_ = content();
+  if (viewBounds_.empty()) return;
+  const glm::dvec3 extent = viewBounds_.extent();
   const glm::dvec3 surroundings(0.5 * std::max({extent.x, extent.y, extent.z}));
-  stage_ = {stage_.min - surroundings, stage_.max + surroundings};
+  viewBounds_ = {viewBounds_.min - surroundings, viewBounds_.max + surroundings};
 }
 
 /// Whether something that the edit touched is now outside of the stage.
-bool Document::leftStage(const Undo& undo) const {
+bool Document::leftViewBounds(const Rollback& rollback) const {
   const auto outside = [this](const auto& object) {
     const Bounds now = object.mesh->bounds.transformed(object.transform.worldFromObject());
-    return glm::any(glm::lessThan(now.min, stage_.min)) || glm::any(glm::greaterThan(now.max, stage_.max));
+    return glm::any(glm::lessThan(now.min, viewBounds_.min)) || glm::any(glm::greaterThan(now.max, viewBounds_.max));
   };
-  for (const auto& [name, before] : undo.lights) {
+  for (const auto& [name, before] : rollback.lights) {
     const auto light = lights_.find(name);
     if (light != lights_.end() && light->second.object->enabled && outside(*light->second.object)) return true;
   }
-  for (const auto& [name, before] : undo.surfaces) {
+  for (const auto& [name, before] : rollback.surfaces) {
     const auto surface = surfaces_.find(name);
     if (surface != surfaces_.end() && outside(*surface->second.object)) return true;
   }
@@ -253,12 +253,12 @@ void Document::recount() {
   for (const auto& [name, surface] : surfaces_) triangles_ += std::int64_t(surface.object->mesh->triangles.size());
 }
 
-Status Document::setOptions(const SessionOptions& options) {
+Status Document::setOptions(const LightingSettings& options) {
   if (options == options_) return {};
   if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
   Grid grid = grid_;
   std::uint64_t gridRevision = gridRevision_;
-  if (!(carriedOut(options).grid == carriedOut(options_).grid)) {
+  if (!(resolved(options).grid == resolved(options_).grid)) {
     const Expected<Grid> fitted = gridFor(options, content());
     if (!fitted) return fitted.status().within("settings.grid");
     grid = *fitted;
@@ -281,7 +281,7 @@ ScenePtr Document::snapshot() {
   if (snapshot_) return snapshot_;
   auto scene = std::make_shared<Scene>();
   scene->revision = revision_;
-  scene->options = carriedOut(options_);
+  scene->options = resolved(options_);
   scene->grid = grid_;
   for (const auto& [name, light] : lights_) scene->lights.emplace_hint(scene->lights.end(), name, light.object);
   for (const auto& [name, surface] : surfaces_) {

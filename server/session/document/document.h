@@ -45,14 +45,14 @@ struct Changes {
   std::vector<Versioned<Surface>> surfaces;
   std::vector<std::pair<std::string, Camera>> cameras;
   std::vector<Deleted> deleted;
-  std::optional<SessionOptions> options;
+  std::optional<LightingSettings> options;
   std::optional<Grid> grid;
 };
 
 /// Everything a document comes back from.
 struct DocumentState {
   std::uint64_t revision = 0;
-  SessionOptions options;
+  LightingSettings options;
   std::uint64_t optionsRevision = 0;
   Grid grid;
   std::uint64_t gridRevision = 0;
@@ -65,7 +65,7 @@ struct DocumentState {
   };
   std::vector<Camera> cameras;
   std::vector<Deleted> tombstones;  ///< oldest first
-  std::uint64_t forgottenUpTo = 0;
+  std::uint64_t tombstoneHorizon = 0;
 };
 
 /// Names the content of a mesh that no blob carried (SetVertices).
@@ -80,11 +80,11 @@ Status checkTickSeconds(const Prediction& tick, const Limits& limits);
 class Document {
  public:
   /// `options` have passed checkOptions and their grid can be made.
-  Document(const SessionOptions& options, const Limits& limits, MeshHasher hasher);
+  Document(const LightingSettings& options, const Limits& limits, MeshHasher hasher);
   /// From now on what costs more than it did, and too much, is refused.
   void predictWith(std::function<Prediction(const Workload&)> predict);
   /// RESOURCE_EXHAUSTED, max_tick_seconds, where the document as it is costs too much.
-  Status checkCost() const { return checkTickSeconds(predict_(admitted_), limits_); }
+  Status checkCost() const { return checkTickSeconds(predict_(admittedWorkload_), limits_); }
 
   /// A document that was: `state` is what state() gave.
   Document(const DocumentState& state, const Limits& limits, MeshHasher hasher);
@@ -95,7 +95,7 @@ class Document {
   Status checkTotals() const;
 
   std::uint64_t revision() const { return revision_; }
-  const SessionOptions& options() const { return options_; }
+  const LightingSettings& options() const { return options_; }
   const Grid& grid() const { return grid_; }
   std::size_t lightCount() const { return lights_.size(); }
   std::size_t surfaceCount() const { return surfaces_.size(); }
@@ -119,7 +119,7 @@ class Document {
   ObjectState objectBefore(const ObjectKey& key) const;
 
   /// New settings: a revision where they differ.
-  Status setOptions(const SessionOptions& options);
+  Status setOptions(const LightingSettings& options);
 
   /// The state as ticks read it. Cheap while nothing changes.
   ScenePtr snapshot();
@@ -127,7 +127,7 @@ class Document {
   /// The scene from which a view is chosen for those who give no camera: the state when objects last came or went, when
   /// the grid was last fitted on request, or when something left the surroundings of that state. What moves within them
   /// changes nothing here, so that the view stands still.
-  const ScenePtr& staged() const { return staged_; }
+  const ScenePtr& viewScene() const { return viewScene_; }
 
   /// What differs from revision `since`; everything, as a snapshot, where that is unset or no longer known.
   Changes changesSince(std::optional<std::uint64_t> since) const;
@@ -152,7 +152,7 @@ class Document {
     std::uint64_t revision = 0;
   };
   /// What an edit has replaced so far, to take it back.
-  struct Undo {
+  struct Rollback {
     std::map<std::string, std::optional<Versioned<Light>>> lights;
     std::map<std::string, std::optional<Versioned<Surface>>> surfaces;
     std::map<std::string, std::optional<CameraEntry>> cameras;
@@ -173,16 +173,16 @@ class Document {
     }
   };
 
-  Expected<std::string> applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const UpdateLight& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const DeleteLight& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const CreateSurface& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const UpdateSurface& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const DeleteSurface& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const SetVertices& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const PutCamera& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const DeleteCamera& op, const Blobs& blobs, Undo& undo);
-  Expected<std::string> applyOne(const FitGrid& op, const Blobs& blobs, Undo& undo);
+  Expected<std::string> applyOne(const CreateLight& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const UpdateLight& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const DeleteLight& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const CreateSurface& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const UpdateSurface& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const DeleteSurface& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const SetVertices& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const PutCamera& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const DeleteCamera& op, const Blobs& blobs, Rollback& rollback);
+  Expected<std::string> applyOne(const FitGrid& op, const Blobs& blobs, Rollback& rollback);
 
   // What lights and surfaces have in common (document_edits.cpp).
   template <typename T>
@@ -194,40 +194,40 @@ class Document {
     }
   }
   template <typename T>
-  void put(const std::string& name, std::shared_ptr<const T> object, Undo& undo);
+  void put(const std::string& name, std::shared_ptr<const T> object, Rollback& rollback);
   template <typename T>
-  Expected<std::string> create(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo);
+  Expected<std::string> create(const std::string& name, const auto& fields, const Blobs& blobs, Rollback& rollback);
   template <typename T>
-  Expected<std::string> update(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo);
+  Expected<std::string> update(const std::string& name, const auto& fields, const Blobs& blobs, Rollback& rollback);
   template <typename T>
-  Expected<std::string> remove(const std::string& name, Undo& undo);
+  Expected<std::string> remove(const std::string& name, Rollback& rollback);
   template <typename T>
-  void deform(const std::string& name, const MeshPtr& mesh, Undo& undo);
+  void deform(const std::string& name, const MeshPtr& mesh, Rollback& rollback);
 
-  Status change(const std::function<Status(Undo&)>& make);
-  Status applyAll(const Edit& edit, const Blobs& blobs, Undo& undo, std::vector<std::string>* names);
-  Status checkAll(const Undo& undo);
-  void takeBack(Undo& undo);
-  void restoreOne(const NamedState& wanted, Undo& undo);
+  Status change(const std::function<Status(Rollback&)>& make);
+  Status applyAll(const Edit& edit, const Blobs& blobs, Rollback& rollback, std::vector<std::string>* names);
+  Status checkAll(const Rollback& rollback);
+  void rollBack(Rollback& rollback);
+  void restoreOne(const NamedState& wanted, Rollback& rollback);
   template <typename T>
-  void restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Undo& undo);
-  Status checkGroups(const Undo& undo) const;
-  Workload workload(const SessionOptions& options, const Grid& grid) const;
-  Status checkCost(const SessionOptions& options, const Grid& grid);
+  void restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Rollback& rollback);
+  Status checkGroups(const Rollback& rollback) const;
+  Workload workload(const LightingSettings& options, const Grid& grid) const;
+  Status checkCost(const LightingSettings& options, const Grid& grid);
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always);
-  void noteChange(const Undo& undo);
-  void restage(const Undo& undo);
+  void noteChange(const Rollback& rollback);
+  void updateViewScene(const Rollback& rollback);
   void setStage();
-  bool leftStage(const Undo& undo) const;
+  bool leftViewBounds(const Rollback& rollback) const;
   void recount();
 
   Limits limits_;
   MeshHasher hasher_;
   std::function<Prediction(const Workload&)> predict_;
-  Workload admitted_;  ///< what there is to do as of the last change
-  SessionOptions options_;
+  Workload admittedWorkload_;  ///< what there is to do as of the last change
+  LightingSettings options_;
   Grid grid_;
   std::uint64_t revision_ = 0;
   std::uint64_t optionsRevision_ = 0;
@@ -238,11 +238,11 @@ class Document {
   std::deque<Deleted> tombstones_;
   std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
   Changes lastChange_;
-  Undo replaced_;  ///< by the last edit
+  Rollback replaced_;  ///< by the last edit
   std::int64_t triangles_ = 0;
   ScenePtr snapshot_;
-  ScenePtr staged_;
-  Bounds stage_;  ///< world, metres: the content of staged_ and its surroundings
+  ScenePtr viewScene_;
+  Bounds viewBounds_;  ///< world, metres: the content of viewScene_ and its surroundings
 };
 
 /// Does the part of SetVertices that takes time. Call outside locks, with `base` = Document::meshOf(object).

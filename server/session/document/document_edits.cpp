@@ -9,8 +9,8 @@ namespace lpv {
 namespace {
 
 Status noSuch(const char* what, const std::string& name, const char* field = "name") {
-  return Status(Code::kNotFound, std::string("there is no ") + what + " \"" + shortened(name) + "\" in this session",
-                field);
+  return Status(Code::kNotFound,
+                std::string("there is no ") + what + " \"" + truncatedUtf8(name) + "\" in this session", field);
 }
 
 Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
@@ -19,8 +19,8 @@ Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs
   if (blob && blob->mesh) return blob->mesh;
   return Status(
       Code::kNotFound,
-      blob ? "mesh " + shortened(reference.hash) + " is a texture, not a mesh"
-           : "mesh \"" + shortened(reference.hash) + "\" is not in this session; upload it with UploadBlob first",
+      blob ? "mesh " + truncatedUtf8(reference.hash) + " is a texture, not a mesh"
+           : "mesh \"" + truncatedUtf8(reference.hash) + "\" is not in this session; upload it with UploadBlob first",
       "mesh");
 }
 
@@ -29,7 +29,7 @@ Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, con
   const BlobPtr blob = blobs.find(hash);
   if (blob && blob->texture) return blob->texture;
   return Status(Code::kNotFound,
-                std::string(field) + " \"" + shortened(hash) +
+                std::string(field) + " \"" + truncatedUtf8(hash) +
                     "\" is no texture of this session; upload it with UploadBlob first",
                 field);
 }
@@ -117,13 +117,14 @@ void remember(const Map& objects, const std::string& name, Before& before) {
 }  // namespace
 
 template <typename T>
-void Document::put(const std::string& name, std::shared_ptr<const T> object, Undo& undo) {
-  remember(objects<T>(), name, undo.before<T>());
+void Document::put(const std::string& name, std::shared_ptr<const T> object, Rollback& rollback) {
+  remember(objects<T>(), name, rollback.before<T>());
   objects<T>()[name] = {std::move(object), revision_};
 }
 
 template <typename T>
-Expected<std::string> Document::create(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo) {
+Expected<std::string> Document::create(const std::string& name, const auto& fields, const Blobs& blobs,
+                                       Rollback& rollback) {
   using W = Words<T>;
   if (Status s = checkName(name); !s.ok()) return s.within(W::kCreate);
   if (!fields.mesh) {
@@ -133,65 +134,66 @@ Expected<std::string> Document::create(const std::string& name, const auto& fiel
   auto object = std::make_shared<T>();
   if (Status s = assign(*object, fields, blobs); !s.ok()) return s.within(W::kCreate);
   object->name = freeName(name);
-  put<T>(object->name, object, undo);
-  undo.contentAdded = true;
+  put<T>(object->name, object, rollback);
+  rollback.contentAdded = true;
   return object->name;
 }
 
 template <typename T>
-Expected<std::string> Document::update(const std::string& name, const auto& fields, const Blobs& blobs, Undo& undo) {
+Expected<std::string> Document::update(const std::string& name, const auto& fields, const Blobs& blobs,
+                                       Rollback& rollback) {
   using W = Words<T>;
   const auto found = objects<T>().find(name);
   if (found == objects<T>().end()) return noSuch(W::kNoun, name).within(W::kUpdate);
   auto object = std::make_shared<T>(*found->second.object);
   if (Status s = assign(*object, fields, blobs); !s.ok()) return s.within(W::kUpdate);
-  put<T>(name, object, undo);
+  put<T>(name, object, rollback);
   return name;
 }
 
 template <typename T>
-Expected<std::string> Document::remove(const std::string& name, Undo& undo) {
+Expected<std::string> Document::remove(const std::string& name, Rollback& rollback) {
   using W = Words<T>;
   if (!objects<T>().contains(name)) return noSuch(W::kNoun, name, W::kDelete);
-  remember(objects<T>(), name, undo.before<T>());
+  remember(objects<T>(), name, rollback.before<T>());
   objects<T>().erase(name);
   tombstones_.push_back({W::kKind, name, revision_});
-  undo.contentRemoved = true;
+  rollback.contentRemoved = true;
   return name;
 }
 
 template <typename T>
-void Document::deform(const std::string& name, const MeshPtr& mesh, Undo& undo) {
+void Document::deform(const std::string& name, const MeshPtr& mesh, Rollback& rollback) {
   auto object = std::make_shared<T>(*objects<T>().at(name).object);
   object->mesh = mesh;
-  put<T>(name, object, undo);
+  put<T>(name, object, rollback);
 }
 
-Expected<std::string> Document::applyOne(const CreateLight& op, const Blobs& blobs, Undo& undo) {
-  return create<Light>(op.name, op.fields, blobs, undo);
+Expected<std::string> Document::applyOne(const CreateLight& op, const Blobs& blobs, Rollback& rollback) {
+  return create<Light>(op.name, op.fields, blobs, rollback);
 }
 
-Expected<std::string> Document::applyOne(const UpdateLight& op, const Blobs& blobs, Undo& undo) {
-  return update<Light>(op.name, op.fields, blobs, undo);
+Expected<std::string> Document::applyOne(const UpdateLight& op, const Blobs& blobs, Rollback& rollback) {
+  return update<Light>(op.name, op.fields, blobs, rollback);
 }
 
-Expected<std::string> Document::applyOne(const DeleteLight& op, const Blobs&, Undo& undo) {
-  return remove<Light>(op.name, undo);
+Expected<std::string> Document::applyOne(const DeleteLight& op, const Blobs&, Rollback& rollback) {
+  return remove<Light>(op.name, rollback);
 }
 
-Expected<std::string> Document::applyOne(const CreateSurface& op, const Blobs& blobs, Undo& undo) {
-  return create<Surface>(op.name, op.fields, blobs, undo);
+Expected<std::string> Document::applyOne(const CreateSurface& op, const Blobs& blobs, Rollback& rollback) {
+  return create<Surface>(op.name, op.fields, blobs, rollback);
 }
 
-Expected<std::string> Document::applyOne(const UpdateSurface& op, const Blobs& blobs, Undo& undo) {
-  return update<Surface>(op.name, op.fields, blobs, undo);
+Expected<std::string> Document::applyOne(const UpdateSurface& op, const Blobs& blobs, Rollback& rollback) {
+  return update<Surface>(op.name, op.fields, blobs, rollback);
 }
 
-Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, Undo& undo) {
-  return remove<Surface>(op.name, undo);
+Expected<std::string> Document::applyOne(const DeleteSurface& op, const Blobs&, Rollback& rollback) {
+  return remove<Surface>(op.name, rollback);
 }
 
-Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Undo& undo) {
+Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Rollback& rollback) {
   const MeshPtr current = meshOf(op.object);
   if (!current) return noSuch("light or surface", op.object, "object").within("set_vertices");
   MeshPtr deformed = op.deformed;
@@ -202,58 +204,58 @@ Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Un
     deformed = again.deformed;
   }
   if (lights_.contains(op.object)) {
-    deform<Light>(op.object, deformed, undo);
+    deform<Light>(op.object, deformed, rollback);
   } else {
-    deform<Surface>(op.object, deformed, undo);
+    deform<Surface>(op.object, deformed, rollback);
   }
   return op.object;
 }
 
-Expected<std::string> Document::applyOne(const PutCamera& op, const Blobs&, Undo& undo) {
+Expected<std::string> Document::applyOne(const PutCamera& op, const Blobs&, Rollback& rollback) {
   if (Status s = checkName(op.name); !s.ok()) return s.within("put_camera");
   if (Status s = checkCamera(op.camera); !s.ok()) return s.within("put_camera");
-  remember(cameras_, op.name, undo.cameras);
+  remember(cameras_, op.name, rollback.cameras);
   cameras_[op.name] = {op.camera, revision_};
   return op.name;
 }
 
-Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, Undo& undo) {
+Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, Rollback& rollback) {
   if (!cameras_.contains(op.name)) return noSuch("camera", op.name, "delete_camera");
-  remember(cameras_, op.name, undo.cameras);
+  remember(cameras_, op.name, rollback.cameras);
   cameras_.erase(op.name);
   tombstones_.push_back({ObjectKind::kCamera, op.name, revision_});
   return op.name;
 }
 
-Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Undo& undo) {
+Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Rollback& rollback) {
   if (options_.grid.hasBounds) {
     return Status(Code::kFailedPrecondition, "the grid has fixed bounds; clear settings.grid.bounds to fit it",
                   "fit_grid");
   }
   if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
-  undo.fitted = true;
+  rollback.fitted = true;
   return std::string();
 }
 
 template <typename T>
-void Document::restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Undo& undo) {
+void Document::restoreOne(const std::string& name, const std::shared_ptr<const T>& object, Rollback& rollback) {
   const bool stands = objects<T>().contains(name);
   if (object) {
-    put<T>(name, object, undo);
-    undo.contentAdded = undo.contentAdded || !stands;
+    put<T>(name, object, rollback);
+    rollback.contentAdded = rollback.contentAdded || !stands;
   } else if (stands) {
-    (void)remove<T>(name, undo);
+    (void)remove<T>(name, rollback);
   }
 }
 
 /// What stands under the name, of whatever kind, gives way.
-void Document::restoreOne(const NamedState& wanted, Undo& undo) {
+void Document::restoreOne(const NamedState& wanted, Rollback& rollback) {
   const auto& [key, object] = wanted;
   if (!key.camera) {
-    restoreOne<Light>(key.name, object.light, undo);
-    restoreOne<Surface>(key.name, object.surface, undo);
+    restoreOne<Light>(key.name, object.light, rollback);
+    restoreOne<Surface>(key.name, object.surface, rollback);
   } else if (object.camera || cameras_.contains(key.name)) {
-    remember(cameras_, key.name, undo.cameras);
+    remember(cameras_, key.name, rollback.cameras);
     if (object.camera) {
       cameras_[key.name] = {*object.camera, revision_};
     } else {
@@ -268,7 +270,7 @@ std::string Document::freeName(const std::string& wanted) const {
   for (int n = 1; lights_.contains(name) || surfaces_.contains(name); ++n) {
     char suffix[16];
     const int length = std::snprintf(suffix, sizeof suffix, ".%03d", n);
-    name = shortened(wanted, kMaxNameBytes - std::size_t(length)) + suffix;
+    name = truncatedUtf8(wanted, kMaxNameBytes - std::size_t(length)) + suffix;
   }
   return name;
 }

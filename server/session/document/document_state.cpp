@@ -26,7 +26,7 @@ Document::Document(const DocumentState& state, const Limits& limits, MeshHasher 
       optionsRevision_(state.optionsRevision),
       gridRevision_(state.gridRevision),
       tombstones_(state.tombstones.begin(), state.tombstones.end()),
-      forgottenUpTo_(state.forgottenUpTo) {
+      forgottenUpTo_(state.tombstoneHorizon) {
   for (const Versioned<Light>& light : state.lights) lights_[light.object->name] = light;
   for (const Versioned<Surface>& surface : state.surfaces) surfaces_[surface.object->name] = surface;
   for (const DocumentState::Camera& camera : state.cameras) cameras_[camera.name] = {camera.camera, camera.revision};
@@ -45,7 +45,7 @@ DocumentState Document::state() const {
   out.surfaces = surfaces();
   for (const auto& [name, entry] : cameras_) out.cameras.push_back({name, entry.camera, entry.revision});
   out.tombstones.assign(tombstones_.begin(), tombstones_.end());
-  out.forgottenUpTo = forgottenUpTo_;
+  out.tombstoneHorizon = forgottenUpTo_;
   return out;
 }
 
@@ -87,17 +87,17 @@ ObjectState Document::objectBefore(const ObjectKey& key) const {
 }
 
 /// In time of the edit's size, not the scene's.
-void Document::noteChange(const Undo& undo) {
+void Document::noteChange(const Rollback& rollback) {
   lastChange_ = Changes();
   lastChange_.revision = revision_;
-  lastChange_.lights = touched(lights_, undo.lights);
-  lastChange_.surfaces = touched(surfaces_, undo.surfaces);
-  for (const auto& [name, was] : undo.cameras) {
+  lastChange_.lights = touched(lights_, rollback.lights);
+  lastChange_.surfaces = touched(surfaces_, rollback.surfaces);
+  for (const auto& [name, was] : rollback.cameras) {
     if (const auto found = cameras_.find(name); found != cameras_.end()) {
       lastChange_.cameras.emplace_back(name, found->second.camera);
     }
   }
-  lastChange_.deleted.assign(tombstones_.begin() + std::ptrdiff_t(undo.tombstones), tombstones_.end());
+  lastChange_.deleted.assign(tombstones_.begin() + std::ptrdiff_t(rollback.tombstones), tombstones_.end());
   if (gridRevision_ == revision_) lastChange_.grid = grid_;
 }
 

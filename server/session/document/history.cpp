@@ -8,11 +8,11 @@
 
 namespace lpv {
 
-std::map<ObjectKey, History::Touch> History::touches(const Edit& edit, const std::vector<std::string>& names,
-                                                     const Document& document) {
-  std::map<ObjectKey, Touch> out;
+std::map<ObjectKey, History::FieldsWritten> History::touches(const Edit& edit, const std::vector<std::string>& names,
+                                                             const Document& document) {
+  std::map<ObjectKey, FieldsWritten> out;
   for (std::size_t i = 0; i < edit.operations.size(); ++i) {
-    const auto touch = [&](bool camera) -> Touch& { return out[{camera, names[i]}]; };
+    const auto touch = [&](bool camera) -> FieldsWritten& { return out[{camera, names[i]}]; };
     std::visit(
         [&](const auto& op) {
           using Op = std::decay_t<decltype(op)>;
@@ -35,47 +35,47 @@ std::map<ObjectKey, History::Touch> History::touches(const Edit& edit, const std
 }
 
 /// What has the name; an object that was there before this history began gets its life here.
-History::Standing& History::standing(const ObjectKey& key, bool stands) {
+History::NameBinding& History::standing(const ObjectKey& key, bool stands) {
   const auto [found, isNew] = names_.try_emplace(key);
-  if (isNew && stands) found->second.life = std::make_shared<Life>();
+  if (isNew && stands) found->second.life = std::make_shared<ObjectIncarnation>();
   return found->second;
 }
 
-const History::Standing* History::find(const ObjectKey& key) const {
+const History::NameBinding* History::find(const ObjectKey& key) const {
   const auto found = names_.find(key);
   return found == names_.end() ? nullptr : &found->second;
 }
 
-void History::note(const std::string& client, const Edit& edit, const std::vector<std::string>& names,
-                   const Document& document) {
+void History::recordWrites(const std::string& client, const Edit& edit, const std::vector<std::string>& names,
+                           const Document& document) {
   Step step;
   step.group = edit.undoGroup;
   for (const auto& [key, touch] : touches(edit, names, document)) {
     if (touch.whole) {
-      noteWhole(key, document, step);
+      recordObject(key, document, step);
     } else {
-      noteFields(key, touch.fields, document, step);
+      recordFields(key, touch.fields, document, step);
     }
   }
   if (!client.empty()) push(client, std::move(step));
   forgetNames();
 }
 
-void History::noteWhole(const ObjectKey& key, const Document& document, Step& step) {
+void History::recordObject(const ObjectKey& key, const Document& document, Step& step) {
   const ObjectState before = document.objectBefore(key);
-  Standing& now = standing(key, before.stands());
+  NameBinding& now = standing(key, before.stands());
   WholeChange& change = step.wholes[key];
   change.before = {now, now.life ? now.life->writes : Writes(), before};
-  now.life = document.object(key).stands() ? std::make_shared<Life>() : nullptr;
+  now.life = document.object(key).stands() ? std::make_shared<ObjectIncarnation>() : nullptr;
   now.write = document.revision();
   if (now.life) now.life->writes.fill(document.revision());
   change.after = {now, now.life ? now.life->writes : Writes(), {}};
 }
 
-void History::noteFields(const ObjectKey& key, const FieldSet& fields, const Document& document, Step& step) {
+void History::recordFields(const ObjectKey& key, const FieldSet& fields, const Document& document, Step& step) {
   const ObjectState before = document.objectBefore(key);
   const ObjectState after = document.object(key);
-  const LifePtr& life = standing(key, true).life;
+  const IncarnationPtr& life = standing(key, true).life;
   for (std::size_t field = 0; field < fieldCount(after); ++field) {
     if (!fields[field]) continue;
     FieldChange& change = step.fields[{life, field}];
@@ -149,7 +149,7 @@ constexpr std::int64_t kChangeBytes = 512;
 }  // namespace
 
 void History::hold(const BlobHash& hash, std::int64_t bytes, int sign) {
-  Held& held = held_[hash];
+  HeldBlob& held = held_[hash];
   if (held.uses == 0) {
     held.bytes = bytes;
     bytes_ += bytes;

@@ -24,7 +24,7 @@
 namespace lpv {
 
 /// Which way along a member's steps.
-enum class Direction { kUndo, kRedo };
+enum class UndoDirection { kUndo, kRedo };
 
 class History {
  public:
@@ -34,14 +34,14 @@ class History {
 
   /// `document` has just applied `edit`, which gave the objects these names. Nobody's edits (`client` empty) are no
   /// steps, but they are writes.
-  void note(const std::string& client, const Edit& edit, const std::vector<std::string>& names,
-            const Document& document);
+  void recordWrites(const std::string& client, const Edit& edit, const std::vector<std::string>& names,
+                    const Document& document);
 
   struct Plan;
   /// What undoing, or redoing, the member's newest step would do now. FAILED_PRECONDITION where there is none.
-  Expected<Plan> plan(const std::string& client, Direction direction, const Document& document) const;
+  Expected<Plan> plan(const std::string& client, UndoDirection direction, const Document& document) const;
   /// The document has restored plan.objects.
-  void done(const std::string& client, Direction direction, Plan plan);
+  void done(const std::string& client, UndoDirection direction, Plan plan);
 
   /// Forgets a member's steps.
   void leave(const std::string& client);
@@ -54,20 +54,20 @@ class History {
   /// Revisions that wrote an object's fields; 0: before this history began.
   using Writes = std::array<std::uint64_t, kMaxFields>;
   /// An object from its creation on; deleted and brought back it is the same one, created again it is another.
-  struct Life {
+  struct ObjectIncarnation {
     Writes writes{};
   };
-  using LifePtr = std::shared_ptr<Life>;
+  using IncarnationPtr = std::shared_ptr<ObjectIncarnation>;
   /// What has a name: a life, or null, and the revision that made it so.
-  struct Standing {
-    LifePtr life;
+  struct NameBinding {
+    IncarnationPtr life;
     std::uint64_t write = 0;
 
-    bool operator==(const Standing&) const = default;
+    bool operator==(const NameBinding&) const = default;
   };
   /// One side of a change of what has a name.
   struct WholeSide {
-    Standing standing;
+    NameBinding standing;
     Writes writes{};  ///< of the life, as the step left or found them
     ObjectState object;  ///< to bring back
   };
@@ -88,7 +88,7 @@ class History {
     std::uint64_t number = 0;  ///< rises over all members
     std::string group;
     std::map<ObjectKey, WholeChange> wholes;
-    std::map<std::pair<LifePtr, std::size_t>, FieldChange> fields;
+    std::map<std::pair<IncarnationPtr, std::size_t>, FieldChange> fields;
 
     bool empty() const { return wholes.empty() && fields.empty(); }
   };
@@ -97,28 +97,28 @@ class History {
     std::deque<Step> redo;  ///< the next one last
     bool grouping = false;  ///< the last thing done was an edit: one of the same group joins it
   };
-  struct Held {
+  struct HeldBlob {
     int uses = 0;
     std::int64_t bytes = 0;
   };
   /// What an edit does to one object.
-  struct Touch {
+  struct FieldsWritten {
     bool whole = false;
     FieldSet fields;
   };
 
-  static std::map<ObjectKey, Touch> touches(const Edit& edit, const std::vector<std::string>& names,
-                                            const Document& document);
-  Standing& standing(const ObjectKey& key, bool stands);
-  const Standing* find(const ObjectKey& key) const;
-  void noteWhole(const ObjectKey& key, const Document& document, Step& step);
-  void noteFields(const ObjectKey& key, const FieldSet& fields, const Document& document, Step& step);
+  static std::map<ObjectKey, FieldsWritten> touches(const Edit& edit, const std::vector<std::string>& names,
+                                                    const Document& document);
+  NameBinding& standing(const ObjectKey& key, bool stands);
+  const NameBinding* find(const ObjectKey& key) const;
+  void recordObject(const ObjectKey& key, const Document& document, Step& step);
+  void recordFields(const ObjectKey& key, const FieldSet& fields, const Document& document, Step& step);
   void push(const std::string& client, Step step);
   static void merge(Step& into, Step step);
 
-  void planWhole(const ObjectKey& key, const WholeChange& change, Direction direction, const Document& document,
+  void planWhole(const ObjectKey& key, const WholeChange& change, UndoDirection direction, const Document& document,
                  Plan& plan) const;
-  void planField(const LifePtr& life, std::size_t field, const FieldChange& change, Direction direction,
+  void planField(const IncarnationPtr& life, std::size_t field, const FieldChange& change, UndoDirection direction,
                  const Document& document, Plan& plan) const;
 
   void weigh(const Step& step, int sign);
@@ -130,9 +130,9 @@ class History {
   void forgetNames();
 
   Limits limits_;
-  std::map<ObjectKey, Standing> names_;
+  std::map<ObjectKey, NameBinding> names_;
   std::map<std::string, Member> members_;
-  std::map<BlobHash, Held> held_;
+  std::map<BlobHash, HeldBlob> held_;
   std::int64_t bytes_ = 0;  ///< of all steps, about
   std::uint64_t lastNumber_ = 0;
   std::size_t forgetNamesAt_ = 10'000;

@@ -8,9 +8,9 @@
 namespace lpv {
 namespace {
 
-Status nothingTo(Direction direction, int kept) {
+Status nothingTo(UndoDirection direction, int kept) {
   const std::string what =
-      direction == Direction::kUndo
+      direction == UndoDirection::kUndo
           ? "there is nothing to undo: this client has no steps left; the last " + std::to_string(kept) + " are kept"
           : "there is nothing to redo: this client has undone nothing since its last edit; steps "
             "are kept";
@@ -19,21 +19,22 @@ Status nothingTo(Direction direction, int kept) {
 }
 
 template <typename Change>
-auto& sideFrom(Change& change, Direction direction) {
-  return direction == Direction::kUndo ? change.after : change.before;
+auto& sideFrom(Change& change, UndoDirection direction) {
+  return direction == UndoDirection::kUndo ? change.after : change.before;
 }
 
 template <typename Change>
-auto& sideTo(Change& change, Direction direction) {
-  return direction == Direction::kUndo ? change.before : change.after;
+auto& sideTo(Change& change, UndoDirection direction) {
+  return direction == UndoDirection::kUndo ? change.before : change.after;
 }
 
 }  // namespace
 
-Expected<History::Plan> History::plan(const std::string& client, Direction direction, const Document& document) const {
+Expected<History::Plan> History::plan(const std::string& client, UndoDirection direction,
+                                      const Document& document) const {
   const auto member = members_.find(client);
   if (member == members_.end()) return nothingTo(direction, limits_.maxUndoSteps);
-  const std::deque<Step>& steps = direction == Direction::kUndo ? member->second.undo : member->second.redo;
+  const std::deque<Step>& steps = direction == UndoDirection::kUndo ? member->second.undo : member->second.redo;
   if (steps.empty()) return nothingTo(direction, limits_.maxUndoSteps);
   const Step& step = steps.back();
   Plan out;
@@ -49,10 +50,10 @@ Expected<History::Plan> History::plan(const std::string& client, Direction direc
   return out;
 }
 
-void History::planWhole(const ObjectKey& key, const WholeChange& change, Direction direction, const Document& document,
-                        Plan& plan) const {
+void History::planWhole(const ObjectKey& key, const WholeChange& change, UndoDirection direction,
+                        const Document& document, Plan& plan) const {
   const WholeSide& from = sideFrom(change, direction);
-  const Standing* now = find(key);
+  const NameBinding* now = find(key);
   if (!now || !(*now == from.standing)) {
     plan.skipped.push_back(key.name);
     return;
@@ -71,13 +72,13 @@ void History::planWhole(const ObjectKey& key, const WholeChange& change, Directi
   plan.applied.wholes[key] = std::move(applied);
 }
 
-void History::planField(const LifePtr& life, std::size_t field, const FieldChange& change, Direction direction,
-                        const Document& document, Plan& plan) const {
+void History::planField(const IncarnationPtr& life, std::size_t field, const FieldChange& change,
+                        UndoDirection direction, const Document& document, Plan& plan) const {
   const FieldSide& from = sideFrom(change, direction);
   const FieldSide& to = sideTo(change, direction);
   const auto whole = plan.applied.wholes.find(change.key);
   const bool replaced = whole != plan.applied.wholes.end();
-  const Standing* now = replaced ? &sideTo(whole->second, direction).standing : find(change.key);
+  const NameBinding* now = replaced ? &sideTo(whole->second, direction).standing : find(change.key);
   const auto planned = plan.states.find(change.key);
   const ObjectState object = planned == plan.states.end() ? document.object(change.key) : planned->second;
   const bool stands = now && now->life == life;
@@ -90,10 +91,10 @@ void History::planField(const LifePtr& life, std::size_t field, const FieldChang
   if (stands) plan.states[change.key] = withField(object, field, to.value);
 }
 
-void History::done(const std::string& client, Direction direction, Plan plan) {
+void History::done(const std::string& client, UndoDirection direction, Plan plan) {
   Member& member = members_[client];
-  std::deque<Step>& from = direction == Direction::kUndo ? member.undo : member.redo;
-  std::deque<Step>& to = direction == Direction::kUndo ? member.redo : member.undo;
+  std::deque<Step>& from = direction == UndoDirection::kUndo ? member.undo : member.redo;
+  std::deque<Step>& to = direction == UndoDirection::kUndo ? member.redo : member.undo;
   forget(from, true);
   member.grouping = false;
   for (const auto& [place, change] : plan.applied.fields) {

@@ -31,10 +31,10 @@ std::string randomHex(std::size_t bytes) {
   return out;
 }
 
-Expected<ClientIdentity> Clients::join() {
+Expected<ClientIdentity> Members::join() {
   if (full()) {
     return exhausted("max_clients_per_session",
-                     "max_clients_per_session: the session has " + std::to_string(clients_.size()) +
+                     "max_clients_per_session: the session has " + std::to_string(members_.size()) +
                          " clients, allowed are " + std::to_string(limits_.maxClientsPerSession) +
                          "; one that neither has a stream nor says anything for " +
                          std::to_string(limits_.memberSilent.count()) + " s gives its place to the next");
@@ -47,23 +47,23 @@ Expected<ClientIdentity> Clients::join() {
   return identity;
 }
 
-void Clients::restore(const ClientState& state) {
+void Members::restore(const ClientState& state) {
   const Clock::time_point now = Clock::now();
   Client& client =
-      clients_.insert_or_assign(state.id, Client{state, {limits_.maxEditsPerSecond, now}, now}).first->second;
+      members_.insert_or_assign(state.id, Client{state, {limits_.maxEditsPerSecond, now}, now}).first->second;
   for (const EditOutcome& outcome : client.outcomes) client.nameBytes += nameBytes(outcome);
   forgetOldest(client);
 }
 
-void Clients::hear(const std::string& id, Clock::time_point now) {
-  const auto found = clients_.find(id);
-  if (found != clients_.end()) found->second.heard = now;
+void Members::markActive(const std::string& id, Clock::time_point now) {
+  const auto found = members_.find(id);
+  if (found != members_.end()) found->second.heard = now;
 }
 
-std::string Clients::silent(const std::set<std::string>& connected, Clock::time_point now) const {
+std::string Members::silent(const std::set<std::string>& connected, Clock::time_point now) const {
   std::string longest;
   Clock::time_point since = now - limits_.memberSilent;
-  for (const auto& [id, client] : clients_) {
+  for (const auto& [id, client] : members_) {
     if (client.heard > since || connected.contains(id)) continue;
     longest = id;
     since = client.heard;
@@ -71,24 +71,24 @@ std::string Clients::silent(const std::set<std::string>& connected, Clock::time_
   return longest;
 }
 
-Status Clients::verify(const ClientIdentity& identity) const {
+Status Members::verify(const ClientIdentity& identity) const {
   if (identity.id.empty()) return {};
-  const auto found = clients_.find(identity.id);
-  if (found != clients_.end() && found->second.secretHash == sha256(identity.secret)) return {};
+  const auto found = members_.find(identity.id);
+  if (found != members_.end() && found->second.secretHash == sha256(identity.secret)) return {};
   return Status(
       Code::kPermissionDenied,
       "client \"" + identity.id + "\" was not issued by this session, or its secret is another; call JoinSession",
       "client");
 }
 
-Expected<std::optional<EditOutcome>> Clients::repeated(const std::string& id, std::uint64_t sequence) const {
-  const auto found = clients_.find(id);
-  if (found == clients_.end() || sequence == 0) return std::optional<EditOutcome>();
+Expected<std::optional<EditOutcome>> Members::repeated(const std::string& id, std::uint64_t sequence) const {
+  const auto found = members_.find(id);
+  if (found == members_.end() || sequence == 0) return std::optional<EditOutcome>();
   const Client& client = found->second;
   const auto same = std::find_if(client.outcomes.begin(), client.outcomes.end(),
                                  [&](const EditOutcome& outcome) { return outcome.sequence == sequence; });
   if (same != client.outcomes.end()) return std::optional<EditOutcome>(*same);
-  if (sequence <= client.forgottenUpTo) {
+  if (sequence <= client.tombstoneHorizon) {
     return Status(Code::kFailedPrecondition,
                   "sequence " + std::to_string(sequence) + " is older than the last " +
                       std::to_string(kRememberedOutcomes) + " edits of this client; its outcome is forgotten",
@@ -97,9 +97,9 @@ Expected<std::optional<EditOutcome>> Clients::repeated(const std::string& id, st
   return std::optional<EditOutcome>();
 }
 
-Status Clients::admit(const std::string& id, Clock::time_point now) {
-  const auto found = clients_.find(id);
-  Allowance& edits = found == clients_.end() ? nobody_ : found->second.edits;
+Status Members::admit(const std::string& id, Clock::time_point now) {
+  const auto found = members_.find(id);
+  TokenBucket& edits = found == members_.end() ? nobody_ : found->second.edits;
   if (edits.take(limits_.maxEditsPerSecond, now)) return {};
   return exhausted("max_edits_per_second", "max_edits_per_second: allowed are " +
                                                std::to_string(limits_.maxEditsPerSecond) +
@@ -112,14 +112,14 @@ namespace {
 constexpr std::size_t kMostKeptText = 512;
 
 std::string keptText(const std::string& text) {
-  return text.size() <= kMostKeptText ? text : shortened(text, kMostKeptText) + " ...";
+  return text.size() <= kMostKeptText ? text : truncatedUtf8(text, kMostKeptText) + " ...";
 }
 
 }  // namespace
 
-void Clients::record(const std::string& id, const EditOutcome& outcome) {
-  const auto found = clients_.find(id);
-  if (found == clients_.end()) return;
+void Members::record(const std::string& id, const EditOutcome& outcome) {
+  const auto found = members_.find(id);
+  if (found == members_.end()) return;
   Client& client = found->second;
   if (outcome.status.ok()) {
     client.acceptedSequence = std::max(client.acceptedSequence, outcome.sequence);
@@ -132,23 +132,23 @@ void Clients::record(const std::string& id, const EditOutcome& outcome) {
   forgetOldest(client);
 }
 
-void Clients::forgetOldest(Client& client) {
+void Members::forgetOldest(Client& client) {
   std::deque<EditOutcome>& outcomes = client.outcomes;
   while (outcomes.size() > kRememberedOutcomes || (outcomes.size() > 1 && client.nameBytes > kRememberedNameBytes)) {
-    client.forgottenUpTo = std::max(client.forgottenUpTo, outcomes.front().sequence);
+    client.tombstoneHorizon = std::max(client.tombstoneHorizon, outcomes.front().sequence);
     client.nameBytes -= nameBytes(outcomes.front());
     outcomes.pop_front();
   }
 }
 
-std::uint64_t Clients::acceptedSequence(const std::string& id) const {
-  const auto found = clients_.find(id);
-  return found == clients_.end() ? 0 : found->second.acceptedSequence;
+std::uint64_t Members::acceptedSequence(const std::string& id) const {
+  const auto found = members_.find(id);
+  return found == members_.end() ? 0 : found->second.acceptedSequence;
 }
 
-std::map<std::string, std::uint64_t> Clients::sequencesSince(std::uint64_t since) const {
+std::map<std::string, std::uint64_t> Members::sequencesSince(std::uint64_t since) const {
   std::map<std::string, std::uint64_t> out;
-  for (const auto& [id, client] : clients_) {
+  for (const auto& [id, client] : members_) {
     if (client.acceptedRevision > since) out[id] = client.acceptedSequence;
   }
   return out;

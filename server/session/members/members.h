@@ -35,15 +35,15 @@ struct ClientState {
   std::string id;
   std::string secretHash;            ///< SHA-256 of the secret
   std::deque<EditOutcome> outcomes;  ///< oldest first, at most kRememberedOutcomes
-  std::uint64_t forgottenUpTo = 0;   ///< sequences up to this may be missing from outcomes
+  std::uint64_t tombstoneHorizon = 0;   ///< sequences up to this may be missing from outcomes
   std::uint64_t acceptedSequence = 0;
   std::uint64_t acceptedRevision = 0;
 };
 
 /// The members of one session. Not thread-safe: the session's lock guards it.
-class Clients {
+class Members {
  public:
-  explicit Clients(const Limits& limits) : limits_(limits), nobody_(limits.maxEditsPerSecond, Clock::now()) {}
+  explicit Members(const Limits& limits) : limits_(limits), nobody_(limits.maxEditsPerSecond, Clock::now()) {}
   /// From now on; what is there stays.
   void setLimits(const Limits& limits) { limits_ = limits; }
 
@@ -51,14 +51,14 @@ class Clients {
   Expected<ClientIdentity> join();
   /// Takes back a member that was.
   void restore(const ClientState& state);
-  void leave(const std::string& id) { clients_.erase(id); }
+  void leave(const std::string& id) { members_.erase(id); }
   /// The member is there still.
-  void hear(const std::string& id, Clock::time_point now);
-  bool full() const { return std::ssize(clients_) >= limits_.maxClientsPerSession; }
+  void markActive(const std::string& id, Clock::time_point now);
+  bool full() const { return std::ssize(members_) >= limits_.maxClientsPerSession; }
   /// Who was heard of longest ago, and not for limits.memberSilent; none of `connected`. Empty: nobody.
   std::string silent(const std::set<std::string>& connected, Clock::time_point now) const;
   /// A member as it is now.
-  ClientState state(const std::string& id) const { return clients_.at(id); }
+  ClientState state(const std::string& id) const { return members_.at(id); }
   /// PERMISSION_DENIED unless the identity was issued here. An empty identity is nobody: ok.
   Status verify(const ClientIdentity& identity) const;
 
@@ -71,20 +71,20 @@ class Clients {
 
   /// Highest sequence accepted from `id`; 0 for nobody.
   std::uint64_t acceptedSequence(const std::string& id) const;
-  /// Clients whose last accepted edit is newer than revision `since`, with its sequence.
+  /// Members whose last accepted edit is newer than revision `since`, with its sequence.
   std::map<std::string, std::uint64_t> sequencesSince(std::uint64_t since) const;
-  std::size_t count() const { return clients_.size(); }
+  std::size_t count() const { return members_.size(); }
 
  private:
   struct Client : ClientState {
-    Allowance edits;
+    TokenBucket edits;
     Clock::time_point heard;
     std::size_t nameBytes = 0;  ///< of its outcomes
   };
   static void forgetOldest(Client& client);
   Limits limits_;
-  std::map<std::string, Client> clients_;
-  Allowance nobody_;  ///< edits
+  std::map<std::string, Client> members_;
+  TokenBucket nobody_;  ///< edits
 };
 
 /// Outcomes kept per client (PROTOCOL.md) ...

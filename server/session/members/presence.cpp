@@ -32,28 +32,28 @@ Status checkPresence(const PresenceUpdate& update) {
   return {};
 }
 
-void PresentOnes::join(const std::string& client, const PresenceUpdate& update, Clock::time_point now) {
+void PresenceTable::join(const std::string& client, const PresenceUpdate& update, Clock::time_point now) {
   heard_.insert_or_assign(client, Heard{now, {limits_.maxPresenceUpdatesPerSecond, now}});
   if (update.displayName || update.colour) put(client, update);
 }
 
-Status PresentOnes::update(const std::string& client, const PresenceUpdate& update, Clock::time_point now) {
+Status PresenceTable::update(const std::string& client, const PresenceUpdate& update, Clock::time_point now) {
   if (Status s = admit(client, now); !s.ok()) return s;
   put(client, update);
   return {};
 }
 
-void PresentOnes::hear(const std::string& client, Clock::time_point now) {
+void PresenceTable::markActive(const std::string& client, Clock::time_point now) {
   const auto found = heard_.find(client);
   if (found != heard_.end()) found->second.last = now;
 }
 
-void PresentOnes::leave(const std::string& client) {
+void PresenceTable::leave(const std::string& client) {
   heard_.erase(client);
   if (members_.erase(client) != 0) ++changes_;
 }
 
-void PresentOnes::setLocked(const std::string& client, const std::vector<std::string>& names) {
+void PresenceTable::setLocked(const std::string& client, const std::vector<std::string>& names) {
   const auto found = members_.find(client);
   if (found == members_.end() && names.empty()) return;
   const Clock::time_point now = Clock::now();
@@ -64,15 +64,15 @@ void PresentOnes::setLocked(const std::string& client, const std::vector<std::st
   member.change = ++changes_;
 }
 
-void PresentOnes::dropSilent(const std::set<std::string>& connected, Clock::time_point now) {
-  for (const std::string& client : connected) hear(client, now);
+void PresenceTable::dropSilent(const std::set<std::string>& connected, Clock::time_point now) {
+  for (const std::string& client : connected) markActive(client, now);
   const std::size_t gone = std::erase_if(members_, [&](const auto& member) {
     return member.second.presence.locked.empty() && now - heard_.at(member.first).last > limits_.presenceIdle;
   });
   if (gone != 0) ++changes_;
 }
 
-void PresentOnes::put(const std::string& client, const PresenceUpdate& update) {
+void PresenceTable::put(const std::string& client, const PresenceUpdate& update) {
   PresentMember& member = members_[client];
   member.change = ++changes_;
   member.presence.displayName = update.displayName.value_or(member.presence.displayName);
@@ -81,7 +81,7 @@ void PresentOnes::put(const std::string& client, const PresenceUpdate& update) {
   member.presence.selection = update.selection;
 }
 
-Status PresentOnes::admit(const std::string& client, Clock::time_point now) {
+Status PresenceTable::admit(const std::string& client, Clock::time_point now) {
   const double rate = limits_.maxPresenceUpdatesPerSecond;
   Heard& heard = heard_.try_emplace(client, Heard{now, {rate, now}}).first->second;
   heard.last = now;

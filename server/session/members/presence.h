@@ -44,12 +44,12 @@ struct PresentMember {
   Presence presence;
   std::uint64_t change = 0;
 };
-using PresentMembers = std::map<std::string, PresentMember>;
+using PresenceSnapshot = std::map<std::string, PresentMember>;
 
 /// The members of one session that are there to be seen. Not thread-safe: the session's lock guards it.
-class PresentOnes {
+class PresenceTable {
  public:
-  explicit PresentOnes(const Limits& limits) : limits_(limits) {}
+  explicit PresenceTable(const Limits& limits) : limits_(limits) {}
   /// From now on; what is there stays.
   void setLimits(const Limits& limits) { limits_ = limits; }
 
@@ -58,27 +58,27 @@ class PresentOnes {
   /// RESOURCE_EXHAUSTED (max_presence_updates_per_second) where the member says more than that.
   Status update(const std::string& client, const PresenceUpdate& update, Clock::time_point now);
   /// The member is there still.
-  void hear(const std::string& client, Clock::time_point now);
+  void markActive(const std::string& client, Clock::time_point now);
   void leave(const std::string& client);
   /// Who has something locked is seen.
   void setLocked(const std::string& client, const std::vector<std::string>& names);
   /// Those who are not in `connected` and were not heard of for limits.presenceIdle are gone.
   void dropSilent(const std::set<std::string>& connected, Clock::time_point now);
 
-  const PresentMembers& members() const { return members_; }
+  const PresenceSnapshot& members() const { return members_; }
   /// Rises with every change, of whatever kind.
   std::uint64_t changes() const { return changes_; }
 
  private:
   struct Heard {
     Clock::time_point last;
-    Allowance updates;
+    TokenBucket updates;
   };
   void put(const std::string& client, const PresenceUpdate& update);
   Status admit(const std::string& client, Clock::time_point now);
 
   Limits limits_;
-  PresentMembers members_;
+  PresenceSnapshot members_;
   std::map<std::string, Heard> heard_;  ///< of everybody who ever said something, until it leaves
   std::uint64_t changes_ = 0;
 };

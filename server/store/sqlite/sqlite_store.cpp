@@ -45,7 +45,7 @@ Status SqliteStore::writable() const {
 
 std::int64_t SqliteStore::queued() const {
   const std::lock_guard lock(mutex_);
-  return std::int64_t(given_ - kept_);
+  return std::int64_t(given_ - durablePosition_);
 }
 
 std::int64_t SqliteStore::commits() const {
@@ -64,14 +64,14 @@ Position SqliteStore::push(const std::string& session, std::function<Status(Tabl
   return position;
 }
 
-Position SqliteStore::create(const Head& head, MakeWhole make) {
+Position SqliteStore::create(const Head& head, MakeFullSnapshot make) {
   return push(head.id, [head, make = std::move(make)](Tables& tables, LogSize*) {
-    const Whole whole = make();
+    const FullSnapshot whole = make();
     return tables.create(head, whole.snapshot, whole.contents);
   });
 }
 
-Position SqliteStore::append(const std::string& session, MakeStep step) {
+Position SqliteStore::append(const std::string& session, MakeLogRecord step) {
   return push(session, [session, step = std::move(step)](Tables& tables, LogSize* size) {
     return tables.append(session, step, size);
   });
@@ -101,11 +101,11 @@ Position SqliteStore::dropToken(const std::string& tokenId) {
   return push({}, [tokenId](Tables& tables, LogSize*) { return tables.dropToken(tokenId); });
 }
 
-void SqliteStore::whenKept(Position position, Kept kept) {
+void SqliteStore::whenDurable(Position position, Kept kept) {
   Status status;
   {
     const std::lock_guard lock(mutex_);
-    if (position > kept_) {
+    if (position > durablePosition_) {
       if (failure_.ok()) {
         waiting_.emplace(position, std::move(kept));
         return;
@@ -168,11 +168,11 @@ void SqliteStore::settle(const Status& status) {
     changed = failure_.ok() != status.ok();
     failure_ = status;
     if (status.ok()) {
-      kept_ = group_.back().position;
+      durablePosition_ = group_.back().position;
       group_.clear();
       ++commits_;
     }
-    const auto end = status.ok() ? waiting_.upper_bound(kept_) : waiting_.end();
+    const auto end = status.ok() ? waiting_.upper_bound(durablePosition_) : waiting_.end();
     for (auto it = waiting_.begin(); it != end; it = waiting_.erase(it)) told.push_back(std::move(it->second));
   }
   settled_.notify_all();
@@ -208,8 +208,8 @@ void SqliteStore::compactDue() {
 Status SqliteStore::flush() {
   std::unique_lock lock(mutex_);
   const Position last = given_;
-  settled_.wait(lock, [&] { return kept_ >= last || !failure_.ok(); });
-  return kept_ >= last ? Status() : failure_;
+  settled_.wait(lock, [&] { return durablePosition_ >= last || !failure_.ok(); });
+  return durablePosition_ >= last ? Status() : failure_;
 }
 
 Expected<std::vector<Head>> SqliteStore::heads() {

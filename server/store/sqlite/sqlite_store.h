@@ -25,7 +25,7 @@ struct SqliteOptions {
   std::int64_t compactAfterRecords = 1000;
   std::int64_t compactAfterBytes = 16 * 1024 * 1024;  ///< of records and of the contents that came with them
   std::chrono::milliseconds retry{250};               ///< between attempts while the directory cannot be written
-  /// Runs what whenKept was given, in order; unset: the store's thread does.
+  /// Runs what whenDurable was given, in order; unset: the store's thread does.
   std::function<void(std::function<void()>)> executor;
   /// Called on the store's thread after every attempt at a transaction, compactions apart: how long it took, fsync
   /// included, and whether it was committed.
@@ -43,14 +43,14 @@ class SqliteStore final : public Store {
 
   lpv::v1::Durability durability() const override { return lpv::v1::DURABILITY_DISK; }
   Status writable() const override;
-  Position create(const Head& head, MakeWhole whole) override;
-  Position append(const std::string& session, MakeStep step) override;
+  Position create(const Head& head, MakeFullSnapshot whole) override;
+  Position append(const std::string& session, MakeLogRecord step) override;
   Position setEpoch(const std::string& session, std::uint64_t epoch) override;
   Position touch(const std::string& session, std::chrono::system_clock::time_point used) override;
   Position remove(const std::string& session) override;
   Position keepToken(const Token& token) override;
   Position dropToken(const std::string& tokenId) override;
-  void whenKept(Position position, Kept kept) override;
+  void whenDurable(Position position, Kept kept) override;
   Status flush() override;
   Expected<std::vector<Head>> heads() override;
   Expected<std::vector<Token>> tokens() override;
@@ -90,7 +90,7 @@ class SqliteStore final : public Store {
   std::deque<Change> queue_;
   std::multimap<Position, Kept> waiting_;
   Position given_ = 0;
-  Position kept_ = 0;
+  Position durablePosition_ = 0;
   Status failure_;
   std::int64_t commits_ = 0;
   bool stopping_ = false;

@@ -112,9 +112,9 @@ Status Tables::create(const Head& head, const pb::Snapshot& snapshot, const std:
   return status.ok() ? raiseEpoch(head.epoch) : status;
 }
 
-Status Tables::append(const std::string& session, const MakeStep& make, LogSize* size) {
+Status Tables::append(const std::string& session, const MakeLogRecord& make, LogSize* size) {
   Status failed;
-  const Step step = make([&](const std::string& hash) {
+  const LogRecord step = make([&](const std::string& hash) {
     const Expected<bool> held = holds(session, hash);
     if (!held && failed.ok()) failed = held.status();
     return held && *held;

@@ -29,7 +29,7 @@ class Tables {
 
   Status create(const Head& head, const pb::Snapshot& snapshot, const std::vector<Content>& contents);
   /// Counts what it writes into `size`.
-  Status append(const std::string& session, const MakeStep& step, LogSize* size);
+  Status append(const std::string& session, const MakeLogRecord& step, LogSize* size);
   Status setEpoch(const std::string& session, std::uint64_t epoch);
   Status touch(const std::string& session, std::int64_t usedSeconds);
   Status remove(const std::string& session);

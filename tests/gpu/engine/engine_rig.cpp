@@ -34,7 +34,7 @@ TickRequest requestOf(const Scene& scene, SessionKey session) {
 
 Scene smallScene() {
   Scene scene;
-  scene.options = SessionOptions::paper();
+  scene.options = LightingSettings::paper();
   scene.revision = 1;
   scene.grid = {glm::dvec3(-2.0), 0.25, glm::ivec3(16)};
   auto light = std::make_shared<Light>();

@@ -15,39 +15,39 @@
 namespace lpv {
 namespace {
 
-constexpr Turns::Party kLarge = 1, kSmall = 2;
+constexpr FairQueue::Tenant kLarge = 1, kSmall = 2;
 
-Turns::Party next(const Turns& turns, const std::vector<Turns::Party>& able) {
-  const auto same = [](Turns::Party party) { return party; };
+FairQueue::Tenant next(const FairQueue& turns, const std::vector<FairQueue::Tenant>& able) {
+  const auto same = [](FairQueue::Tenant tenant) { return tenant; };
   return *leastServed(turns, able.begin(), able.end(), same);
 }
 
-/// Who had the turns while pieces of the large party take 10 ms and those of the small one 1 ms.
-std::string turnsOf(Turns& turns, int count) {
+/// Who had the turns while pieces of the large tenant take 10 ms and those of the small one 1 ms.
+std::string turnsOf(FairQueue& turns, int count) {
   std::string out;
   for (int i = 0; i < count; ++i) {
-    const Turns::Party party = next(turns, {kLarge, kSmall});
-    turns.begin(party);
-    turns.charge(party, party == kLarge ? 0.010 : 0.001);
-    out += party == kLarge ? 'L' : 's';
+    const FairQueue::Tenant tenant = next(turns, {kLarge, kSmall});
+    turns.begin(tenant);
+    turns.charge(tenant, tenant == kLarge ? 0.010 : 0.001);
+    out += tenant == kLarge ? 'L' : 's';
   }
   return out;
 }
 
 // Equal time, not equal turns. Broken by: going round whatever pieces cost.
-TEST(Turns, GoByTime) {
-  Turns turns;
+TEST(FairQueue, GoByTime) {
+  FairQueue turns;
   turns.arrive(kLarge);
   turns.arrive(kSmall);
   EXPECT_THAT(turnsOf(turns, 23),
               testing::AnyOf("LssssssssssLssssssssssL", "LsssssssssssLsssssssssL", "LssssssssssLsssssssssss"));
 }
 
-// Ticks of five pieces beside a party that never stops: between two of them at most one of its pieces passes, and
-// within one none. Broken by: arrive() leaving what was used before (the large party's or the small one's time is saved
-// up); begin() that does not note the time.
-TEST(Turns, WhoComesBackIsServedNext) {
-  Turns turns;
+// Ticks of five pieces beside a tenant that never stops: between two of them at most one of its pieces passes, and
+// within one none. Broken by: arrive() leaving what was used before (the large tenant's or the small one's time is
+// saved up); begin() that does not note the time.
+TEST(FairQueue, WhoComesBackIsServedNext) {
+  FairQueue turns;
   turns.arrive(kLarge);
   for (int i = 0; i < 1000; ++i) {  // alone for long
     turns.begin(kLarge);
@@ -64,42 +64,42 @@ TEST(Turns, WhoComesBackIsServedNext) {
   EXPECT_NE(turnsOf(turns, 22).find('L'), std::string::npos);
 }
 
-/// Seconds that each party has had after `turns` of 10 ms, while their ticks take so long.
-std::map<Turns::Party, double> shares(const std::map<Turns::Party, double>& tickSeconds) {
-  Turns turns;
-  std::map<Turns::Party, double> had, left;
-  std::vector<Turns::Party> all;
-  for (const auto& [party, seconds] : tickSeconds) all.push_back(party);
+/// Seconds that each tenant has had after `turns` of 10 ms, while their ticks take so long.
+std::map<FairQueue::Tenant, double> shares(const std::map<FairQueue::Tenant, double>& tickSeconds) {
+  FairQueue turns;
+  std::map<FairQueue::Tenant, double> had, left;
+  std::vector<FairQueue::Tenant> all;
+  for (const auto& [tenant, seconds] : tickSeconds) all.push_back(tenant);
   for (int i = 0; i < 30'000; ++i) {
-    for (const Turns::Party party : all) {
-      if (left[party] > 0.0) continue;
-      turns.arrive(party);
-      left[party] = tickSeconds.at(party);
+    for (const FairQueue::Tenant tenant : all) {
+      if (left[tenant] > 0.0) continue;
+      turns.arrive(tenant);
+      left[tenant] = tickSeconds.at(tenant);
     }
-    const Turns::Party party = next(turns, all);
-    turns.begin(party);
-    turns.charge(party, 0.010);
-    left[party] -= 0.010;
-    had[party] += 0.010;
+    const FairQueue::Tenant tenant = next(turns, all);
+    turns.begin(tenant);
+    turns.charge(tenant, 0.010);
+    left[tenant] -= 0.010;
+    had[tenant] += 0.010;
   }
   return had;
 }
 
 // Broken by: charge() that counts all time alike; arrive() that does not begin a new tick.
-TEST(Turns, ATickThatTakesLongLetsShortOnesPass) {
+TEST(FairQueue, ATickThatTakesLongLetsShortOnesPass) {
   const auto beside = shares({{kSmall, 0.04}, {kLarge, 30.0}});
   EXPECT_NEAR(beside.at(kSmall) / beside.at(kLarge), 2.0, 0.05);
 }
 
 // Broken by: charge() that counts a tick's time by its square.
-TEST(Turns, TicksThatAllTakeLongHaveEqualTime) {
+TEST(FairQueue, TicksThatAllTakeLongHaveEqualTime) {
   const auto equals = shares({{1, 10.0}, {2, 30.0}, {3, 60.0}});
   EXPECT_NEAR(equals.at(1) / equals.at(3), 1.0, 0.05);
   EXPECT_NEAR(equals.at(2) / equals.at(3), 1.0, 0.05);
 }
 
-TEST(Turns, ACorrectionCounts) {
-  Turns turns;
+TEST(FairQueue, ACorrectionCounts) {
+  FairQueue turns;
   turns.arrive(kLarge);
   turns.arrive(kSmall);
   turns.charge(kLarge, 0.005);
@@ -109,13 +109,13 @@ TEST(Turns, ACorrectionCounts) {
   EXPECT_EQ(next(turns, {kLarge, kSmall}), kLarge);
 }
 
-SessionOptions propagating(int iterations) {
-  SessionOptions options = SessionOptions::paper();
+LightingSettings propagating(int iterations) {
+  LightingSettings options = LightingSettings::paper();
   options.iterations = iterations;
   return options;
 }
 
-Workload workloadOf(const SessionOptions& options, int edge, double scale = 1.0, int lights = 1) {
+Workload workloadOf(const LightingSettings& options, int edge, double scale = 1.0, int lights = 1) {
   const Grid grid{glm::dvec3(0.0), 4.0 / edge, glm::ivec3(edge)};
   Workload out(options, grid);
   Light light;
@@ -132,9 +132,9 @@ TEST(Predict, DearerThingsCostMore) {
   const double base = secondsOf(workloadOf(propagating(32), 32));
   EXPECT_GT(secondsOf(workloadOf(propagating(64), 32)), 1.5 * base);
   EXPECT_GT(secondsOf(workloadOf(propagating(32), 64)), 6.0 * base);
-  const double gather = secondsOf(workloadOf(SessionOptions(), 32));
-  EXPECT_GT(secondsOf(workloadOf(SessionOptions(), 32, 2.0)), 1.2 * gather) << "larger lights";
-  EXPECT_GT(secondsOf(workloadOf(SessionOptions(), 32, 1.0, 20)), 10.0 * gather);
+  const double gather = secondsOf(workloadOf(LightingSettings(), 32));
+  EXPECT_GT(secondsOf(workloadOf(LightingSettings(), 32, 2.0)), 1.2 * gather) << "larger lights";
+  EXPECT_GT(secondsOf(workloadOf(LightingSettings(), 32, 1.0, 20)), 10.0 * gather);
 
   Workload grouped = workloadOf(propagating(32), 32);
   Light light;
@@ -156,7 +156,7 @@ TEST(Predict, DearerThingsCostMore) {
 
 // Broken by: counting area that lies outside of the grid.
 TEST(Predict, AHugeLightCostsNoMoreThanTheGridHolds) {
-  EXPECT_LT(secondsOf(workloadOf(SessionOptions(), 32, 1e6)), 30.0);
+  EXPECT_LT(secondsOf(workloadOf(LightingSettings(), 32, 1e6)), 30.0);
 }
 
 // Broken by: a model that does not learn, or believes one odd piece.

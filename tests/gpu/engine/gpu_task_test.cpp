@@ -11,14 +11,14 @@
 namespace lpv {
 namespace {
 
-Pieces inner(std::string& log, int count) {
+GpuTask inner(std::string& log, int count) {
   for (int i = 0; i < count; ++i) {
     log += std::to_string(i);
     co_yield piece(Stage::kInject, i);
   }
 }
 
-Pieces outer(std::string& log) {
+GpuTask outer(std::string& log) {
   log += "a";
   co_yield piece(Stage::kUpload);
   co_await inner(log, 2);
@@ -30,7 +30,7 @@ Pieces outer(std::string& log) {
 // Broken by: not going back to the parent at the end of a child.
 TEST(PiecesTest, ChildrenRunAsPiecesOfTheirParent) {
   std::string log;
-  Pieces pieces = outer(log);
+  GpuTask pieces = outer(log);
   EXPECT_EQ(log, "");
   pieces.resume();
   EXPECT_EQ(log, "a");
@@ -46,12 +46,12 @@ TEST(PiecesTest, ChildrenRunAsPiecesOfTheirParent) {
   EXPECT_TRUE(pieces.done());
 }
 
-Pieces failing() {
+GpuTask failing() {
   co_yield piece(Stage::kUpload);
   throw std::runtime_error("broken");
 }
 
-Pieces around(bool& cleaned) {
+GpuTask around(bool& cleaned) {
   struct Guard {
     bool& flag;
     ~Guard() { flag = true; }
@@ -62,7 +62,7 @@ Pieces around(bool& cleaned) {
 // Broken by: swallowing the child's error.
 TEST(PiecesTest, AChildsErrorReachesWhoResumes) {
   bool cleaned = false;
-  Pieces pieces = around(cleaned);
+  GpuTask pieces = around(cleaned);
   pieces.resume();
   EXPECT_THROW(pieces.resume(), std::runtime_error);
   EXPECT_TRUE(cleaned);
@@ -71,7 +71,7 @@ TEST(PiecesTest, AChildsErrorReachesWhoResumes) {
 TEST(PiecesTest, AbandoningDestroysChildrenAndLocals) {
   bool cleaned = false;
   {
-    Pieces pieces = around(cleaned);
+    GpuTask pieces = around(cleaned);
     pieces.resume();
   }
   EXPECT_TRUE(cleaned);

@@ -137,7 +137,7 @@ std::vector<reference::Emitter> finelyCut(const Grid& grid, const Light& light, 
 
 // One VPL per cell: with k 2 3.8 % one cell away, 1.6 % at 2.5, 1.9 % at 4, where nodes are taken whole; .7 % there
 // with k 6. A texture of one colour is no better: it is the cells, not the colours.
-// Broken by: no colours; radiance without the brightest texel's.
+// Broken by: no colours; radiance without the radianceScale texel's.
 TEST_F(DirectFrameTest, ATexturedScreenByItsTree) {
   Scene scene = floorScene(Transport::kDirect, reference::quad());
   const TexturePtr noise = reference::noise(8, 8);

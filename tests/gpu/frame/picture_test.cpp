@@ -39,7 +39,7 @@ class PictureTest : public test::EngineTest {
   }
 
  private:
-  /// Differences scale with the pixel's own brightness: the brightest surface pixel as a multiple of the mean.
+  /// Differences scale with the pixel's own brightness: the radianceScale surface pixel as a multiple of the mean.
   static double largestShare(const reference::Picture& picture) {
     double mean = 0.0, most = 0.0;
     for (std::size_t i = 0; i < picture.radiance.size(); ++i) {

@@ -129,8 +129,8 @@ double relativeError(const reference::Field& got, const reference::Field& want) 
       if (!(glm::dot(c, c) < HUGE_VAL)) return HUGE_VAL;  // NaN too
     }
   }
-  const double brightest = brightestCell(want);
-  return brightest > 0.0 ? reference::largestDifference(got, want) / brightest : HUGE_VAL;
+  const double radianceScale = brightestCell(want);
+  return radianceScale > 0.0 ? reference::largestDifference(got, want) / radianceScale : HUGE_VAL;
 }
 
 VoxelMap voxelsOf(const LightVoxels& voxels) {
@@ -139,9 +139,10 @@ VoxelMap voxelsOf(const LightVoxels& voxels) {
   VoxelMap cells;
   for (std::size_t i = 0; i < list[3]; ++i) {
     const std::size_t entry = std::size_t(layout::kVoxelHeaderWords) + 2 * i;
-    const auto first = moments.begin() + std::ptrdiff_t(i) * voxels.sets;
+    const auto first = moments.begin() + std::ptrdiff_t(i) * voxels.momentsPerCell;
     const bool fresh =
-        cells.emplace(list[entry], std::pair(list[entry + 1], std::vector(first, first + voxels.sets))).second;
+        cells.emplace(list[entry], std::pair(list[entry + 1], std::vector(first, first + voxels.momentsPerCell)))
+            .second;
     EXPECT_TRUE(fresh) << "cell " << list[entry] << " is listed twice";
   }
   return cells;

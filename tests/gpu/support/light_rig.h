@@ -55,7 +55,7 @@ std::vector<reference::Emitter> emittersOf(const Grid& grid, const std::vector<E
 reference::Field injectedOf(const InjectRig& rig);
 /// The largest zeroth coefficient of any cell and colour.
 double brightestCell(const reference::Field& field);
-/// Largest difference as a share of the brightest cell of `want`; infinite where something is not finite or `want`
+/// Largest difference as a share of the radianceScale cell of `want`; infinite where something is not finite or `want`
 /// dark.
 double relativeError(const reference::Field& got, const reference::Field& want);
 

@@ -16,7 +16,7 @@ int haloIndex(const glm::ivec3& cell, const glm::ivec3& dims, int channel) {
 
 }  // namespace
 
-void finish(Pieces pieces) {
+void finish(GpuTask pieces) {
   while (!pieces.done()) pieces.resume();
 }
 
@@ -100,7 +100,7 @@ InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l, const Voxel
 
 void InjectRig::run() {
   const SceneResources resources = upload(cache_, lights);
-  finish(field.blank());
+  finish(field.clear());
   StageClock clock;
   finish(injector_.retire(field, voxels, {&clock}));
   voxels.clear();

@@ -1,4 +1,4 @@
-// transport/emitter_list.glsl = DirectLights of scene/emitter_list.h.
+// transport/emitter_list.glsl = EmitterList of scene/emitter_list.h.
 
 #include <cmath>
 #include <limits>
@@ -36,7 +36,7 @@ class DirectTest : public test::GlTest {
  protected:
   /// Largest difference between the two languages as a share of the largest irradiance.
   static double difference(const std::vector<DirectLight>& lights, double k) {
-    DirectLights direct;
+    EmitterList direct;
     direct.grid = {glm::dvec3(0.0), 1.0, glm::ivec3(int(kSize))};
     direct.always = true;
     direct.texels = reference::directTexels(lights, k);

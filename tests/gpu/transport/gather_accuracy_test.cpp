@@ -13,7 +13,7 @@
 namespace lpv {
 namespace {
 
-constexpr double kFast = kFastRule, kAccurate = kAccurateRule;
+constexpr double kFast = kFastOpeningRatio, kAccurate = kAccurateOpeningRatio;
 const glm::dvec3 kWhite(2.0);
 
 /// A cube of n^3 cells, 4 m about the origin.
@@ -78,7 +78,7 @@ TEST_F(GatherAccuracyTest, ExpectationsHold) {
                                  {48, 6.0},
                                  {64, kFast},
                                  {64, 6.0}}) {
-    SessionOptions options;
+    LightingSettings options;
     options.k = k;
     const double expected = expectedError(options, cells);
     double worst = 0.0;
@@ -105,12 +105,12 @@ struct Flicker {
 
 /// How much irradiance over truth varies, receiver by receiver.
 Flicker flickerOf(const std::vector<std::vector<glm::dvec3>>& got, const std::vector<std::vector<glm::dvec3>>& truth) {
-  double brightest = 0.0;
-  for (const glm::dvec3& e : truth[0]) brightest = std::max(brightest, e.r);
+  double radianceScale = 0.0;
+  for (const glm::dvec3& e : truth[0]) radianceScale = std::max(radianceScale, e.r);
   Flicker flicker;
   int count = 0;
   for (std::size_t i = 0; i < truth[0].size(); ++i) {
-    if (truth[0][i].r < 0.05 * brightest) continue;
+    if (truth[0][i].r < 0.05 * radianceScale) continue;
     Spread spread;
     for (std::size_t step = 0; step < got.size(); ++step) spread.add(got[step][i].r / truth[step][i].r);
     flicker.mean += spread.variation();

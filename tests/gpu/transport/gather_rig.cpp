@@ -16,7 +16,7 @@ const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
 std::array<int, 3> keyOf(const glm::ivec3& cell) { return {cell.z, cell.y, cell.x}; }
 
 int texelsPerRecord(const LightVoxels& voxels) {
-  return voxels.sets > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+  return voxels.momentsPerCell > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
 }
 
 /// Reads records one after the other.
@@ -132,8 +132,8 @@ bool GatherRig::move(std::vector<EmittingLight> moved) {
 }
 
 void GatherRig::clear() {
-  field->steps[0].buffer.clear();
-  field->nearestVpl.clear();
+  field->pingPong[0].buffer.clear();
+  field->emitterDistance.clear();
 }
 
 void GatherRig::gatherBlocks(double k, const ReceiverBlocks& blocks) {
@@ -169,9 +169,9 @@ reference::Field GatherTest::gathered(const Grid& grid, const std::vector<Emitti
 }
 
 std::vector<std::uint32_t> recordBits(const LightVoxels& voxels) {
-  if (voxels.tree->recordCount == 0) return {};
+  if (voxels.tree->entryCount == 0) return {};
   std::vector<std::uint32_t> words = read<std::uint32_t>(voxels.tree->records);
-  words.resize(std::size_t(voxels.tree->recordCount) * 4 * std::size_t(texelsPerRecord(voxels)));
+  words.resize(std::size_t(voxels.tree->entryCount) * 4 * std::size_t(texelsPerRecord(voxels)));
   return words;
 }
 
@@ -188,10 +188,10 @@ reference::Vpl referenceOf(const VplRecord& record) {
 TreeNode treeOf(const LightVoxels& voxels) {
   TreeNode root;
   root.edge = 0.0;
-  if (voxels.tree->recordCount == 0) return root;
+  if (voxels.tree->entryCount == 0) return root;
   RecordReader reader(voxels);
   root = reader.node();
-  EXPECT_EQ(reader.at(), voxels.tree->recordCount) << "records that no walk reaches";
+  EXPECT_EQ(reader.at(), voxels.tree->entryCount) << "records that no walk reaches";
   return root;
 }
 
@@ -207,7 +207,7 @@ std::vector<TreeNode> leavesOf(const TreeNode& node) {
 
 VplMap vplsOf(const LightVoxels& voxels) {
   VplMap vpls;
-  if (voxels.tree->recordCount == 0) return vpls;
+  if (voxels.tree->entryCount == 0) return vpls;
   const auto bins = binsOf(*voxels.tree);
   for (const TreeNode& leaf : leavesOf(treeOf(voxels))) {
     EXPECT_EQ(leaf.edge, 1.0);
@@ -219,7 +219,7 @@ VplMap vplsOf(const LightVoxels& voxels) {
   return vpls;
 }
 
-VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double brightest) {
+VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double radianceScale) {
   EmittingLight front = light;
   front.twoSided = false;
   VplMap vpls;
@@ -231,7 +231,7 @@ VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double brighte
                                        vpl.areaNormal / face,
                                        reference::spreadOf(vpl) / face,
                                        vpl.extent() / face,
-                                       vpl.radiance() / (light.radiance * brightest)};
+                                       vpl.radiance() / (light.radiance * radianceScale)};
     }
   }
   return vpls;

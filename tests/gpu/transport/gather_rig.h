@@ -101,8 +101,8 @@ std::vector<TreeNode> leavesOf(const TreeNode& node);
 /// VPLs by memory order of their cells (z, y, x) and normal bin.
 using VplMap = std::map<std::pair<std::array<int, 3>, int>, VplRecord>;
 VplMap vplsOf(const LightVoxels& voxels);
-/// The reference's, of a light's front; colours as shares of `brightest`.
-VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double brightest);
+/// The reference's, of a light's front; colours as shares of `radianceScale`.
+VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double radianceScale);
 
 /// GATHER in double with the nodes that the GPU's blocks choose, light by light. `group`: of those alone, or all (-1).
 reference::Field expectedIncident(const Grid& grid, const std::vector<EmittingLight>& lights, double k, int group = -1);

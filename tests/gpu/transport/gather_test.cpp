@@ -101,8 +101,8 @@ TEST_F(GatherFieldTest, ChoosesTheReferencesNodes) {
   expectReferences("one layer", {layer}, test::unitGrid({40, 1, 40}));
 }
 
-// The last by 1e-3: nodes weigh places by the brightest channel of their mean colour, the reference by that of the
-// parts. Broken by: a vector irradiance without the VPLs' colours; radiance without the brightest texel's.
+// The last by 1e-3: nodes weigh places by the radianceScale channel of their mean colour, the reference by that of the
+// parts. Broken by: a vector irradiance without the VPLs' colours; radiance without the radianceScale texel's.
 TEST_F(GatherFieldTest, OfVaryingLightsIsTheReferences) {
   const MeshPtr bowl = test::withAttributes(reference::quadOf(3), {},
                                             [](const glm::vec3& p) { return glm::vec3(2.0F * p.x, 2.0F * p.y, 1.0F); });

@@ -55,7 +55,7 @@ struct Grouped {
 const std::vector<glm::dvec3> kOpposite = {{-1.4, 0.0, 0.0}, {1.4, 0.0, 0.0}};
 const std::vector<glm::dvec3> kBeside = {{-1.7, -1.7, -1.7}, {-1.7, -1.7, -1.66}};
 
-// Broken by: one group more or fewer; the brightest last.
+// Broken by: one group more or fewer; the radianceScale last.
 TEST(Grouping, LightsOnTwoSidesGetAGroupEach) {
   const Grouped grouped(sceneWith(kOpposite));
   EXPECT_THAT(grouped.names, ElementsAre("", "auto 2"));

@@ -42,7 +42,7 @@ TEST_F(NearFieldTest, FloorsAtAnyDistanceAreWithinAPercent) {
 }
 
 // From under the light outwards, in steps of a 15th of a cell, E is as smooth as the truth: what is wrong with it, as a
-// share of the brightest, neither jumps nor bends where the volume takes over.
+// share of the radianceScale, neither jumps nor bends where the volume takes over.
 // Broken by: a step at 2.5 cells; the volume everywhere.
 TEST_F(NearFieldTest, NoSeamBetweenTheLightsAndTheVolume) {
   for (const double k : {2.0, 6.0}) {
@@ -91,7 +91,7 @@ TEST_F(NearFieldTest, ProximityIsTheDistanceToTheNearestVpl) {
       double beyond = 1e9, over = 0.0;
       reference::forEachCell(scene.grid.dims, [&](const glm::ivec3& cell) {
         const double want = nearestLeaf(scene.grid, leaves, cell);
-        const double got = volume->direct->proximity[scene.grid.index(cell)];
+        const double got = volume->direct->emitterDistance[scene.grid.index(cell)];
         if (want <= 3.0) over = std::max(over, std::abs(got - want));
         if (want > 3.0) beyond = std::min(beyond, got);
       });
@@ -102,7 +102,7 @@ TEST_F(NearFieldTest, ProximityIsTheDistanceToTheNearestVpl) {
 }
 
 // Probe and frame are two languages: at the same points, near, between and far.
-// Broken by: the proximity of half a cell away, in either language; a step or a line for the smoothstep.
+// Broken by: the emitterDistance of half a cell away, in either language; a step or a line for the smoothstep.
 TEST_F(NearFieldTest, ProbesAreWhatPixelsAre) {
   for (const Transport transport : {Transport::kGather, Transport::kDirect}) {
     for (const MeshPtr& mesh : {reference::quad(), reference::sphere()}) {
@@ -161,7 +161,8 @@ TEST_F(NearFieldTest, OutsideTheGridLightsAreLookedAt) {
   EXPECT_LE(outside, 3e-4);
 }
 
-// Broken by: lights of the tick before; k not among what makes them anew; the last light's proximity for the nearest's.
+// Broken by: lights of the tick before; k not among what makes them anew; the last light's emitterDistance for the
+// nearest's.
 TEST_F(NearFieldTest, EditsAreFollowed) {
   Scene scene = floorScene(Transport::kGather, reference::quad());
   auto other = std::make_shared<Light>(*scene.lights.at("light"));
@@ -178,7 +179,7 @@ TEST_F(NearFieldTest, EditsAreFollowed) {
     EXPECT_LE(e.raw, 0.012) << what;
     EXPECT_EQ(made.floor, fresh.floor) << what;
     EXPECT_EQ(made.volume->direct->texels, fresh.volume->direct->texels) << what;
-    EXPECT_EQ(made.volume->direct->proximity, fresh.volume->direct->proximity) << what;
+    EXPECT_EQ(made.volume->direct->emitterDistance, fresh.volume->direct->emitterDistance) << what;
   };
   expectTruth("as it was");
   test::lightOf(scene).transform.translation += glm::dvec3(-0.33, 0.21, 0.0);

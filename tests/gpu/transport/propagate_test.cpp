@@ -22,7 +22,7 @@ reference::Field propagate(const reference::Field& injected, int iterations, boo
   const gpu::Buffer upload = test::bufferOf(halo);
   glCopyNamedBufferSubData(upload.id(), field.injected.buffer.id(), 0, 0, GLsizeiptr(upload.size()));
   // What an earlier tick left behind must not matter.
-  for (FieldBuffer& step : field.steps) step.buffer.fill(0x42280000U);
+  for (FieldBuffer& step : field.pingPong) step.buffer.fill(0x42280000U);
   if (box.empty()) box = {glm::ivec3(0), injected.dims};
   Propagator propagator;
   StageClock clock;
@@ -40,7 +40,7 @@ std::vector<double> pieceSizes(const reference::Field& injected, int iterations,
   StageClock clock;
   for (int i = 0; i < 2; ++i) clock.add(Stage::kPropagate, 1.0, unitsPerSecond);
   std::vector<double> sizes;
-  Pieces pieces = propagator.run(field, {glm::ivec3(0), injected.dims}, iterations, false, {&clock, 0.003});
+  GpuTask pieces = propagator.run(field, {glm::ivec3(0), injected.dims}, iterations, false, {&clock, 0.003});
   for (pieces.resume(); !pieces.done(); pieces.resume()) {
     if (pieces.pause().kind == Pause::Kind::kPiece) sizes.push_back(pieces.pause().units);
   }

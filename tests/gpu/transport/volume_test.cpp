@@ -32,7 +32,7 @@ std::vector<glm::vec4> randomHalo(const glm::ivec3& dims, int channels) {
 struct VolumeRig {
   VolumeRig(const Grid& grid, int channels) : field(grid, channels), palette(paletteOf(channels)) {
     const gpu::Buffer upload = test::bufferOf(randomHalo(grid.dims, channels));
-    for (const FieldBuffer* target : {&field.injected, &field.steps[0]})
+    for (const FieldBuffer* target : {&field.injected, &field.pingPong[0]})
       glCopyNamedBufferSubData(upload.id(), target->buffer.id(), 0, 0, GLsizeiptr(upload.size()));
     field.result = 0;
   }
@@ -67,7 +67,7 @@ TEST_F(VolumeTest, ProductIsTheReferences) {
   for (int channels = 1; channels <= 3; ++channels) {
     VolumeRig rig(grid(), channels);
     const reference::Product want =
-        reference::productOf(test::fieldOf(rig.field.steps[0], rig.field, rig.palette), rig.field.grid.cell);
+        reference::productOf(test::fieldOf(rig.field.pingPong[0], rig.field, rig.palette), rig.field.grid.cell);
     EXPECT_LE(reference::relativeL2(rig.make(VolumeTarget::kProduct), want.incident), 1e-6) << channels;
     EXPECT_EQ(test::read<layout::Counters>(rig.field.counters)[0].clamped, want.clampedCells) << channels;
     EXPECT_GT(want.clampedCells, 20U);

@@ -12,7 +12,7 @@ namespace {
 
 class FluxTest : public test::LightTest {
  protected:
-  /// Largest difference as a share of the brightest cell's zeroth coefficient.
+  /// Largest difference as a share of the radianceScale cell's zeroth coefficient.
   static double error(const Grid& grid, const EmittingLight& light) {
     const test::InjectRig& rig = injected(grid, {light}, test::kFluxMethod);
     return test::relativeError(test::injectedOf(rig), reference::injectFlux(grid, test::emittersOf(grid, rig.lights)));

@@ -1,7 +1,7 @@
 // Lights that vary over their triangles, by texture and by emission directions per vertex (MATHS.md 2; paper 3.2, 3.3),
 // against the double reference.
 //
-// Seen to fail when broken: row integrals in the texture's own unit beside texels in shares of the brightest; the
+// Seen to fail when broken: row integrals in the texture's own unit beside texels in shares of the radianceScale; the
 // normal left in the sum of spread lobes; mean direction times mean colour for the mean of their product; directions
 // mixed in float; a thread with more rounds of loops than llvmpipe allows (laborious() false).
 

@@ -27,10 +27,10 @@ std::vector<reference::Emitter> emittersOf(const Grid& grid, const std::vector<E
 }
 
 /// Largest difference as a share of the largest coefficient there can be.
-double error(const Grid& grid, const test::InjectRig& rig, double brightest) {
+double error(const Grid& grid, const test::InjectRig& rig, double radianceScale) {
   const reference::Counted want = reference::injectCount(grid, emittersOf(grid, rig.lights));
   const reference::Field got = test::fieldOf(rig.field.injected, rig.field, rig.palette);
-  return reference::largestDifference(got, want.intensity) / (brightest * reference::lobe({0, 0, 1}).z);
+  return reference::largestDifference(got, want.intensity) / (radianceScale * reference::lobe({0, 0, 1}).z);
 }
 
 EmittingLight placed(const MeshPtr& mesh, const glm::dvec3& at, double size, const glm::dvec3& radiance,

@@ -66,7 +66,7 @@ MeshPtr directed(const MeshPtr& mesh) {
 }
 
 void expectReferences(const LightVoxels& voxels, const EmittingLight& light, const std::string& name) {
-  const VplErrors e = errorsOf(test::vplsOf(voxels), test::expectedVpls(kGrid, light, voxels.brightest));
+  const VplErrors e = errorsOf(test::vplsOf(voxels), test::expectedVpls(kGrid, light, voxels.radianceScale));
 
   EXPECT_EQ(e.unmatched, 0U) << name;
   EXPECT_LE(e.area, 1e-6) << name;
@@ -114,7 +114,7 @@ TEST_F(VplsTest, LeavesOfVaryingLightsAreTheReferences) {
 double powerOf(const LightVoxels& voxels, const EmittingLight& light) {
   double power = 0.0;
   for (const auto& [place, vpl] : test::vplsOf(voxels)) {
-    power += vpl.area * kGrid.cell * kGrid.cell * light.radiance.r * vpl.colour.r * voxels.brightest;
+    power += vpl.area * kGrid.cell * kGrid.cell * light.radiance.r * vpl.colour.r * voxels.radianceScale;
   }
   return power * reference::pi();
 }
@@ -140,12 +140,12 @@ struct Sums {
   glm::dvec3 direction{0.0}, position{0.0}, colour{0.0};
   glm::dmat3 square{0.0};
   void add(const test::VplRecord& v) {
-    const double brightest = v.area * std::max({v.colour.r, v.colour.g, v.colour.b});
+    const double radianceScale = v.area * std::max({v.colour.r, v.colour.g, v.colour.b});
     area += v.area;
-    weight += brightest;
+    weight += radianceScale;
     direction += v.direction;
-    position += brightest * v.position;
-    square += brightest * (v.extent + glm::outerProduct(v.position, v.position));
+    position += radianceScale * v.position;
+    square += radianceScale * (v.extent + glm::outerProduct(v.position, v.position));
     colour += v.area * v.colour;
   }
 };
@@ -229,7 +229,7 @@ TEST_F(VplsTest, NodesAreTheirChildrenMerged) {
 TEST_F(VplsTest, ALightOutsideHasNoRecords) {
   for (const glm::dvec3 at : {glm::dvec3(-40, 4, 5), glm::dvec3(6, 6, 99)}) {
     const LightVoxels& voxels = voxelsOf(test::placed(reference::quad(), test::poseOf(at, glm::dvec3(3.0)), kWhite));
-    EXPECT_EQ(voxels.tree->recordCount, 0U);
+    EXPECT_EQ(voxels.tree->entryCount, 0U);
     EXPECT_EQ(voxels.tree->cellCount, 0U);
   }
 }

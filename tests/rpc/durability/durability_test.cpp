@@ -163,8 +163,8 @@ class Writer {
   std::atomic<std::size_t> acknowledged_{0};
 };
 
-// Seen to fail when Session::confirm tells at once and the store's thread sleeps 20 ms before it begins a transaction.
-// (That the disk was really waited for, no kill can show: what the kernel has is there afterwards.)
+// Seen to fail when Session::confirmWhenDurable tells at once and the store's thread sleeps 20 ms before it begins a
+// transaction. (That the disk was really waited for, no kill can show: what the kernel has is there afterwards.)
 TEST_F(Durable, KilledAtRandomMomentsNothingAcknowledgedIsLostAndNothingIsDoneTwice) {
   constexpr int kRounds = 6;
   constexpr std::size_t kWriters = 3;

@@ -17,13 +17,13 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-// Seen to fail (and not to end before its patience) when whileBlocked() just waits.
+// Seen to fail (and not to end before its patience) when blockingSection() just waits.
 TEST(WorkerPool, OthersRunWhileAJobIsBlocked) {
   WorkerPool pool(1);
   std::promise<void> other;
   std::promise<bool> othersRan;
   pool.post([&] {
-    pool.whileBlocked(
+    pool.blockingSection(
         [&] { othersRan.set_value(other.get_future().wait_for(seconds(20)) == std::future_status::ready); });
   });
   pool.post([&] { other.set_value(); });
@@ -41,7 +41,7 @@ TEST(WorkerPool, AfterwardsNoMoreRunAtOnceThanBefore) {
     const auto promise = std::make_shared<std::promise<void>>();
     blocked.push_back(promise->get_future());
     pool.post([&pool, promise, ended] {
-      pool.whileBlocked([&] { ended.wait(); });
+      pool.blockingSection([&] { ended.wait(); });
       promise->set_value();
     });
   }
@@ -70,7 +70,7 @@ TEST(WorkerPool, AfterwardsNoMoreRunAtOnceThanBefore) {
 TEST(WorkerPool, ElsewhereWaitingIsWaiting) {
   WorkerPool pool(1);
   bool waited = false;
-  pool.whileBlocked([&] { waited = true; });
+  pool.blockingSection([&] { waited = true; });
   EXPECT_TRUE(waited);
 }
 

@@ -323,7 +323,7 @@ class GatherWalls : public ::testing::TestWithParam<MeshPtr (*)()> {};
 TEST_P(GatherWalls, AreNearTheTruth) {
   const Grid grid = gridOf(32, 4.0);
   const std::vector<Emitter> light = emittersIn(grid, GetParam()(), anyPose());
-  for (const double k : {kFastRule, kAccurateRule}) {
+  for (const double k : {kFastOpeningRatio, kAccurateOpeningRatio}) {
     const Errors e = wallErrors(grid, light, k);
     EXPECT_LE(e.raw, 0.006);
     EXPECT_LE(e.shape, e.raw);

@@ -16,7 +16,7 @@ namespace {
 /// A turned pyramid in the middle of 9^3 cells of .25 m, everything `scale` times as large.
 Scene sceneOfScale(double scale) {
   Scene scene;
-  scene.options = SessionOptions::paper();
+  scene.options = LightingSettings::paper();
   scene.grid.dims = glm::ivec3(9);
   scene.grid.cell = 0.25 * scale;
   scene.grid.origin = glm::dvec3(-1.125 * scale);

@@ -158,8 +158,8 @@ TEST(TriangleIrradiance, CheckValue) {
 constexpr double kSize = 8.0;
 
 /// As the session would have it, over cells of half a metre.
-DirectLights lightsOf(const std::vector<reference::DirectLight>& lights, double k) {
-  DirectLights direct;
+EmitterList lightsOf(const std::vector<reference::DirectLight>& lights, double k) {
+  EmitterList direct;
   direct.grid = {{1.0, -2.0, 0.5}, 0.5, glm::ivec3(int(kSize))};
   direct.always = true;
   direct.texels = reference::directTexels(lights, k);
@@ -169,7 +169,7 @@ DirectLights lightsOf(const std::vector<reference::DirectLight>& lights, double 
 void expectSum(const std::string& name, const std::vector<reference::DirectLight>& lights) {
   std::mt19937 random(3);
   for (const double k : {0.0, 1.5, 4.0, 1e15}) {
-    const DirectLights direct = lightsOf(lights, k);
+    const EmitterList direct = lightsOf(lights, k);
     double apart = 0.0, largest = 0.0;
     for (int i = 0; i < 500; ++i) {
       const glm::dvec3 x = 0.5 * kSize + 0.5 * kSize * randomVector(random);
@@ -188,7 +188,7 @@ void expectSum(const std::string& name, const std::vector<reference::DirectLight
 }
 
 // Broken by: records of three texels read as of two; a node taken whole whose children are walked too.
-TEST(DirectLights, AreWhatTheirTexelsSay) {
+TEST(EmitterList, AreWhatTheirTexelsSay) {
   using reference::randomPolygons;
   using reference::randomTree;
   expectSum("polygons", {randomPolygons(5, false, kSize, 1)});
@@ -201,25 +201,26 @@ TEST(DirectLights, AreWhatTheirTexelsSay) {
                             randomTree(false, false, kSize, 3), randomPolygons(2, true, kSize, 2)});
 }
 
-TEST(DirectLights, NoLightIsDark) {
+TEST(EmitterList, NoLightIsDark) {
   EXPECT_EQ(lightsOf({}, 2.0).irradiance(glm::dvec3(0.0), {0, 1, 0}), glm::dvec3(0.0));
 }
 
 /// 6 x 3 x 4 cells; how near an emitter is grows by `step` a cell along x.
-DirectLights ramp(double first, double step) {
-  DirectLights direct;
+EmitterList ramp(double first, double step) {
+  EmitterList direct;
   direct.grid = {{-1.0, 2.0, 0.5}, 0.5, {6, 3, 4}};
-  for (std::size_t i = 0; i < direct.grid.cells(); ++i) direct.proximity.push_back(float(first + step * double(i % 6)));
+  for (std::size_t i = 0; i < direct.grid.cells(); ++i)
+    direct.emitterDistance.push_back(float(first + step * double(i % 6)));
   return direct;
 }
 
-double farAt(const DirectLights& direct, const glm::dvec3& g) {
+double farAt(const EmitterList& direct, const glm::dvec3& g) {
   return direct.farFromEmitters(direct.grid.worldFromGrid(g));
 }
 
 // Broken by: interpolation between corners of cells; no smoothstep.
 TEST(FarFromEmitters, IsASmoothstepOfTheInterpolatedDistance) {
-  const DirectLights direct = ramp(1.0, 0.5);  // 1 .. 3.5 cells
+  const EmitterList direct = ramp(1.0, 0.5);  // 1 .. 3.5 cells
   for (double x = 0.5; x <= 5.5; x += 0.0625) {
     const double t = std::clamp(1.0 + 0.5 * (x - 0.5) - 2.0, 0.0, 1.0);
     for (const glm::dvec3 g : {glm::dvec3(x, 1.5, 2.0), glm::dvec3(x, 0.5, 0.5), glm::dvec3(x, 2.25, 3.75)})
@@ -233,7 +234,7 @@ TEST(FarFromEmitters, IsASmoothstepOfTheInterpolatedDistance) {
 // The outermost centres stand for half a cell around them, within and without; beyond, the lights are looked at.
 // Broken by: 1 beyond the grid.
 TEST(FarFromEmitters, AtTheGridsEnd) {
-  const DirectLights direct = ramp(10.0, 0.0);
+  const EmitterList direct = ramp(10.0, 0.0);
   const glm::dvec3 dims(direct.grid.dims);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double away : {0.0, 0.25, 0.49, 0.51, 2.0, 1e6}) {
@@ -243,21 +244,21 @@ TEST(FarFromEmitters, AtTheGridsEnd) {
       for (const glm::dvec3& g : {below, beyond}) EXPECT_EQ(farAt(direct, g), away < 0.5 ? 1.0 : 0.0) << away;
     }
   }
-  const DirectLights rising = ramp(1.0, 0.5);
+  const EmitterList rising = ramp(1.0, 0.5);
   EXPECT_EQ(farAt(rising, {5.75, 1.0, 1.0}), farAt(rising, {5.5, 1.0, 1.0}));
 }
 
 TEST(FarFromEmitters, NowhereWithDirect) {
-  DirectLights direct = ramp(10.0, 0.0);
+  EmitterList direct = ramp(10.0, 0.0);
   direct.always = true;
-  direct.proximity.clear();
+  direct.emitterDistance.clear();
   EXPECT_EQ(farAt(direct, {1.5, 1.5, 1.5}), 0.0);
 }
 
 TEST(FarFromEmitters, OfOneCell) {
-  DirectLights direct;
+  EmitterList direct;
   direct.grid = {glm::dvec3(0.0), 1.0, glm::ivec3(1)};
-  direct.proximity = {2.5F};
+  direct.emitterDistance = {2.5F};
   for (const double x : {-0.4, 0.0, 0.5, 1.0, 1.4}) EXPECT_DOUBLE_EQ(farAt(direct, glm::dvec3(x)), 0.5);
 }
 

@@ -7,8 +7,8 @@
 namespace lpv {
 namespace {
 
-SessionOptions wanting(double maxError, int longest = 0) {
-  SessionOptions o;
+LightingSettings wanting(double maxError, int longest = 0) {
+  LightingSettings o;
   o.maxError = maxError;
   o.grid.longest = longest;
   o.grid.automatic = longest == 0;
@@ -20,59 +20,59 @@ TEST(ErrorGoal, IsReachedAtTheLeastCost) {
   int cells = 0;
   double k = 0.0;
   for (const double goal : {0.5, 0.02, 0.0085, 0.005, 0.004, 0.0035, 0.003, 0.002}) {
-    const SessionOptions wanted = wanting(goal);
+    const LightingSettings wanted = wanting(goal);
     ASSERT_TRUE(checkOptions(wanted).ok()) << checkOptions(wanted).message();
-    const SessionOptions o = carriedOut(wanted);
+    const LightingSettings o = resolved(wanted);
     EXPECT_LE(expectedError(o, o.grid.longest), goal);
     EXPECT_GE(o.grid.longest, cells) << "less error for fewer cells, " << goal;
     EXPECT_TRUE(o.grid.longest > cells || o.k >= k) << goal;
     cells = o.grid.longest;
     k = o.k;
   }
-  EXPECT_EQ(carriedOut(wanting(0.02)).grid.longest, 16);
-  EXPECT_EQ(carriedOut(wanting(0.02)).k, kFastRule);
+  EXPECT_EQ(resolved(wanting(0.02)).grid.longest, 16);
+  EXPECT_EQ(resolved(wanting(0.02)).k, kFastOpeningRatio);
   EXPECT_EQ(cells, 64);
   EXPECT_EQ(k, 6.0);
 }
 
 // Broken by: k chosen where it is given; dims chosen where they are.
 TEST(ErrorGoal, LeavesWhatIsGiven) {
-  SessionOptions o = wanting(0.0035, 64);
-  EXPECT_EQ(carriedOut(o).grid, o.grid);
-  EXPECT_EQ(carriedOut(o).k, kFastRule);
+  LightingSettings o = wanting(0.0035, 64);
+  EXPECT_EQ(resolved(o).grid, o.grid);
+  EXPECT_EQ(resolved(o).k, kFastOpeningRatio);
   o.k = 4.0;
-  EXPECT_EQ(carriedOut(o), o);
+  EXPECT_EQ(resolved(o), o);
   o = {};
-  EXPECT_EQ(carriedOut(o), o) << "nothing is asked for";
+  EXPECT_EQ(resolved(o), o) << "nothing is asked for";
   o.grid.dims = {10, 64, 20};
   o.maxError = 0.002;
-  EXPECT_EQ(carriedOut(o).k, 6.0) << "the longest edge counts";
+  EXPECT_EQ(resolved(o).k, 6.0) << "the longest edge counts";
   o.grid = {};
   o.grid.automatic = true;
   o.maxError = 0.0;
-  EXPECT_EQ(carriedOut(o).grid.longest, kDefaultCellsOfLongestEdge);
+  EXPECT_EQ(resolved(o).grid.longest, kDefaultCellsOfLongestEdge);
 }
 
 // Broken by: a rule chosen for GATHER only.
 TEST(ErrorGoal, IsReachedByTheRuleOfDirectToo) {
-  SessionOptions direct = wanting(0.01, 32);
+  LightingSettings direct = wanting(0.01, 32);
   direct.transport = Transport::kDirect;
-  EXPECT_EQ(carriedOut(direct).k, kFastRule);
+  EXPECT_EQ(resolved(direct).k, kFastOpeningRatio);
   direct.maxError = 0.003;
-  EXPECT_EQ(carriedOut(direct).k, kAccurateRule);
+  EXPECT_EQ(resolved(direct).k, kAccurateOpeningRatio);
   EXPECT_TRUE(checkOptions(direct).ok());
 }
 
 struct Unreachable {
   const char* name;
-  SessionOptions options;
+  LightingSettings options;
   const char* reached;
 };
 
 // Broken by: the goal itself for what is reached; PROPAGATE taken for GATHER.
 TEST(ErrorGoal, ThatIsOutOfReachIsRefusedWithWhatIsReached) {
-  SessionOptions propagate = SessionOptions::paper(), coarse = wanting(0.001, 16), bands = wanting(0.01, 64),
-                 given = wanting(0.002, 64), direct = wanting(0.001, 32);
+  LightingSettings propagate = LightingSettings::paper(), coarse = wanting(0.001, 16), bands = wanting(0.01, 64),
+                   given = wanting(0.002, 64), direct = wanting(0.001, 32);
   propagate.maxError = 0.05;
   bands.lookup = Lookup::kSh2;
   given.k = 1.5;
@@ -93,7 +93,7 @@ TEST(ErrorGoal, ThatIsOutOfReachIsRefusedWithWhatIsReached) {
 
 TEST(ErrorGoal, LeavesLightsThatShareAGroupTheRest) {
   EXPECT_EQ(groupingGoal({}, 32), kGroupingError);
-  const SessionOptions o = carriedOut(wanting(0.013, 64));
+  const LightingSettings o = resolved(wanting(0.013, 64));
   const double volume = expectedError(o, 64), groups = groupingGoal(o, 64);
   EXPECT_NEAR(volume * volume + groups * groups, 0.013 * 0.013, 1e-9);
 }

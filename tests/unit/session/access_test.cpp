@@ -32,7 +32,7 @@ class AccessTest : public testing::Test {
   Code refusalOf(const std::string& token) const { return access_.verify(token).status().code(); }
 
   store::MemoryStore store_;
-  api::StoreJournal journal_{store_};
+  api::PersistentJournal journal_{store_};
   Timers timers_;
   Access access_{journal_, timers_};
 };
@@ -144,7 +144,7 @@ TEST(KeptTokens, ComeBackUnlessTheyOrTheirSessionsAreGone) {
   std::string orphan;
   {
     const auto sqlite = store::openStore(folder);
-    api::StoreJournal journal(*sqlite);
+    api::PersistentJournal journal(*sqlite);
     Timers timers;
     Access access(journal, timers);
     ASSERT_TRUE(access.require(kAdmin).ok());
@@ -162,7 +162,7 @@ TEST(KeptTokens, ComeBackUnlessTheyOrTheirSessionsAreGone) {
   const auto sqlite = store::openStore(folder);
   EXPECT_EQ(store::ask(folder, "SELECT count(*) FROM tokens"), 1);
   EXPECT_EQ(store::ask(folder, "SELECT count(*) FROM tokens WHERE instr(hash, '" + stays.substr(21) + "')"), 0);
-  api::StoreJournal journal(*sqlite);
+  api::PersistentJournal journal(*sqlite);
   Timers timers;
   Access access(journal, timers);
   ASSERT_TRUE(access.open().ok());

@@ -34,8 +34,8 @@ class Admission : public ::testing::Test {
 // Broken by: not asking the engine in Registry::create.
 TEST_F(Admission, OfANewSession) {
   rig_.engine.secondsPerCell = 1e-5;
-  Registry registry(rig_.workshop);
-  SessionOptions options;
+  Registry registry(rig_.services);
+  LightingSettings options;
   options.grid.longest = 32;  // .33 s
   EXPECT_TRUE(registry.create("small", options, {}, {}).ok());
   options.grid.longest = 128;
@@ -63,10 +63,12 @@ TEST_F(Admission, OfNewSettings) {
   const std::shared_ptr<Session> session = rig_.session();
   ASSERT_TRUE(add(*session, "A").ok());
   rig_.engine.secondsPerCell = 1e-5;
-  SessionOptions options = session->summary().options;
-  const SessionOptions before = options;
+  LightingSettings options = session->summary().options;
+  const LightingSettings before = options;
   options.grid.longest = 128;
-  const auto wanted = [&](const Settings& now) { return Expected<Settings>(Settings{options, now.manners}); };
+  const auto wanted = [&](const SessionSettings& now) {
+    return Expected<SessionSettings>(SessionSettings{options, now.policy});
+  };
   EXPECT_EQ(session->changeSettings(wanted).field(), "max_tick_seconds");
   EXPECT_EQ(session->summary().options, before);
   options.grid.longest = 16;
@@ -85,7 +87,7 @@ TEST_F(Admission, WhatMakesNothingDearerIsAccepted) {
   EXPECT_TRUE(apply(DeleteLight{"B"}).ok());
   EXPECT_EQ(add(*session, "D").field(), "edit.max_tick_seconds");
   // Nor one that comes back from where it is kept.
-  const auto kept = std::make_shared<Session>(2, 8, session->state(), rig_.workshop);
+  const auto kept = std::make_shared<Session>(2, 8, session->state(), rig_.services);
   const Edit dimmed = test::editOf({test::setRadiance("A", 1.0)});
   EXPECT_TRUE(kept->apply({}, dimmed).status.ok());
 }
@@ -94,7 +96,7 @@ TEST_F(Admission, WhatMakesNothingDearerIsAccepted) {
 TEST_F(Admission, OfACopy) {
   const std::shared_ptr<Session> session = rig_.session();
   for (const char* light : {"A", "B", "C"}) ASSERT_TRUE(add(*session, light).ok());
-  Registry registry(rig_.workshop);
+  Registry registry(rig_.services);
   EXPECT_TRUE(registry.create("cheap", session->state()).ok());
   rig_.engine.secondsPerLight = 3.0;
   EXPECT_EQ(registry.create("dear", session->state()).status().field(), "max_tick_seconds");
@@ -102,7 +104,7 @@ TEST_F(Admission, OfACopy) {
 
 // Broken by: sessions that keep the limits they were made with.
 TEST_F(Admission, LimitsChangeWhileSessionsLive) {
-  Registry registry(rig_.workshop);
+  Registry registry(rig_.services);
   const SessionPtr session = *registry.create("room", {}, {}, {});
   for (const char* light : {"A", "B", "C"}) ASSERT_TRUE(add(*session, light).ok());
   Limits wider = registry.limits();

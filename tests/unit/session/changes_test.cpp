@@ -35,7 +35,7 @@ class ChangesTest : public testing::Test {
 
   Limits limits_;
   Blobs blobs_{limits_};
-  Document document_{SessionOptions(), limits_, test::nameOfContent};
+  Document document_{LightingSettings(), limits_, test::nameOfContent};
 };
 
 TEST_F(ChangesTest, OfAnEmptyDocumentAreASnapshot) {

@@ -49,9 +49,9 @@ TEST(Reason, KnowsTheLimits) {
   test::Rig rig(limits);
   const auto session = rig.session();
   const auto inbox = std::make_shared<test::Inbox>();
-  Wish wish;
-  wish.volume = VolumeStage::kTransported;
-  for (const Status& status : {session->join().status(), session->subscribe(wish, inbox).status(),
+  Subscription subscription;
+  subscription.volume = VolumeStage::kTransported;
+  for (const Status& status : {session->join().status(), session->subscribe(subscription, inbox).status(),
                                session->apply({}, editOf({createLight("Lamp")})).status}) {
     EXPECT_THAT(kReasons[reasonOf(status)], testing::StartsWith("max_")) << status.message();
   }
@@ -61,9 +61,9 @@ class CountersTest : public testing::Test {
  protected:
   CountersTest() {
     EXPECT_TRUE(session_->apply({}, editOf({createLight("Lamp")})).status.ok());
-    Wish wish;
-    wish.volume = VolumeStage::kTransported;
-    subscriber_ = *session_->subscribe(wish, inbox_);
+    Subscription subscription;
+    subscription.volume = VolumeStage::kTransported;
+    subscriber_ = *session_->subscribe(subscription, inbox_);
     rig_.settle();
   }
   ~CountersTest() override { rig_.settle(); }
@@ -127,13 +127,13 @@ TEST_F(CountersTest, EditsAreRejectedForAReason) {
 
 TEST_F(CountersTest, TicksThatFailAreToldAndCounted) {
   std::string told;
-  Workshop workshop = rig_.workshop;
-  workshop.tell = [&told](Incident incident, const std::string& session, const std::string& why) {
-    EXPECT_EQ(incident, Incident::kTickFailed);
+  SessionServices services = rig_.services;
+  services.onEvent = [&told](SessionEvent incident, const std::string& session, const std::string& why) {
+    EXPECT_EQ(incident, SessionEvent::kTickFailed);
     told = session + ": " + why;
   };
-  const auto other =
-      std::make_shared<Session>("hall", 2, 7, SessionOptions(), SessionManners{std::chrono::seconds(60), ""}, workshop);
+  const auto other = std::make_shared<Session>("hall", 2, 7, LightingSettings(),
+                                               SessionPolicy{std::chrono::seconds(60), ""}, services);
   rig_.engine.failWith({Code::kInternal, "GL says no"});
   WaitingCall call;
   call.volume = VolumeStage::kTransported;

@@ -21,8 +21,8 @@ using test::setRadiance;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-SessionOptions fixedGrid() {
-  SessionOptions options;
+LightingSettings fixedGrid() {
+  LightingSettings options;
   options.grid.longest = 8;
   options.grid.hasBounds = true;
   options.grid.bounds = {glm::dvec3(-1.0), glm::dvec3(1.0)};
@@ -96,7 +96,7 @@ TEST_F(DocumentTest, AnEditThatFailsAtItsLastOperationChangesNothing) {
 }
 
 TEST_F(DocumentTest, AnEditThatFailsTakesItsGridBack) {
-  Document fitted(SessionOptions(), limits_, test::nameOfContent);
+  Document fitted(LightingSettings(), limits_, test::nameOfContent);
   ASSERT_TRUE(fitted.apply(editOf({createLight("Lamp")}), blobs_).ok());
   const Grid before = fitted.grid();
   EXPECT_FALSE(fitted.apply(editOf({moveLight("Lamp", {50, 0, 0}), FitGrid{}, DeleteLight{"Nobody"}}), blobs_).ok());
@@ -329,7 +329,7 @@ TEST_F(DocumentTest, VerticesPreparedForAnotherMeshAreMadeAgain) {
 }
 
 TEST_F(DocumentTest, AFittedGridFollowsNewContentAndNothingThatMoves) {
-  Document fitted(SessionOptions(), limits_, test::nameOfContent);
+  Document fitted(LightingSettings(), limits_, test::nameOfContent);
   const auto grid = [&](std::vector<Operation> operations) {
     EXPECT_TRUE(fitted.apply(editOf(std::move(operations)), blobs_).ok());
     return fitted.grid();
@@ -348,7 +348,7 @@ TEST_F(DocumentTest, AFittedGridFollowsNewContentAndNothingThatMoves) {
 }
 
 TEST_F(DocumentTest, SettingsAreARevisionWhereTheyDiffer) {
-  SessionOptions options = fixedGrid();
+  LightingSettings options = fixedGrid();
   EXPECT_TRUE(document_.setOptions(options).ok());
   EXPECT_EQ(document_.revision(), 0U);
   options.iterations = 5;

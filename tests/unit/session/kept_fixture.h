@@ -29,10 +29,10 @@ class KeptSessions : public testing::Test {
     store_ = store::openStore(folder_, options);
     ASSERT_NE(store_, nullptr);
     journal_.emplace(*store_);
-    Workshop workshop = rig_.workshop;
-    workshop.hasher = api::meshHash;
-    workshop.journal = &*journal_;
-    registry_ = std::make_unique<Registry>(workshop, retain);
+    SessionServices services = rig_.services;
+    services.hasher = api::meshHash;
+    services.journal = &*journal_;
+    registry_ = std::make_unique<Registry>(services, retain);
     ASSERT_TRUE(registry_->open().ok());
   }
   void stop() {
@@ -46,7 +46,7 @@ class KeptSessions : public testing::Test {
     start();
   }
   SessionPtr create(const std::string& id, std::chrono::seconds ttl = std::chrono::hours(1)) {
-    const Expected<SessionPtr> session = registry_->create(id, SessionOptions(), {ttl, "Hall"}, "");
+    const Expected<SessionPtr> session = registry_->create(id, LightingSettings(), {ttl, "Hall"}, "");
     EXPECT_TRUE(session.ok()) << session.status().message();
     return session ? *session : nullptr;
   }
@@ -64,14 +64,14 @@ class KeptSessions : public testing::Test {
   /// What somebody is told.
   static EditOutcome confirmed(const SessionPtr& session, const EditOutcome& outcome) {
     std::promise<EditOutcome> promise;
-    session->confirm(outcome, [&promise](const EditOutcome& told) { promise.set_value(told); });
+    session->confirmWhenDurable(outcome, [&promise](const EditOutcome& told) { promise.set_value(told); });
     return promise.get_future().get();
   }
 
   store::Folder folder_;
   Rig rig_;
   std::unique_ptr<store::SqliteStore> store_;
-  std::optional<api::StoreJournal> journal_;
+  std::optional<api::PersistentJournal> journal_;
   std::unique_ptr<Registry> registry_;
 };
 

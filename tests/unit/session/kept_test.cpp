@@ -79,11 +79,11 @@ void furnish(const SessionPtr& hall) {
   apply({DeleteLight{"Gone"}, DeleteCamera{"Gone"}});
   apply({DeleteLight{"Gone.001"}, light("Gone.001", 0.5F)});
   apply({SetVertices{"Wall", {{0, 0, 1}, {1, 0, 1}, {1, 1, 2}}, {}, nullptr, nullptr}});
-  SessionOptions options;
+  LightingSettings options;
   options.grid.longest = 16;
   options.quality = Quality::kAccurate;
-  const Settings changed{options, {std::chrono::hours(2), "Great hall"}};
-  ASSERT_TRUE(hall->changeSettings([&](const Settings&) { return Expected<Settings>(changed); }).ok());
+  const SessionSettings changed{options, {std::chrono::hours(2), "Great hall"}};
+  ASSERT_TRUE(hall->changeSettings([&](const SessionSettings&) { return Expected<SessionSettings>(changed); }).ok());
   UpdateLight moved{"Lamp", {}};
   moved.fields.transform.translation = glm::dvec3(1, 2, 3);
   moved.fields.enabled = false;
@@ -198,7 +198,8 @@ TEST_F(KeptSessions, ARepeatedSequenceGetsItsFirstOutcome) {
     me = *hall->join();
     edit(hall, {light("Lamp"), light("Lamp")}, 1, me);
     EXPECT_EQ(hall->apply(me, editOf({setRadiance("Ghost", 1.0)}, 2)).status.code(), Code::kNotFound);
-    EXPECT_EQ(hall->refuse(me, 3, invalid("edit.operations", "unreadable")).status.code(), Code::kInvalidArgument);
+    EXPECT_EQ(hall->recordRejected(me, 3, invalid("edit.operations", "unreadable")).status.code(),
+              Code::kInvalidArgument);
     edit(hall, {light("Lamp")}, 9, me);
   }
   restart();
@@ -241,10 +242,10 @@ TEST_F(KeptSessions, SecretsAreNotInTheFolder) {
 }
 
 TEST_F(KeptSessions, ARepeatedRequestGetsTheSessionItMade) {
-  const std::string id = (*registry_->create("", SessionOptions(), {}, "request 1"))->id();
+  const std::string id = (*registry_->create("", LightingSettings(), {}, "request 1"))->id();
   restart();
-  EXPECT_EQ((*registry_->create("", SessionOptions(), {}, "request 1"))->id(), id);
-  EXPECT_EQ(registry_->create(id, SessionOptions(), {}, "").status().code(), Code::kAlreadyExists);
+  EXPECT_EQ((*registry_->create("", LightingSettings(), {}, "request 1"))->id(), id);
+  EXPECT_EQ(registry_->create(id, LightingSettings(), {}, "").status().code(), Code::kAlreadyExists);
 }
 
 // Seen to fail when confirm() tells at once.
@@ -252,18 +253,19 @@ TEST_F(KeptSessions, NobodyIsToldBeforeItIsKept) {
   const SessionPtr hall = create("hall");
   std::promise<void> reached;
   std::promise<void> release;
-  store_->append("nobody", [&](const store::Holds&) {
+  store_->append("nobody", [&](const store::HasContent&) {
     reached.set_value();
     release.get_future().wait();
-    return store::Step();
+    return store::LogRecord();
   });
   reached.get_future().wait();
   const ClientIdentity me = *hall->join();
   const EditOutcome outcome = edit(hall, {light("Lamp")}, 1, me);
   std::promise<EditOutcome> first;
   std::promise<EditOutcome> again;
-  hall->confirm(outcome, [&first](const EditOutcome& told) { first.set_value(told); });
-  hall->confirm(edit(hall, {light("Lamp")}, 1, me), [&again](const EditOutcome& told) { again.set_value(told); });
+  hall->confirmWhenDurable(outcome, [&first](const EditOutcome& told) { first.set_value(told); });
+  hall->confirmWhenDurable(edit(hall, {light("Lamp")}, 1, me),
+                           [&again](const EditOutcome& told) { again.set_value(told); });
   EXPECT_EQ(hall->revision(), 1U) << "readers see it";
   auto told = first.get_future();
   auto toldAgain = again.get_future();
@@ -291,9 +293,9 @@ TEST_F(KeptSessions, AFullDiskLeavesOutcomesUnknownNotFalse) {
     EXPECT_EQ(confirmed(hall, hall->apply(me, editOf({light("Two")}, 2))).status.code(), Code::kUnavailable);
     EXPECT_EQ(hall->join().status().code(), Code::kUnavailable);
     EXPECT_EQ(hall->addBlob(uploaded(7.0F)).status().code(), Code::kUnavailable);
-    EXPECT_EQ(hall->changeSettings([](const Settings& now) { return Expected<Settings>(now); }).code(),
+    EXPECT_EQ(hall->changeSettings([](const SessionSettings& now) { return Expected<SessionSettings>(now); }).code(),
               Code::kUnavailable);
-    EXPECT_EQ(registry_->create("attic", SessionOptions(), {}, "").status().code(), Code::kUnavailable);
+    EXPECT_EQ(registry_->create("attic", LightingSettings(), {}, "").status().code(), Code::kUnavailable);
     EXPECT_EQ(find("hall")->revision(), 2U) << "it can be read";
   }
   ASSERT_TRUE(eventually([this] { return journal_->writable().ok(); }));

@@ -86,24 +86,24 @@ TEST_F(LockedSession, RefusesEditsOfOthersWhole) {
   EXPECT_EQ(session_->revision(), 2U);
   EXPECT_EQ(apply({}, {DeleteLight{"Lamp"}}).code(), Code::kAborted);
   EXPECT_EQ(apply({}, {SetVertices{"Lamp", {}, {}, nullptr, nullptr}}).code(), Code::kAborted);
-  EXPECT_EQ(session_->takeStep(b_, 0, Direction::kUndo).status.code(), Code::kAborted);
+  EXPECT_EQ(session_->undoRedo(b_, 0, UndoDirection::kUndo).status.code(), Code::kAborted);
   EXPECT_TRUE(apply(b_, {setRadiance("Other", 2.0), createLight("Lamp")}).ok()) << "another object, another name";
   EXPECT_TRUE(apply(a_, {setRadiance("Lamp", 3.0)}).ok());
   ASSERT_TRUE(session_->lockObjects(a_, {}, seconds(0)).ok());
-  EXPECT_TRUE(session_->takeStep(b_, 0, Direction::kUndo).status.ok()) << "its step is still there";
+  EXPECT_TRUE(session_->undoRedo(b_, 0, UndoDirection::kUndo).status.ok()) << "its step is still there";
 }
 
 TEST_F(LockedSession, TellsOfLocksAndForgetsThemWithTheirHolder) {
   ASSERT_TRUE(apply(b_, {createLight("Lamp")}).ok());
   ASSERT_TRUE(session_->lockObjects(a_, {"Lamp"}, seconds(30)).ok());
-  EXPECT_THAT(session_->presentMembers().at(a_.id).presence.locked, ElementsAre("Lamp"));
+  EXPECT_THAT(session_->presenceSnapshot().at(a_.id).presence.locked, ElementsAre("Lamp"));
   const Clock::time_point over = Clock::now() + seconds(31);
   const std::uint64_t before = session_->presenceChanges();
   session_->dropSilentMembers(over);
   EXPECT_GT(session_->presenceChanges(), before);
   ASSERT_TRUE(session_->lockObjects(a_, {"Lamp"}, seconds(30)).ok());
   session_->leave(a_);
-  EXPECT_TRUE(session_->presentMembers().empty());
+  EXPECT_TRUE(session_->presenceSnapshot().empty());
   EXPECT_TRUE(apply(b_, {setRadiance("Lamp", 2.0)}).ok());
 }
 

@@ -25,7 +25,7 @@ class ClientsTest : public testing::Test {
   }
 
   Limits limits_;
-  Clients clients_{limits_};
+  Members clients_{limits_};
 };
 
 TEST_F(ClientsTest, AreIssuedDistinctIdentities) {
@@ -150,8 +150,8 @@ TEST_F(ClientsTest, TheOneWhoIsSilentForLongestGivesWay) {
   EXPECT_EQ(clients_.silent({}, hourLater - std::chrono::minutes(1)), "") << "nobody is silent for long enough";
   EXPECT_EQ(clients_.silent({}, hourLater), first);
   EXPECT_EQ(clients_.silent({first}, hourLater), second) << "whoever has a stream stays";
-  clients_.hear(first, Clock::now() + milliseconds(10));
-  clients_.hear(second, Clock::now() + milliseconds(5));
+  clients_.markActive(first, Clock::now() + milliseconds(10));
+  clients_.markActive(second, Clock::now() + milliseconds(5));
   EXPECT_EQ(clients_.silent({}, hourLater + milliseconds(20)), third);
 }
 
@@ -187,7 +187,7 @@ TEST(EditRateTest, CountsEditsThatCannotBeRead) {
   const Status why = invalid("edit", "unreadable");
   Code last = Code::kOk;
   for (std::uint64_t sequence = 1; sequence < 1000 && last != Code::kResourceExhausted; ++sequence)
-    last = session->refuse(me, sequence, why).status.code();
+    last = session->recordRejected(me, sequence, why).status.code();
   EXPECT_EQ(last, Code::kResourceExhausted);
 }
 
@@ -199,10 +199,10 @@ TEST(FullSessionTest, TakesAMemberInPlaceOfTheOneSilentForLongest) {
   test::Rig rig(limits);
   const auto session = rig.session();
   const ClientIdentity reader = *session->join(), silent = *session->join();
-  Wish wish;
-  wish.volume = VolumeStage::kTransported;
-  wish.clientId = reader.id;
-  const auto subscriber = session->subscribe(wish, std::make_shared<test::Inbox>());
+  Subscription subscription;
+  subscription.volume = VolumeStage::kTransported;
+  subscription.clientId = reader.id;
+  const auto subscriber = session->subscribe(subscription, std::make_shared<test::Inbox>());
   ASSERT_TRUE(subscriber.ok()) << subscriber.status().message();
   const Expected<ClientIdentity> third = session->join();
   ASSERT_TRUE(third.ok()) << third.status().message();

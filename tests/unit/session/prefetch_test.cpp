@@ -16,8 +16,8 @@ class FarReaders : public SessionTest {
   static constexpr double kRoundTrip = 0.05;  // seconds
 
   /// One that has been sent the first result.
-  std::shared_ptr<Subscriber> far(const Wish& wish = volumes()) {
-    const auto subscriber = subscribed(inbox_, wish);
+  std::shared_ptr<Subscriber> far(const Subscription& subscription = volumes()) {
+    const auto subscriber = subscribed(inbox_, subscription);
     first_ = inbox_->last().meta.resultId;
     for (int i = 0; i < 100; ++i) subscriber->roundTrip.measured(kRoundTrip);
     return subscriber;
@@ -88,10 +88,10 @@ TEST_F(FarReaders, HaveOneVolumeMadeForACredit) {
 TEST_F(FarReaders, HoldNoVolumeForLong) {
   const auto subscriber = far();
   ahead();
-  EXPECT_TRUE(subscriber->ahead);
+  EXPECT_TRUE(subscriber->prefetch);
   edited();
   subscribed(std::make_shared<test::Inbox>());  // has a tick made
-  EXPECT_FALSE(subscriber->ahead);
+  EXPECT_FALSE(subscriber->prefetch);
 }
 
 // Seen to fail when the deviation is not asked for.

@@ -30,7 +30,7 @@ PresenceUpdate selecting(std::vector<std::string> names) {
 class PresentOnesTest : public testing::Test {
  protected:
   Limits limits_;
-  PresentOnes present_{limits_};
+  PresenceTable present_{limits_};
   const Clock::time_point start_ = Clock::now();
 };
 
@@ -75,7 +75,7 @@ TEST_F(PresentOnesTest, AreLimitedByName) {
 TEST_F(PresentOnesTest, AreGoneAfterSilenceAndNotWhileTheyAreConnected) {
   for (const char* client : {"quiet", "connected", "heard"}) present_.join(client, named(client), start_);
   const Clock::time_point later = start_ + seconds(10);
-  present_.hear("heard", later);
+  present_.markActive("heard", later);
   present_.dropSilent({"connected"}, start_ + limits_.presenceIdle);
   EXPECT_EQ(present_.members().size(), 3U);
   const std::uint64_t before = present_.changes();
@@ -113,7 +113,7 @@ class PresenceTest : public testing::Test {
     context_.pool = &rig_.pool;
     context_.timers = &rig_.timers;
     context_.counters = &rig_.counters;
-    session_ = *registry_.create("room", SessionOptions(), {}, "");
+    session_ = *registry_.create("room", LightingSettings(), {}, "");
   }
   ClientIdentity join(const std::string& name) { return *session_->join(named(name)); }
   /// A watcher that has read its snapshot.
@@ -147,7 +147,7 @@ class PresenceTest : public testing::Test {
   }
 
   test::Rig rig_;
-  Registry registry_{rig_.workshop};
+  Registry registry_{rig_.services};
   api::Context context_;
   SessionPtr session_;
   std::vector<api::StreamPtr<api::pb::WatchSceneRequest, api::pb::WatchSceneResponse>> watching_;
@@ -203,11 +203,11 @@ TEST_F(PresenceTest, WhoIsSilentIsGoneUnlessWatching) {
   const auto anns = watch(ann);
   const Clock::time_point later = Clock::now() + session_->limits().presenceIdle + seconds(1);
   session_->dropSilentMembers(later);
-  EXPECT_EQ(session_->presentMembers().count(ann.id), 1U);
-  EXPECT_EQ(session_->presentMembers().count(bob.id), 0U);
+  EXPECT_EQ(session_->presenceSnapshot().count(ann.id), 1U);
+  EXPECT_EQ(session_->presenceSnapshot().count(bob.id), 0U);
   anns->cancelled();
   session_->dropSilentMembers(later + seconds(60));
-  EXPECT_TRUE(session_->presentMembers().empty());
+  EXPECT_TRUE(session_->presenceSnapshot().empty());
 }
 
 TEST_F(PresenceTest, IsForMembersAndInNoRevision) {

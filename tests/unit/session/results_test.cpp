@@ -173,7 +173,7 @@ TEST_F(SessionTest, LargeFramesOfCallsAreMadeOneAfterTheOther) {
   const int before = rig_.engine.ticks();
   for (int i = 0; i < 5; ++i) {
     WaitingCall call;
-    call.frame = FrameWish();
+    call.frame = FrameSettings();
     call.frame->size = {4096, 4096};
     call.frame->camera.camera = Camera();
     call.done = [&answers](const Expected<Result>&) { ++answers; };
@@ -200,21 +200,21 @@ TEST_F(SessionTest, ATickThatFailsEndsItsCallsAndIsTriedAgain) {
 }
 
 TEST_F(SessionTest, ACameraMakesAFrameAndAnOlderOneDoesNotReturn) {
-  Wish wish;
-  wish.frame = FrameWish();
-  wish.frame->cameraSequence = 5;
-  const auto subscriber = subscribed(inbox_, wish);
+  Subscription subscription;
+  subscription.frame = FrameSettings();
+  subscription.frame->cameraSequence = 5;
+  const auto subscriber = subscribed(inbox_, subscription);
   acknowledge(subscriber, inbox_->last().meta.resultId);
-  FrameWish next = *wish.frame;
+  FrameSettings next = *subscription.frame;
   next.cameraSequence = 6;
-  ASSERT_TRUE(session_->rewish(subscriber, next, std::nullopt).ok());
+  ASSERT_TRUE(session_->updateSubscription(subscriber, next, std::nullopt).ok());
   rig_.settle();
   ASSERT_EQ(inbox_->count(), 2U);
   EXPECT_EQ(inbox_->last().cameraSequence, 6U);
   EXPECT_EQ(inbox_->last().meta.revision, 1U);
   next.cameraSequence = 4;
-  ASSERT_TRUE(session_->rewish(subscriber, next, std::nullopt).ok());
-  EXPECT_EQ(session_->wishOf(subscriber).frame->cameraSequence, 6U);
+  ASSERT_TRUE(session_->updateSubscription(subscriber, next, std::nullopt).ok());
+  EXPECT_EQ(session_->subscriptionOf(subscriber).frame->cameraSequence, 6U);
 }
 
 // Seen to fail when the outcome is not recorded.
@@ -226,10 +226,10 @@ TEST_F(SessionTest, ARepeatedSequenceIsAppliedOnce) {
   EXPECT_EQ(again.names, first.names);
   EXPECT_EQ(session_->summary().lights, 2U);
   const Status unreadable(Code::kInvalidArgument, "no number", "edit.operations[0]");
-  EXPECT_EQ(session_->refuse(me, 2, unreadable).status.message(), "no number");
+  EXPECT_EQ(session_->recordRejected(me, 2, unreadable).status.message(), "no number");
   EXPECT_EQ(session_->apply(me, editOf({createLight("Mine")}, 2)).status.message(), "no number");
-  EXPECT_TRUE(session_->refuse(me, 1, unreadable).status.ok()) << "the first outcome of 1 was another";
-  EXPECT_EQ(session_->refuse({"c-stranger", ""}, 3, unreadable).status.code(), Code::kPermissionDenied);
+  EXPECT_TRUE(session_->recordRejected(me, 1, unreadable).status.ok()) << "the first outcome of 1 was another";
+  EXPECT_EQ(session_->recordRejected({"c-stranger", ""}, 3, unreadable).status.code(), Code::kPermissionDenied);
   EXPECT_EQ(session_->revision(), first.revision);
 }
 

@@ -21,8 +21,9 @@ class SessionTest : public testing::Test {
     rig_.settle();
     return outcome.revision;
   }
-  std::shared_ptr<Subscriber> subscribed(const std::shared_ptr<Inbox>& inbox, const Wish& wish = volumes()) {
-    const auto subscriber = session_->subscribe(wish, inbox);
+  std::shared_ptr<Subscriber> subscribed(const std::shared_ptr<Inbox>& inbox,
+                                         const Subscription& subscription = volumes()) {
+    const auto subscriber = session_->subscribe(subscription, inbox);
     EXPECT_TRUE(subscriber.ok()) << subscriber.status().message();
     rig_.settle();
     return *subscriber;
@@ -31,15 +32,15 @@ class SessionTest : public testing::Test {
     session_->acknowledge(subscriber, resultId);
     rig_.settle();
   }
-  static Wish volumes() {
-    Wish wish;
-    wish.volume = VolumeStage::kTransported;
-    return wish;
+  static Subscription volumes() {
+    Subscription subscription;
+    subscription.volume = VolumeStage::kTransported;
+    return subscription;
   }
-  static Wish twoCredits() {
-    Wish wish = volumes();
-    wish.twoCredits = true;
-    return wish;
+  static Subscription twoCredits() {
+    Subscription subscription = volumes();
+    subscription.twoCredits = true;
+    return subscription;
   }
 
   Rig rig_;

@@ -118,15 +118,15 @@ Limits Rig::quick() {
   return limits;
 }
 
-Rig::Rig(Limits limits) : workshop{limits, &engine, &pool, &timers, &counters, nameOfContent, &journal} {}
+Rig::Rig(Limits limits) : services{limits, &engine, &pool, &timers, &counters, nameOfContent, &journal} {}
 
 Rig::~Rig() {
   timers.stop();
   pool.stop();
 }
 
-std::shared_ptr<Session> Rig::session(SessionManners manners) {
-  return std::make_shared<Session>("room", 1, 7, SessionOptions(), std::move(manners), workshop);
+std::shared_ptr<Session> Rig::session(SessionPolicy policy) {
+  return std::make_shared<Session>("room", 1, 7, LightingSettings(), std::move(policy), services);
 }
 
 void Rig::settle() {

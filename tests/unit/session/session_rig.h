@@ -80,7 +80,7 @@ class Rig {
   /// Limits whose rates, of ticks and edits, ask for no waiting.
   static Limits quick();
 
-  std::shared_ptr<Session> session(SessionManners manners = {});
+  std::shared_ptr<Session> session(SessionPolicy policy = {});
   /// Returns when everything that was posted, and what came of it, has run.
   void settle();
 
@@ -89,8 +89,8 @@ class Rig {
   Timers timers;
   WorkerPool pool{1};
   store::MemoryStore memory;
-  api::StoreJournal journal{memory};
-  Workshop workshop;
+  api::PersistentJournal journal{memory};
+  SessionServices services;
 };
 
 /// Polls until `true`, for at most 20 s.

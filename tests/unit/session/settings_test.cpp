@@ -12,7 +12,7 @@ namespace lpv::api {
 namespace {
 
 /// Transport, injection and lookup in one word each.
-std::string words(const SessionOptions& o) {
+std::string words(const LightingSettings& o) {
   static const char* const kTransports[] = {"propagate", "gather", "direct"};
   static const char* const kInjections[] = {"count", "flux"};
   static const char* const kLookups[] = {"sh2", "cap", "nearest"};
@@ -43,7 +43,7 @@ class NewSettings : public testing::TestWithParam<Asked> {};
 
 // Broken by: COUNT without a say in the transport; a lookup that does not follow it.
 TEST_P(NewSettings, AreCompletedByWhatIsSaid) {
-  const Expected<Settings> made = fromProto(settingsOf(GetParam()));
+  const Expected<SessionSettings> made = fromProto(settingsOf(GetParam()));
   ASSERT_TRUE(made.ok()) << made.status().message();
   EXPECT_EQ(words(made->options), GetParam().given);
 }
@@ -84,11 +84,11 @@ class ChangedSettings : public testing::TestWithParam<Change> {};
 
 // Broken by: an injection that stays when the transport changes; one that follows where it does not change.
 TEST_P(ChangedSettings, KeepWhatTheMaskDoesNotName) {
-  const Expected<Settings> before = fromProto(settingsOf(GetParam().before));
+  const Expected<SessionSettings> before = fromProto(settingsOf(GetParam().before));
   ASSERT_TRUE(before.ok());
   google::protobuf::FieldMask mask;
   for (const std::string& path : GetParam().paths) mask.add_paths("settings." + path);
-  const Expected<Settings> after = withMask(*before, settingsOf(GetParam().wanted), mask);
+  const Expected<SessionSettings> after = withMask(*before, settingsOf(GetParam().wanted), mask);
   ASSERT_TRUE(after.ok()) << after.status().message();
   EXPECT_EQ(words(after->options), GetParam().after);
 }
@@ -133,14 +133,14 @@ TEST(SettingsFromProto, RefuseUnknownValuesByField) {
 
 // What an answer says is what a request may ask for again. Broken by: an answer without k.
 TEST(SettingsFromProto, SurviveTheWayBack) {
-  for (const SessionOptions& options : {SessionOptions(), SessionOptions::paper()}) {
-    SessionOptions wanted = options;
+  for (const LightingSettings& options : {LightingSettings(), LightingSettings::paper()}) {
+    LightingSettings wanted = options;
     wanted.grid.longest = 24;
     wanted.quality = Quality::kAccurate;
     wanted.k = 3.5;
     pb::SessionSettings message;
     toProto(wanted, &message);
-    const Expected<Settings> back = fromProto(message);
+    const Expected<SessionSettings> back = fromProto(message);
     ASSERT_TRUE(back.ok());
     EXPECT_EQ(back->options, wanted);
   }
@@ -151,18 +151,18 @@ TEST(ChangeSettings, NobodysFieldIsLost) {
   constexpr int kChanges = 2000;
   test::Rig rig;
   const std::shared_ptr<Session> session = rig.session();
-  const auto count = [&](const std::function<void(Settings&)>& one) {
+  const auto count = [&](const std::function<void(SessionSettings&)>& one) {
     for (int i = 0; i < kChanges; ++i) {
-      const Status changed = session->changeSettings([&](Settings now) {
+      const Status changed = session->changeSettings([&](SessionSettings now) {
         one(now);
-        return Expected<Settings>(now);
+        return Expected<SessionSettings>(now);
       });
       ASSERT_TRUE(changed.ok()) << changed.message();
     }
   };
   const std::chrono::seconds before = session->summary().ttl;
-  std::thread other(count, [](Settings& now) { ++now.manners.ttl; });
-  count([](Settings& now) { now.options.k = now.options.k < 2.0 ? now.options.k + 1.0 : 1.0; });
+  std::thread other(count, [](SessionSettings& now) { ++now.policy.ttl; });
+  count([](SessionSettings& now) { now.options.k = now.options.k < 2.0 ? now.options.k + 1.0 : 1.0; });
   other.join();
   EXPECT_EQ(session->summary().ttl, before + std::chrono::seconds(kChanges));
 }

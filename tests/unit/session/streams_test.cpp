@@ -63,9 +63,9 @@ class StreamsTest : public testing::Test {
 
   test::SmallEngine engine_;  ///< of those who have ticks made; goes last: sessions tell it that they go
   test::Rig rig_{impatient()};
-  Registry registry_{rig_.workshop};
-  Context context_{&registry_, &rig_.pool, &rig_.timers, &rig_.counters, rig_.workshop.limits, {}, "", {}};
-  SessionPtr session_ = *registry_.create("room", SessionOptions(), {}, "");
+  Registry registry_{rig_.services};
+  Context context_{&registry_, &rig_.pool, &rig_.timers, &rig_.counters, rig_.services.limits, {}, "", {}};
+  SessionPtr session_ = *registry_.create("room", LightingSettings(), {}, "");
   std::string mesh_ = meshBytes(*reference::quad());
 };
 
@@ -275,7 +275,7 @@ TEST_F(StreamsTest, EditsThatWaitAreDroppedWithTheirStream) {
 
 class ResultStreams : public StreamsTest {
  protected:
-  ResultStreams() { rig_.workshop.engine = &engine_; }
+  ResultStreams() { rig_.services.engine = &engine_; }
 
   /// Acknowledges all results there may be, and gives reasons for more.
   void acknowledgeAhead(const SessionPtr& session, const std::string& subscriber) {
@@ -295,9 +295,9 @@ class ResultStreams : public StreamsTest {
 /// A reader that takes nothing and acknowledges everything would have results pile up here.
 // Seen to fail where an acknowledgement needs a result that is under way, and nothing else.
 TEST_F(ResultStreams, WhatWasNotTakenCannotBeAcknowledged) {
-  Registry registry(rig_.workshop);
+  Registry registry(rig_.services);
   context_.registry = &registry;
-  SessionOptions options;
+  LightingSettings options;
   options.grid.longest = 8;
   const SessionPtr session = *registry.create("hall", options, {}, "");
   const auto stream = watchVolume(context_);
@@ -322,9 +322,9 @@ TEST_F(ResultStreams, WhatWasNotTakenCannotBeAcknowledged) {
 /// A volume that is made ahead is encoded ahead.
 // Seen to fail when prepare() does nothing.
 TEST_F(ResultStreams, WhatIsMadeAheadOfACreditIsEncodedOnce) {
-  Registry registry(rig_.workshop);
+  Registry registry(rig_.services);
   context_.registry = &registry;
-  SessionOptions options;
+  LightingSettings options;
   options.grid.longest = 8;
   const SessionPtr session = *registry.create("hall", options, {}, "");
   ASSERT_TRUE(session->apply({}, test::editOf({test::createLight("Lamp")})).status.ok());

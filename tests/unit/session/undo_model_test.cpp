@@ -140,12 +140,12 @@ class AgainstTheModel : public UndoTest {
     for (std::size_t i = 0; i < all.size(); ++i) all[i].tell(outcome.names[i]);
     model_.end(client.id, group);
   }
-  void stepBy(const ClientIdentity& client, Direction direction) {
-    const bool can = direction == Direction::kUndo ? model_.canUndo(client.id) : model_.canRedo(client.id);
-    const EditOutcome outcome = session_->takeStep(client, 0, direction);
+  void stepBy(const ClientIdentity& client, UndoDirection direction) {
+    const bool can = direction == UndoDirection::kUndo ? model_.canUndo(client.id) : model_.canRedo(client.id);
+    const EditOutcome outcome = session_->undoRedo(client, 0, direction);
     ASSERT_EQ(outcome.status.ok(), can) << outcome.status.message();
     if (!can) return;
-    const auto skipped = direction == Direction::kUndo ? model_.undo(client.id) : model_.redo(client.id);
+    const auto skipped = direction == UndoDirection::kUndo ? model_.undo(client.id) : model_.redo(client.id);
     ASSERT_EQ(std::set<std::string>(outcome.skipped.begin(), outcome.skipped.end()), skipped);
     ++steps_;
     skips_ += skipped.empty() ? 0 : 1;
@@ -195,7 +195,8 @@ TEST_F(AgainstTheModel, ThreeMembersAndNobodyAgree) {
     } else if (what < 100 || who == 3) {
       editBy(client);
     } else {
-      ASSERT_NO_FATAL_FAILURE(stepBy(client, what < 160 ? Direction::kUndo : Direction::kRedo)) << "operation " << i;
+      ASSERT_NO_FATAL_FAILURE(stepBy(client, what < 160 ? UndoDirection::kUndo : UndoDirection::kRedo))
+          << "operation " << i;
     }
     ASSERT_NO_FATAL_FAILURE(expectSame()) << "operation " << i;
   }

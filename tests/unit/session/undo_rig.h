@@ -31,9 +31,9 @@ class UndoTest : public testing::Test {
     return outcome;
   }
   EditOutcome undo(const ClientIdentity& client, std::uint64_t sequence = 0) {
-    return session_->takeStep(client, sequence, Direction::kUndo);
+    return session_->undoRedo(client, sequence, UndoDirection::kUndo);
   }
-  EditOutcome redo(const ClientIdentity& client) { return session_->takeStep(client, 0, Direction::kRedo); }
+  EditOutcome redo(const ClientIdentity& client) { return session_->undoRedo(client, 0, UndoDirection::kRedo); }
   LightPtr light(const std::string& name = "Lamp") {
     for (const Versioned<Light>& each : session_->lights()) {
       if (each.object->name == name) return each.object;

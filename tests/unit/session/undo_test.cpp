@@ -267,12 +267,12 @@ TEST_F(UndoTest, BlobsThatCanComeBackAreKept) {
 TEST_F(UndoTest, StepsEndWithTheProcess) {
   apply(a_, {createLight("Lamp")});
   SavedSession state = session_->state();
-  Clients clients(rig_.workshop.limits);
-  Session back(2, 8, state, rig_.workshop);
+  Members clients(rig_.services.limits);
+  Session back(2, 8, state, rig_.services);
   const ClientIdentity again = *back.join();
-  EXPECT_EQ(back.takeStep(again, 0, Direction::kUndo).status.code(), Code::kFailedPrecondition);
+  EXPECT_EQ(back.undoRedo(again, 0, UndoDirection::kUndo).status.code(), Code::kFailedPrecondition);
   ASSERT_TRUE(back.apply(again, editOf({setRadiance("Lamp", 2.0)})).status.ok());
-  EXPECT_TRUE(back.takeStep(again, 0, Direction::kUndo).status.ok()) << "objects from before have a past too";
+  EXPECT_TRUE(back.undoRedo(again, 0, UndoDirection::kUndo).status.ok()) << "objects from before have a past too";
   EXPECT_EQ(back.lights().at(0).object->radiance.x, 1.0);
 }
 

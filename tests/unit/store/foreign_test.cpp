@@ -18,7 +18,7 @@ using testing::HasSubstr;
 class ForeignSession : public testing::Test {
  protected:
   ForeignSession() {
-    toProto(SessionOptions(), snapshot().mutable_settings());
+    toProto(LightingSettings(), snapshot().mutable_settings());
     snapshot().mutable_grid()->set_cell_size(1.0);
     for (const auto set : {&pb::Dims::set_x, &pb::Dims::set_y, &pb::Dims::set_z}) {
       (snapshot().mutable_grid()->mutable_dims()->*set)(4);

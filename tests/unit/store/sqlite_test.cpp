@@ -73,7 +73,7 @@ TEST_F(SqliteStoreTest, WhatWasQueuedWhileACommitRanGoesIntoOneTransaction) {
   const std::int64_t before = store_->commits();
   std::promise<void> reached;
   std::promise<void> release;
-  store_->append("hall", [&, made = lampStep(1)](const Holds& holds) {
+  store_->append("hall", [&, made = lampStep(1)](const HasContent& holds) {
     reached.set_value();
     release.get_future().wait();
     return made(holds);
@@ -81,8 +81,8 @@ TEST_F(SqliteStoreTest, WhatWasQueuedWhileACommitRanGoesIntoOneTransaction) {
   reached.get_future().wait();  // the store's thread is inside a transaction
   std::atomic<int> told{0};
   for (std::uint64_t i = 2; i <= 100; ++i) {
-    store_->whenKept(store_->append("hall", lampStep(i)),
-                     [&told](const Status& status) { told += status.ok() ? 1 : 1000; });
+    store_->whenDurable(store_->append("hall", lampStep(i)),
+                        [&told](const Status& status) { told += status.ok() ? 1 : 1000; });
   }
   EXPECT_EQ(told, 0) << "nobody is told before it is kept";
   release.set_value();
@@ -108,7 +108,7 @@ TEST_F(SqliteStoreTest, NobodyIsToldOfALaterTransaction) {
   std::promise<void> release;
   const Position first = store_->append("hall", lampStep(1));
   keep(first);
-  const Position second = store_->append("hall", [&, made = lampStep(2)](const Holds& holds) {
+  const Position second = store_->append("hall", [&, made = lampStep(2)](const HasContent& holds) {
     reached.set_value();
     release.get_future().wait();
     return made(holds);
@@ -116,14 +116,14 @@ TEST_F(SqliteStoreTest, NobodyIsToldOfALaterTransaction) {
   reached.get_future().wait();
   std::promise<void> reachedThird;
   std::promise<void> releaseThird;
-  const Position third = store_->append("hall", [&, made = lampStep(3)](const Holds& holds) {
+  const Position third = store_->append("hall", [&, made = lampStep(3)](const HasContent& holds) {
     reachedThird.set_value();
     releaseThird.get_future().wait();
     return made(holds);
   });
-  store_->whenKept(third, note(3));
-  store_->whenKept(second, note(2));
-  store_->whenKept(first, note(1));
+  store_->whenDurable(third, note(3));
+  store_->whenDurable(second, note(2));
+  store_->whenDurable(first, note(1));
   {
     const std::lock_guard lock(mutex);
     EXPECT_THAT(order, ElementsAre(1)) << "the only one that is kept";
@@ -194,8 +194,8 @@ TEST_F(SqliteStoreTest, UploadsStayUntilTheyAreDropped) {
   options.compactAfterRecords = 1;
   reopen(options);
   createSession(*store_, "hall");
-  keep(store_->append("hall", [](const Holds&) {
-    Step step;
+  keep(store_->append("hall", [](const HasContent&) {
+    LogRecord step;
     (*step.record.mutable_uploads())["upload"] = lpv::v1::BLOB_KIND_TEXTURE;
     step.contents.push_back({"upload", lpv::v1::BLOB_KIND_TEXTURE, std::make_shared<const std::string>("texels")});
     return step;
@@ -205,8 +205,8 @@ TEST_F(SqliteStoreTest, UploadsStayUntilTheyAreDropped) {
   const Expected<Loaded> hall = store_->load("hall", true);
   ASSERT_TRUE(hall.ok() && hall->contents.size() == 1);
   EXPECT_EQ(hall->contents[0].kind, lpv::v1::BLOB_KIND_TEXTURE);
-  keep(store_->append("hall", [](const Holds&) {
-    Step step;
+  keep(store_->append("hall", [](const HasContent&) {
+    LogRecord step;
     step.record.add_dropped("upload");
     return step;
   }));
@@ -225,8 +225,8 @@ TEST_F(SqliteStoreTest, EpochsNeverComeAgainEvenAfterADeletion) {
 TEST_F(SqliteStoreTest, HeadsTellWhatIsNeededToForget) {
   createSession(*store_, "hall");
   createSession(*store_, "attic");
-  store_->append("hall", [](const Holds&) {
-    Step step;
+  store_->append("hall", [](const HasContent&) {
+    LogRecord step;
     step.record.mutable_settings()->mutable_ttl()->set_seconds(60);
     return step;
   });

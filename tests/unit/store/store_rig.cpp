@@ -42,7 +42,7 @@ Position createSession(Store& store, const std::string& id, std::uint64_t epoch)
   head.ttl = std::chrono::seconds(3600);
   pb::Snapshot snapshot;
   (*snapshot.mutable_clients())["me"].set_secret_hash("hash of my secret");
-  return store.create(head, [snapshot] { return Whole{snapshot, {}}; });
+  return store.create(head, [snapshot] { return FullSnapshot{snapshot, {}}; });
 }
 
 pb::Record lampRecord(std::uint64_t revision, const std::string& mesh) {
@@ -59,9 +59,9 @@ pb::Record lampRecord(std::uint64_t revision, const std::string& mesh) {
   return record;
 }
 
-MakeStep lampStep(std::uint64_t revision, const std::string& mesh, const std::string& bytes) {
-  return [=](const Holds& holds) {
-    Step step{lampRecord(revision, mesh), {}};
+MakeLogRecord lampStep(std::uint64_t revision, const std::string& mesh, const std::string& bytes) {
+  return [=](const HasContent& holds) {
+    LogRecord step{lampRecord(revision, mesh), {}};
     if (!holds(mesh)) {
       step.contents.push_back({mesh, lpv::v1::BLOB_KIND_MESH, std::make_shared<const std::string>(bytes)});
     }
@@ -71,7 +71,7 @@ MakeStep lampStep(std::uint64_t revision, const std::string& mesh, const std::st
 
 Status keptAt(Store& store, Position position) {
   std::promise<Status> promise;
-  store.whenKept(position, [&promise](const Status& status) { promise.set_value(status); });
+  store.whenDurable(position, [&promise](const Status& status) { promise.set_value(status); });
   return promise.get_future().get();
 }
 

@@ -44,7 +44,8 @@ Position createSession(Store& store, const std::string& id, std::uint64_t epoch 
 /// The step to `revision` that sets the light "Lamp" to the mesh `mesh` and red radiance `revision`, as edit of "me".
 pb::Record lampRecord(std::uint64_t revision, const std::string& mesh = "mesh-a");
 /// That step, bringing `bytes` as the mesh where they are not there yet.
-MakeStep lampStep(std::uint64_t revision, const std::string& mesh = "mesh-a", const std::string& bytes = "bytes of a");
+MakeLogRecord lampStep(std::uint64_t revision, const std::string& mesh = "mesh-a",
+                       const std::string& bytes = "bytes of a");
 /// What became of a position; waits.
 Status keptAt(Store& store, Position position);
 

@@ -36,7 +36,7 @@ double wordOfProto(std::size_t component, std::size_t u, std::size_t v, std::siz
 
 TEST(BrickTransform, ElementsAreTheDocumentedSums) {
   std::vector<std::int32_t> coefficients(kPlanes * kBrickCells, 0);
-  Planes<std::int16_t> elements;
+  Coefficients<std::int16_t> elements;
   for (const std::size_t at : {std::size_t(0), std::size_t(3 * 64 + 5 * 8 + 7), std::size_t(7 * 64 + 6)}) {
     for (std::size_t component = 0; component < 3; ++component) {
       std::fill(coefficients.begin(), coefficients.end(), 0);
@@ -55,19 +55,19 @@ TEST(BrickTransform, CoefficientsGiveTheElementsBack) {
   std::mt19937 generator(5);
   std::uniform_int_distribution<int> level(0, 30000);
   std::uniform_int_distribution<int> ratio(-2048, 2048);
-  Planes<double> wanted;
+  Coefficients<double> wanted;
   for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = i < 3 * kBrickCells ? level(generator) : ratio(generator);
-  Planes<double> coefficients;
+  Coefficients<double> coefficients;
   coefficientsFrom(wanted, &coefficients);
   std::vector<std::int32_t> rounded;
   for (const double c : coefficients) rounded.push_back(std::int32_t(std::lround(c)));
-  Planes<std::int16_t> elements;
+  Coefficients<std::int16_t> elements;
   elementsFrom(rounded.data(), &elements);
   for (std::size_t i = 0; i < wanted.size(); ++i) ASSERT_NEAR(elements[i], wanted[i], 6.0) << i;
 }
 
 TEST(BrickTransform, ElementsStayInRangeWhateverTheCoefficients) {
-  Planes<std::int16_t> elements;
+  Coefficients<std::int16_t> elements;
   const std::vector<std::int32_t> wild = randomCoefficients(kMaxCoefficient, 1.0);
   elementsFrom(wild.data(), &elements);
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -77,7 +77,7 @@ TEST(BrickTransform, ElementsStayInRangeWhateverTheCoefficients) {
 }
 
 TEST(Tokens, BlocksComeBackOneAfterTheOther) {
-  Tokens tokens;
+  RunLevels tokens;
   std::vector<std::vector<std::int32_t>> blocks{randomCoefficients(0, 0.0), randomCoefficients(1, 0.01),
                                                 randomCoefficients(kMaxCoefficient, 1.0)};
   blocks.push_back(blocks[1]);
@@ -116,7 +116,7 @@ TEST(Compact, StepsBecomeFinerWhereABrickNeedsIt) {
     coefficients[i] = sign < 0.0 ? -3 : 3;
   }
   coefficients[0] += 400000;  // light everywhere
-  Planes<std::int16_t> elements;
+  Coefficients<std::int16_t> elements;
   elementsFrom(coefficients.data(), &elements);
   Volume volume = fieldOf({}, glm::ivec3(8));
   for (std::size_t i = 0; i < kBrickCells; ++i) {

@@ -24,12 +24,12 @@ class EarlyAckStore final : public Store {
   }
   explicit EarlyAckStore(std::unique_ptr<SqliteStore> store) : store_(std::move(store)) {}
 
-  void whenKept(Position position, Kept kept) override {
-    if (position <= created_ + kFirstSteps) return store_->whenKept(position, std::move(kept));
+  void whenDurable(Position position, Kept kept) override {
+    if (position <= created_ + kFirstSteps) return store_->whenDurable(position, std::move(kept));
     kept({});
   }
-  Position append(const std::string& session, MakeStep step) override {
-    return store_->append(session, [last = last_, step = std::move(step)](const Holds& holds) {
+  Position append(const std::string& session, MakeLogRecord step) override {
+    return store_->append(session, [last = last_, step = std::move(step)](const HasContent& holds) {
       waitOnce(*last);
       return step(holds);
     });
@@ -37,7 +37,7 @@ class EarlyAckStore final : public Store {
 
   lpv::v1::Durability durability() const override { return store_->durability(); }
   Status writable() const override { return store_->writable(); }
-  Position create(const Head& head, MakeWhole whole) override {
+  Position create(const Head& head, MakeFullSnapshot whole) override {
     return created_ = store_->create(head, std::move(whole));
   }
   Position setEpoch(const std::string& session, std::uint64_t epoch) override {
