@@ -116,8 +116,8 @@ LPV_CONST int kTexturedRecordTexels = 5;  // ... and of one with a colour
 LPV_CONST float kSteadiness = 2.5;  // second order counts 1 / (1 + (2.5 x)^4), x: extent over squared distance
 LPV_CONST int kMostProbes = 64;  // places of the table that a VPL is looked for in
 LPV_CONST float kFarFromVpls = 1e4;  // cells: nothing near
-LPV_CONST float kNearBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,
-LPV_CONST float kNearEnd = 3.0;  // from here on at the volume (MATHS.md 3c)
+LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,
+LPV_CONST float kNearFieldEnd = 3.0;  // from here on at the volume (MATHS.md 3c)
 LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
                                    // 2^16 rounds in all, without a word
 

@@ -91,7 +91,7 @@ Status readAdminToken(const Options& options, Access& access) {
 }
 
 /// What happened to a session that nobody asked for.
-void tell(SessionEvent incident, const std::string& session, const std::string& why) {
+void report(SessionEvent incident, const std::string& session, const std::string& why) {
   const ops::LogScope scope({session, {}, {}});
   switch (incident) {
     case SessionEvent::kExpired:
@@ -99,7 +99,7 @@ void tell(SessionEvent incident, const std::string& session, const std::string& 
     case SessionEvent::kRetentionEnded:
       return ops::audit("expire", {{"why", "retain"}});
     case SessionEvent::kEvicted:
-      return spdlog::info("idle: put away, on disk only");
+      return spdlog::info("idle: evicted; on disk only");
     case SessionEvent::kTickFailed:
       return spdlog::error("a tick failed: {}", why);
   }
@@ -132,7 +132,7 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
 /// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
 /// is kept, and before the first stream has its notice: who has that, and asks, must not be sent here again.
 void drain(Registry& registry, door::Door& door, ops::Health& health) {
-  if (const Status kept = registry.freeze(); !kept.ok()) spdlog::error("while draining: {}", kept.message());
+  if (const Status kept = registry.quiesce(); !kept.ok()) spdlog::error("while draining: {}", kept.message());
   health.stopServing();
   door.stopServing();
   registry.drain();
@@ -207,7 +207,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   if (const Status status = access.open(); !status.ok()) return fail(status);
   if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
   const SessionServices services{options.limits, engine->get(), &pool,   &timers, &counters,
-                                 api::meshHash,  &journal,      &access, tell};
+                                 api::meshHash,  &journal,      &access, report};
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context{&registry,      &pool,

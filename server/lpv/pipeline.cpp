@@ -124,13 +124,13 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   if (copies.counters) queueCounterCopy(s);
   if (!views.of.empty()) {
     const gpu::Fence drawn = gpu::Fence::insert();
-    co_yield until(drawn);
+    co_yield waitFor(drawn);
     for (View* view : views.of) co_await copyFrame(*view, pacing(s));
   }
   if (copies.counters || !views.of.empty()) {
     const gpu::Fence copied = gpu::Fence::insert();
-    co_yield piece(Stage::kReadback, 0.0);
-    co_yield until(copied);
+    co_yield submitted(Stage::kReadback, 0.0);
+    co_yield waitFor(copied);
   }
   co_await takeCopies(s, copies);
   for (std::size_t i = 0; i < request.frames.size(); ++i)

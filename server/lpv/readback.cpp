@@ -113,7 +113,7 @@ GpuTask copyFrame(View& view, Pacing pacing) {
     target.copyPixels(targets.result(), row, rows, GL_RGB, display ? GL_UNSIGNED_BYTE : GL_FLOAT,
                       std::size_t(row) * rowBytes);
     row += rows;
-    if (row < size.y) co_yield piece(Stage::kReadback, double(rows) * size.x);
+    if (row < size.y) co_yield submitted(Stage::kReadback, double(rows) * size.x);
   }
 }
 

@@ -164,7 +164,7 @@ ClientState clientFrom(const std::string& id, const kept::Client& in) {
   out.id = id;
   out.secretHash = in.secret_hash();
   for (const pb::EditAck& outcome : in.outcomes()) out.outcomes.push_back(readOutcome(outcome));
-  out.tombstoneHorizon = in.forgotten_up_to();
+  out.outcomeHorizon = in.outcome_horizon();
   out.acceptedSequence = in.accepted_sequence();
   out.acceptedRevision = in.accepted_revision();
   return out;
@@ -200,7 +200,7 @@ Status frameFrom(const kept::Snapshot& in, SavedSession* out) {
   document.gridRevision = in.grid_revision();
   document.revision = in.revision();
   for (const kept::Tombstone& deleted : in.tombstones()) document.tombstones.push_back(readDeleted(deleted));
-  document.tombstoneHorizon = in.forgotten_up_to();
+  document.tombstoneHorizon = in.tombstone_horizon();
   return {};
 }
 

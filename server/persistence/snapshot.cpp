@@ -99,12 +99,12 @@ kept::Snapshot toSnapshot(const SavedSession& state) {
     entry.set_revision(camera.revision);
   }
   for (const Deleted& deleted : document.tombstones) writeDeleted(deleted, out.add_tombstones());
-  out.set_forgotten_up_to(document.tombstoneHorizon);
+  out.set_tombstone_horizon(document.tombstoneHorizon);
   for (const ClientState& client : state.clients) {
     kept::Client& entry = (*out.mutable_clients())[client.id];
     entry.set_secret_hash(client.secretHash);
     for (const EditOutcome& outcome : client.outcomes) writeOutcome(outcome, entry.add_outcomes());
-    entry.set_forgotten_up_to(client.tombstoneHorizon);
+    entry.set_outcome_horizon(client.outcomeHorizon);
     entry.set_accepted_sequence(client.acceptedSequence);
     entry.set_accepted_revision(client.acceptedRevision);
   }

@@ -120,7 +120,7 @@ double EmitterList::farFromEmitters(const glm::dvec3& world) const {
     const glm::dvec3 axis = glm::mix(1.0 - f, f, glm::dvec3(offset));
     distance += axis.x * axis.y * axis.z * double(emitterDistance[grid.index(glm::min(low + offset, grid.dims - 1))]);
   }
-  const double t = std::clamp((distance - kNearBegin) / (kNearEnd - kNearBegin), 0.0, 1.0);
+  const double t = std::clamp((distance - kNearFieldBegin) / (kNearFieldEnd - kNearFieldBegin), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
 

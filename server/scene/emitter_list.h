@@ -11,9 +11,9 @@
 
 namespace lpv {
 
-/// Cells from an emitter: up to kNearBegin receivers look at the lights, from kNearEnd on at the volume.
-inline constexpr double kNearBegin = 2.0;
-inline constexpr double kNearEnd = 3.0;
+/// Cells from an emitter: up to kNearFieldBegin receivers look at the lights, from kNearFieldEnd on at the volume.
+inline constexpr double kNearFieldBegin = 2.0;
+inline constexpr double kNearFieldEnd = 3.0;
 
 /// A session's lights as receivers look at them: the texels that shaders/transport/emitter_list.glsl describes.
 struct EmitterList {

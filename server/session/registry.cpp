@@ -270,17 +270,17 @@ void Registry::setLimits(const Limits& limits) {
   for (const auto& [id, session] : sessions_) session->setLimits(limits);
 }
 
-Status Registry::freeze() {
+Status Registry::quiesce() {
   {
     const std::lock_guard lock(mutex_);
     draining_ = true;
   }
-  for (const SessionPtr& session : all()) session->freeze(Closing::kDraining);
+  for (const SessionPtr& session : all()) session->quiesce(Closing::kDraining);
   return services_.journal->flush();
 }
 
 void Registry::drain() {
-  (void)freeze();
+  (void)quiesce();
   for (const SessionPtr& session : all()) session->close(Closing::kDraining);
 }
 
@@ -307,7 +307,7 @@ void Registry::sweep() {
 }
 
 void Registry::evictExpired(std::chrono::system_clock::time_point now) {
-  std::vector<std::string> putAway;
+  std::vector<std::string> evicted;
   for (const SessionPtr& session : all()) {
     const std::string& id = session->id();
     if (session->durability() == Durability::kMemory) {
@@ -321,7 +321,7 @@ void Registry::evictExpired(std::chrono::system_clock::time_point now) {
     if (const auto last = session->evict(now)) {
       used = last;
       sessions_.erase(id);
-      putAway.push_back(id);
+      evicted.push_back(id);
     }
     const auto kept = durableSessions_.find(id);
     if (!used || kept == durableSessions_.end()) continue;
@@ -329,10 +329,10 @@ void Registry::evictExpired(std::chrono::system_clock::time_point now) {
     kept->second.ttl = session->summary().ttl;
     (void)services_.journal->touch(id, *used);
   }
-  for (const std::string& id : putAway) tell(SessionEvent::kEvicted, id);
+  for (const std::string& id : evicted) report(SessionEvent::kEvicted, id);
 }
 
-void Registry::tell(SessionEvent incident, const std::string& id) const {
+void Registry::report(SessionEvent incident, const std::string& id) const {
   if (services_.onEvent) services_.onEvent(incident, id, {});
 }
 

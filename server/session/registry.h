@@ -67,8 +67,8 @@ class Registry {
 
   /// Refuses new sessions, and every change to those that are there; streams stay. Returns when what was accepted
   /// before is kept, or why it is not.
-  Status freeze();
-  /// Freezes, and ends every stream with a notice.
+  Status quiesce();
+  /// Quiesces, and ends every stream with a notice.
   void drain();
   /// Expired sessions go, or go to where they are kept; unused blobs go; old request ids are forgotten. Runs by itself
   /// once a second.
@@ -87,7 +87,7 @@ class Registry {
   void removeIfUnused(const std::string& id, SessionEvent incident, const std::function<bool(const SessionPtr&)>& over);
   void forgetKept(std::chrono::system_clock::time_point now);
   void sweepLater();
-  void tell(SessionEvent incident, const std::string& id) const;
+  void report(SessionEvent incident, const std::string& id) const;
 
   SessionServices services_;  ///< its limits are read and change with the lock held
   const std::chrono::seconds retain_;

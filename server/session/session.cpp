@@ -252,13 +252,13 @@ void Session::dropUnusedBlobs() {
   journal(std::move(step));
 }
 
-void Session::freeze(Closing why) {
+void Session::quiesce(Closing why) {
   const std::lock_guard lock(mutex_);
   if (!closed_) closed_ = why;
 }
 
 void Session::close(Closing why) {
-  freeze(why);
+  quiesce(why);
   std::vector<std::shared_ptr<ResultSink>> sinks;
   std::map<std::uint64_t, Watcher> watchers;
   std::list<std::shared_ptr<WaitingCall>> calls;

@@ -167,8 +167,8 @@ class Session : public std::enable_shared_from_this<Session> {
   SavedSession state() const;
   void dropUnusedBlobs();
   /// From now on nothing is accepted and nothing ticks; streams stay, and say nothing of it yet.
-  void freeze(Closing why);
-  /// Freezes the session and ends every stream and call.
+  void quiesce(Closing why);
+  /// Quiesces the session and ends every stream and call.
   void close(Closing why);
 
  private:
@@ -256,7 +256,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void deliver(std::vector<Delivery> deliveries);
   void countCoalesced(std::uint64_t revision, Clock::time_point now);
 
-  // Ahead of credits (session_ahead.cpp).
+  // Ahead of credits (session_prefetch.cpp).
   Clock::time_point dueAt(const Subscriber& subscriber) const;
   Clock::time_point prefetchDueAt(const Subscriber& subscriber) const;
   bool canStorePrefetch(const Subscriber& subscriber) const;

@@ -31,7 +31,7 @@ void foldObjects(const pb::Record& record, pb::Snapshot* snapshot) {
     kept.set_revision(record.revision());
   }
   dropFirst(snapshot->mutable_tombstones(), kKeptTombstones, [snapshot](const pb::Tombstone& dropped) {
-    snapshot->set_forgotten_up_to(std::max(snapshot->forgotten_up_to(), std::uint64_t(dropped.revision())));
+    snapshot->set_tombstone_horizon(std::max(snapshot->tombstone_horizon(), std::uint64_t(dropped.revision())));
   });
 }
 
@@ -76,7 +76,7 @@ void foldOutcome(const pb::Record& record, pb::Snapshot* snapshot) {
   if (outcome.sequence() == 0) return;
   *client.add_outcomes() = outcome;
   dropFirst(client.mutable_outcomes(), outcomesWithin(client), [&client](const lpv::v1::EditAck& dropped) {
-    client.set_forgotten_up_to(std::max(client.forgotten_up_to(), std::uint64_t(dropped.sequence())));
+    client.set_outcome_horizon(std::max(client.outcome_horizon(), std::uint64_t(dropped.sequence())));
   });
 }
 

@@ -45,7 +45,7 @@ float farFromEmitters(vec3 p) {
 #if LPV_DIRECT == 1
   return 1.0;
 #else
-  return smoothstep(kNearBegin, kNearEnd, textureLod(emitterDistance, p / dims, 0.0).x);
+  return smoothstep(kNearFieldBegin, kNearFieldEnd, textureLod(emitterDistance, p / dims, 0.0).x);
 #endif
 }
 #endif

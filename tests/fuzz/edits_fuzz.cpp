@@ -62,7 +62,7 @@ class Run {
     options.grid.hasBounds = in.ConsumeBool();
     options.grid.bounds = {glm::dvec3(-1.0), glm::dvec3(1.0)};
     session_ = std::make_shared<Session>("room", 1, 1, options, SessionPolicy(), services_);
-    session_->begin("");
+    session_->journalCreation("");
     for (Member& member : members_) member.identity = *session_->join();
   }
 

@@ -35,7 +35,7 @@ House::House(const store::Folder& folder) {
 }
 
 House::~House() {
-  EXPECT_TRUE(registry_->freeze().ok());
+  EXPECT_TRUE(registry_->quiesce().ok());
   registry_->drain();
   timers_.stop();
   pool_.stop();

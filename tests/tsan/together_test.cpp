@@ -120,7 +120,7 @@ TEST_F(Together, ADrainEndsEveryCall) {
       api::watchVolume(house().context()), request,
       [](const pb::WatchVolumeResponse&) { return std::optional<pb::WatchVolumeRequest>(); });
   while (busy < 3) std::this_thread::yield();
-  EXPECT_TRUE(house().registry().freeze().ok());
+  EXPECT_TRUE(house().registry().quiesce().ok());
   house().registry().drain();
   EXPECT_EQ(guest->end().code(), Code::kUnavailable);
   guest->leave();

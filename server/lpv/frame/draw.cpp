@@ -138,13 +138,13 @@ GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const 
       queued += count * unitsPerTriangle;
       if (count < int(room)) continue;
       glDisable(GL_SCISSOR_TEST);  // it would cut clears too
-      co_yield piece(stage, queued);
+      co_yield submitted(stage, queued);
       queued = 0.0;
       begin(target, band, frameParams);
     }
   }
   glDisable(GL_SCISSOR_TEST);
-  co_yield piece(stage, items.empty() ? double(target.size().x) * band.y : queued);
+  co_yield submitted(stage, items.empty() ? double(target.size().x) * band.y : queued);
 }
 
 }  // namespace lpv

@@ -103,7 +103,7 @@ GpuTask ShadingPass::fill(const gpu::Framebuffer& target, gpu::Program& program,
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDisable(GL_SCISSOR_TEST);  // it would cut clears too
     row += rows;
-    co_yield piece(Stage::kShade, double(rows) * size.x);
+    co_yield submitted(Stage::kShade, double(rows) * size.x);
   }
 }
 
@@ -123,7 +123,7 @@ GpuTask ShadingPass::findExposure(FrameTargets& targets, glm::vec4 params, Pacin
     bindExposure(targets);
     exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(count));
     first += count;
-    co_yield piece(Stage::kShade, double(count) * layout::kExposurePixels);
+    co_yield submitted(Stage::kShade, double(count) * layout::kExposurePixels);
   }
   bindExposure(targets);
   exposure_.get({{"LPV_FINISH", "1"}}).dispatch(1);

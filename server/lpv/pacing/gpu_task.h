@@ -1,7 +1,7 @@
 #pragma once
 // Coroutines that give the GPU back between bounded pieces of work. A stage is a function returning GpuTask: it queues
-// GL commands, says `co_yield piece(...)`, and goes on when its turn comes again; it never waits for the GPU itself,
-// `co_yield until(fence)` lets others work meanwhile. One stage runs another with `co_await`.
+// GL commands, says `co_yield submitted(...)`, and goes on when its turn comes again; it never waits for the GPU
+// itself, `co_yield waitFor(fence)` lets others work meanwhile. One stage runs another with `co_await`.
 
 #include <coroutine>
 #include <exception>
@@ -21,14 +21,14 @@ struct Pause {
 };
 
 /// A bounded piece of `stage` has been queued.
-inline Pause piece(Stage stage, double units = 1.0) { return {Pause::Kind::kPiece, stage, units, nullptr}; }
+inline Pause submitted(Stage stage, double units = 1.0) { return {Pause::Kind::kPiece, stage, units, nullptr}; }
 
 /// Others may have their turn; what was done since the last pause belongs to no stage, or keeps this thread more than
 /// it keeps the GPU.
 inline Pause rest() { return {Pause::Kind::kRest, Stage::kUpload, 0.0, nullptr}; }
 
 /// Nothing more can be done before `fence` has signalled.
-inline Pause until(const gpu::Fence& fence) { return {Pause::Kind::kFence, Stage::kReadback, 0.0, &fence}; }
+inline Pause waitFor(const gpu::Fence& fence) { return {Pause::Kind::kFence, Stage::kReadback, 0.0, &fence}; }
 
 /// A lazily started coroutine of pieces. Move-only; destroying it abandons the rest.
 class [[nodiscard]] GpuTask {

@@ -78,7 +78,7 @@ GpuTask uploadTexels(const Picture& picture, int level, const gpu::Texture& text
   for (int row = 0; row < picture.size.y; row += step) {
     const int rows = std::min(step, picture.size.y - row);
     texture.uploadRows(row, rows, GL_RGB, GL_FLOAT, &picture.at(0, row), level);
-    co_yield piece(Stage::kUpload, double(rows) * picture.size.x * double(sizeof(glm::vec3)));
+    co_yield submitted(Stage::kUpload, double(rows) * picture.size.x * double(sizeof(glm::vec3)));
   }
 }
 
@@ -86,7 +86,7 @@ GpuTask uploadLevels(Picture picture, const GpuLightTexture& out) {
   for (int level = 0; level < out.levels; ++level) {
     co_await uploadTexels(picture, level, out.radiance);
     picture = halved(picture);
-    co_yield piece(Stage::kUpload, 0.0);
+    co_yield submitted(Stage::kUpload, 0.0);
   }
 }
 
@@ -99,7 +99,7 @@ GpuTask uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
     integrals.clear();
     for (int y = row; y < std::min(row + step, picture.size.y); ++y) appendIntegrals(picture, y, integrals);
     out.rowIntegrals.update(rowBytes * std::size_t(row), gpu::bytesOf(std::span<const double>(integrals)));
-    co_yield piece(Stage::kUpload, double(rowBytes) * step);
+    co_yield submitted(Stage::kUpload, double(rowBytes) * step);
   }
 }
 
@@ -111,7 +111,7 @@ GpuTask uploadLightTexture(const TexturePtr& texture, GpuLightTexture& out) {
   picture.texels.reserve(std::size_t(texture->width) * std::size_t(texture->height));
   for (int row = 0; row < texture->height; ++row) {
     appendLinearRow(*texture, row, picture.texels);
-    if (std::size_t(row % 512) == 511) co_yield piece(Stage::kUpload, 0.0);
+    if (std::size_t(row % 512) == 511) co_yield submitted(Stage::kUpload, 0.0);
   }
   while (picture.texels.size() > kMostTexels) picture = halved(picture);
   out.source = texture;

@@ -22,7 +22,7 @@ GpuTask sendArray(const char* label, const std::vector<T>& values, std::shared_p
   auto made = std::make_shared<gpu::Buffer>(label, bytes.size(), gpu::BufferUse::kDynamic, gpu::Undefined{});
   for (const Chunk& part : chunksOf(bytes.size())) {
     made->update(part.offset, bytes.subspan(part.offset, part.bytes));
-    co_yield piece(Stage::kUpload, double(part.bytes));
+    co_yield submitted(Stage::kUpload, double(part.bytes));
   }
   out = std::move(made);
 }
@@ -39,7 +39,7 @@ GpuTask rewrite(const char* label, std::shared_ptr<gpu::Buffer> old, const std::
   glInvalidateBufferData(old->id());
   for (const Chunk& part : chunksOf(bytes.size())) {
     old->update(part.offset, bytes.subspan(part.offset, part.bytes));
-    co_yield piece(Stage::kUpload, double(part.bytes));
+    co_yield submitted(Stage::kUpload, double(part.bytes));
   }
   out = std::move(old);
 }
@@ -132,10 +132,10 @@ GpuTask SceneCache::uploadTexture(const TexturePtr& texture, SceneResources& res
   for (int row = 0; row < size.y; row += rowsAtOnce) {
     const int rows = std::min(rowsAtOnce, size.y - row);
     made->uploadRows(row, rows, format.layout, format.type, texture->texels.data() + std::size_t(row) * rowBytes);
-    co_yield piece(Stage::kUpload, double(rows) * double(rowBytes));
+    co_yield submitted(Stage::kUpload, double(rows) * double(rowBytes));
   }
   made->generateMipmaps();
-  co_yield piece(Stage::kUpload, 0.0);
+  co_yield submitted(Stage::kUpload, 0.0);
   textures_[texture.get()] = made;
   resources.textures[texture] = made;
 }

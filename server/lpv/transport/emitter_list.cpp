@@ -10,7 +10,7 @@
 
 namespace lpv {
 
-static_assert(float(kNearBegin) == layout::kNearBegin && float(kNearEnd) == layout::kNearEnd);
+static_assert(float(kNearFieldBegin) == layout::kNearFieldBegin && float(kNearFieldEnd) == layout::kNearFieldEnd);
 
 namespace {
 

@@ -90,11 +90,11 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
       first += count;
       queued += count * units;
       if (queued < 0.9 * pacing.unitsFor(Stage::kGather)) continue;
-      co_yield piece(Stage::kGather, queued);
+      co_yield submitted(Stage::kGather, queued);
       queued = 0.0;
     }
   }
-  co_yield piece(Stage::kGather, queued);
+  co_yield submitted(Stage::kGather, queued);
 }
 
 }  // namespace lpv

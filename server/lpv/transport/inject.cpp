@@ -56,14 +56,14 @@ GpuTask Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& v
   double queued = 0.0;
   for (const LightVoxelsPtr& light : voxels) {
     if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
-      co_yield piece(Stage::kInject, queued);
+      co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, {"LPV_RETIRE"});
     queued += cellsOf(*light);
   }
-  co_yield piece(Stage::kInject, queued);
+  co_yield submitted(Stage::kInject, queued);
 }
 
 GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
@@ -73,7 +73,7 @@ GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& light
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (queued > 0.0 && queued + cellsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
-      co_yield piece(Stage::kInject, queued);
+      co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     voxels[i]->group = lights[i].group;
@@ -84,14 +84,14 @@ GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& light
   for (const LightVoxelsPtr& light : voxels) {
     if (only || light->source.method.injection != Injection::kCount) continue;
     if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
-      co_yield piece(Stage::kInject, queued);
+      co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, {"LPV_DIVIDE"});
     queued += cellsOf(*light);
   }
-  co_yield piece(Stage::kInject, queued);
+  co_yield submitted(Stage::kInject, queued);
 }
 
 GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
@@ -119,10 +119,10 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     gpu::memoryBarrier();
     queued += cellsOf(*voxels[i]);
     if (queued < pacing.unitsFor(Stage::kInject)) continue;
-    co_yield piece(Stage::kInject, queued);
+    co_yield submitted(Stage::kInject, queued);
     queued = 0.0;
   }
-  co_yield piece(Stage::kInject, queued);
+  co_yield submitted(Stage::kInject, queued);
 }
 
 }  // namespace lpv

@@ -70,7 +70,7 @@ GpuTask Propagator::run(LightField& field, CellBox box, int iterations, bool cla
     for (CellBox slab = box; slab.lower.z < box.upper.z; slab.lower.z = slab.upper.z) {
       const double room = pacing.unitsFor(Stage::kPropagate) - queued;
       if (queued > 0.0 && room < perLayer) {
-        co_yield piece(Stage::kPropagate, queued);
+        co_yield submitted(Stage::kPropagate, queued);
         queued = 0.0;
       }
       slab.upper.z =
@@ -79,7 +79,7 @@ GpuTask Propagator::run(LightField& field, CellBox box, int iterations, bool cla
       queued += perLayer * (slab.upper.z - slab.lower.z);
     }
   }
-  co_yield piece(Stage::kPropagate, queued);
+  co_yield submitted(Stage::kPropagate, queued);
 }
 
 }  // namespace lpv

@@ -70,7 +70,7 @@ GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, Volume
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();
     slab += slabs;
-    co_yield piece(Stage::kVolume, slabCells * slabs);
+    co_yield submitted(Stage::kVolume, slabCells * slabs);
   }
 }
 

@@ -235,7 +235,7 @@ GpuTask Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLigh
     bind(field, mesh, texture, voxels);
     injector.dispatch(job);
     first += batch.count;
-    co_yield piece(Stage::kVoxelize, batch.units);
+    co_yield submitted(Stage::kVoxelize, batch.units);
   }
 }
 
@@ -255,13 +255,13 @@ GpuTask Voxelizer::buildVplTree(LightField& field, const GpuMesh& mesh, const Gp
     co_await trees_.count(tree, variant, bindLight);
     field.vplHeader.copyFrom(field.vplList, 0, 0, sizeof kEmptyList);
     const gpu::Fence counted = gpu::Fence::insert();
-    co_yield piece(Stage::kVoxelize, 0.0);
-    co_yield until(counted);
+    co_yield submitted(Stage::kVoxelize, 0.0);
+    co_yield waitFor(counted);
     const VplCounts counts = TreeBuilder::read(field.vplHeader);
     if (counts.lost == 0) {
       const TreeScales scales{voxels.areaScale, job.params.scale.x};
       co_await trees_.build(tree, counts, variant, scales, bindLight);
-      co_yield piece(Stage::kVoxelize, 0.0);
+      co_yield submitted(Stage::kVoxelize, 0.0);
       co_return;
     }
     co_await fillChunked(field.accumulators);
@@ -289,7 +289,7 @@ GpuTask Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTex
   co_await deposit(field, mesh, texture, voxels, of, job, pacing);
   bind(field, mesh, texture, voxels);
   collect(job, voxels);
-  co_yield piece(Stage::kVoxelize, 0.0);
+  co_yield submitted(Stage::kVoxelize, 0.0);
 }
 
 }  // namespace lpv

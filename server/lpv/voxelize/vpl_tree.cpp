@@ -65,7 +65,7 @@ GpuTask TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, Tree
     if (tree.records) tree.records.bindStorage(layout::kTreeRecords);
     programs_.get(defines).dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
     gpu::memoryBarrier();
-    if (threads == kThreadsAtOnce) co_yield piece(Stage::kVoxelize, 0.0);
+    if (threads == kThreadsAtOnce) co_yield submitted(Stage::kVoxelize, 0.0);
   }
 }
 

@@ -88,7 +88,7 @@ Status Document::change(const std::function<Status(Rollback&)>& make) {
   noteChange(rollback);
   updateViewScene(rollback);
   while (tombstones_.size() > kMaxTombstones) {
-    forgottenUpTo_ = tombstones_.front().revision;
+    tombstoneHorizon_ = tombstones_.front().revision;
     tombstones_.pop_front();
   }
   replaced_ = std::move(rollback);
@@ -308,7 +308,7 @@ bool Document::exists(const Deleted& deleted) const {
 Changes Document::changesSince(std::optional<std::uint64_t> from) const {
   const std::uint64_t since = from.value_or(0);
   Changes out;
-  out.snapshot = !from || since < forgottenUpTo_ || since > revision_;
+  out.snapshot = !from || since < tombstoneHorizon_ || since > revision_;
   out.revision = revision_;
   out.lights = newer(lights_, since, out.snapshot);
   out.surfaces = newer(surfaces_, since, out.snapshot);

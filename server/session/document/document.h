@@ -236,7 +236,7 @@ class Document {
   Objects<Surface> surfaces_;
   std::map<std::string, CameraEntry> cameras_;
   std::deque<Deleted> tombstones_;
-  std::uint64_t forgottenUpTo_ = 0;  ///< revisions whose deletions may be forgotten
+  std::uint64_t tombstoneHorizon_ = 0;  ///< revisions whose deletions may be forgotten
   Changes lastChange_;
   Rollback replaced_;  ///< by the last edit
   std::int64_t triangles_ = 0;

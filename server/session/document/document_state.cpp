@@ -26,7 +26,7 @@ Document::Document(const DocumentState& state, const Limits& limits, MeshHasher 
       optionsRevision_(state.optionsRevision),
       gridRevision_(state.gridRevision),
       tombstones_(state.tombstones.begin(), state.tombstones.end()),
-      forgottenUpTo_(state.tombstoneHorizon) {
+      tombstoneHorizon_(state.tombstoneHorizon) {
   for (const Versioned<Light>& light : state.lights) lights_[light.object->name] = light;
   for (const Versioned<Surface>& surface : state.surfaces) surfaces_[surface.object->name] = surface;
   for (const DocumentState::Camera& camera : state.cameras) cameras_[camera.name] = {camera.camera, camera.revision};
@@ -45,7 +45,7 @@ DocumentState Document::state() const {
   out.surfaces = surfaces();
   for (const auto& [name, entry] : cameras_) out.cameras.push_back({name, entry.camera, entry.revision});
   out.tombstones.assign(tombstones_.begin(), tombstones_.end());
-  out.tombstoneHorizon = forgottenUpTo_;
+  out.tombstoneHorizon = tombstoneHorizon_;
   return out;
 }
 

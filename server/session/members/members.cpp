@@ -88,7 +88,7 @@ Expected<std::optional<EditOutcome>> Members::repeated(const std::string& id, st
   const auto same = std::find_if(client.outcomes.begin(), client.outcomes.end(),
                                  [&](const EditOutcome& outcome) { return outcome.sequence == sequence; });
   if (same != client.outcomes.end()) return std::optional<EditOutcome>(*same);
-  if (sequence <= client.tombstoneHorizon) {
+  if (sequence <= client.outcomeHorizon) {
     return Status(Code::kFailedPrecondition,
                   "sequence " + std::to_string(sequence) + " is older than the last " +
                       std::to_string(kRememberedOutcomes) + " edits of this client; its outcome is forgotten",
@@ -135,7 +135,7 @@ void Members::record(const std::string& id, const EditOutcome& outcome) {
 void Members::forgetOldest(Client& client) {
   std::deque<EditOutcome>& outcomes = client.outcomes;
   while (outcomes.size() > kRememberedOutcomes || (outcomes.size() > 1 && client.nameBytes > kRememberedNameBytes)) {
-    client.tombstoneHorizon = std::max(client.tombstoneHorizon, outcomes.front().sequence);
+    client.outcomeHorizon = std::max(client.outcomeHorizon, outcomes.front().sequence);
     client.nameBytes -= nameBytes(outcomes.front());
     outcomes.pop_front();
   }

@@ -35,7 +35,7 @@ struct ClientState {
   std::string id;
   std::string secretHash;            ///< SHA-256 of the secret
   std::deque<EditOutcome> outcomes;  ///< oldest first, at most kRememberedOutcomes
-  std::uint64_t tombstoneHorizon = 0;   ///< sequences up to this may be missing from outcomes
+  std::uint64_t outcomeHorizon = 0;   ///< sequences up to this may be missing from outcomes
   std::uint64_t acceptedSequence = 0;
   std::uint64_t acceptedRevision = 0;
 };

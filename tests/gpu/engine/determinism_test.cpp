@@ -1,4 +1,4 @@
-// Same scene, grid and options: the same bytes (DESIGN.md, contract 3).
+// Same scene, grid and options: the same bytes (ARCHITECTURE.md, Contracts).
 
 #include <cstring>
 

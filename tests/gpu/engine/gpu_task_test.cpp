@@ -14,13 +14,13 @@ namespace {
 GpuTask inner(std::string& log, int count) {
   for (int i = 0; i < count; ++i) {
     log += std::to_string(i);
-    co_yield piece(Stage::kInject, i);
+    co_yield submitted(Stage::kInject, i);
   }
 }
 
 GpuTask outer(std::string& log) {
   log += "a";
-  co_yield piece(Stage::kUpload);
+  co_yield submitted(Stage::kUpload);
   co_await inner(log, 2);
   log += "b";
   co_await inner(log, 0);
@@ -47,7 +47,7 @@ TEST(PiecesTest, ChildrenRunAsPiecesOfTheirParent) {
 }
 
 GpuTask failing() {
-  co_yield piece(Stage::kUpload);
+  co_yield submitted(Stage::kUpload);
   throw std::runtime_error("broken");
 }
 

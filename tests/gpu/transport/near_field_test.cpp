@@ -80,7 +80,7 @@ double nearestLeaf(const Grid& grid, const std::vector<reference::CellVpls>& lea
 }
 
 // Broken by: the last VPL's distance for the nearest's.
-TEST_F(NearFieldTest, ProximityIsTheDistanceToTheNearestVpl) {
+TEST_F(NearFieldTest, EmitterDistanceIsTheDistanceToTheNearestVpl) {
   for (const MeshPtr& mesh : {reference::quad(), reference::sphere(), reference::tube()}) {
     for (const double k : {2.0, 6.0}) {
       Scene scene = floorScene(Transport::kGather, mesh);

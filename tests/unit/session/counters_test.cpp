@@ -147,7 +147,7 @@ TEST_F(CountersTest, TicksThatFailAreToldAndCounted) {
 
 /// Frozen, a session keeps its streams and takes nothing; closed, it tells them, once.
 TEST_F(CountersTest, AFrozenSessionTakesNothingAndSaysNothing) {
-  session_->freeze(Closing::kDraining);
+  session_->quiesce(Closing::kDraining);
   const Status refused = session_->apply({}, editOf({setRadiance("Lamp", 9.0)})).status;
   EXPECT_EQ(refused.code(), Code::kUnavailable);
   EXPECT_STREQ(kReasons[reasonOf(refused)], "draining");

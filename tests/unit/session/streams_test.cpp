@@ -239,7 +239,7 @@ TEST_F(StreamsTest, AnEditThatCannotBeTakenEndsTheStream) {
   pb::StreamEditsRequest request;
   request.set_session("sessions/room");
   edits->receive(request);
-  ASSERT_TRUE(registry_.freeze().ok());
+  ASSERT_TRUE(registry_.quiesce().ok());
   pb::Light* lamp = request.mutable_edit()->add_operations()->mutable_create_light();
   lamp->set_name("Lamp");
   *lamp->mutable_inline_mesh() = meshToProto(*reference::quad());

@@ -95,7 +95,7 @@ TEST_F(FoldTest, TheLast1024OutcomesAreKeptTheRestCounts) {
   const pb::Client& me = snapshot_.clients().at("me");
   ASSERT_EQ(me.outcomes_size(), int(kKeptOutcomes));
   EXPECT_EQ(me.outcomes(0).sequence(), 5U);
-  EXPECT_EQ(me.forgotten_up_to(), 4U);
+  EXPECT_EQ(me.outcome_horizon(), 4U);
   EXPECT_EQ(me.accepted_sequence(), kKeptOutcomes + 3) << "a refused edit is no accepted one";
 }
 
@@ -103,7 +103,7 @@ TEST_F(FoldTest, TheLast10000DeletionsAreKeptTheRestCounts) {
   for (std::size_t i = 0; i < kKeptTombstones + 2; ++i) removeLamp();
   EXPECT_EQ(snapshot_.tombstones_size(), int(kKeptTombstones));
   EXPECT_EQ(snapshot_.tombstones(0).revision(), 3U);
-  EXPECT_EQ(snapshot_.forgotten_up_to(), 2U);
+  EXPECT_EQ(snapshot_.tombstone_horizon(), 2U);
 }
 
 TEST_F(FoldTest, AMissingStepIsDataLoss) {
@@ -143,7 +143,7 @@ TEST_F(FoldTest, OutcomesWithManyNamesAreForgottenSooner) {
   const pb::Client& me = snapshot_.clients().at("me");
   const int kept = int(kKeptNameBytes / (1000 * (200 + kBytesPerName)));
   EXPECT_EQ(me.outcomes_size(), kept);
-  EXPECT_EQ(me.forgotten_up_to(), std::uint64_t(100 - kept));
+  EXPECT_EQ(me.outcome_horizon(), std::uint64_t(100 - kept));
 }
 
 }  // namespace
