@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "connection.h"
-#include "reopening.h"
+#include "reconnect_loop.h"
 
 namespace lpv::client {
 namespace {

@@ -9,7 +9,7 @@
 #include "assemble.h"
 #include "connection.h"
 #include "lpv/watch.h"
-#include "reopening.h"
+#include "reconnect_loop.h"
 
 namespace lpv::client {
 

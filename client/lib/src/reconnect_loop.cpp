@@ -1,4 +1,4 @@
-#include "reopening.h"
+#include "reconnect_loop.h"
 
 #include <algorithm>
 #include <random>
