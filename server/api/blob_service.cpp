@@ -16,7 +16,9 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
   void expectFirst() {
     idle_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
       const auto self = std::static_pointer_cast<Upload>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time", "header"));
+      if (self)
+        self->end(
+            Status(Code::kDeadlineExceeded, Reason::kFirstMessage, "first_message: nothing arrived in time", "header"));
     });
   }
 
@@ -30,7 +32,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this(), seconds = context_.limits.uploadIdle.count()] {
       const auto self = std::static_pointer_cast<Upload>(weak.lock());
       if (!self) return;
-      self->end(Status(Code::kDeadlineExceeded,
+      self->end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
                        "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
     });
   }
@@ -64,7 +66,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (!session_) {
       if (!request.has_header()) return invalid("header", "the first message has no header");
       if (Status s = begin(request.header()); !s.ok()) return s.within("header");
-      if (Status s = berth_.enter("max_uploads", context_.limits.maxUploads); !s.ok()) return s;
+      if (Status s = berth_.enter(Reason::kMaxUploads, "max_uploads", context_.limits.maxUploads); !s.ok()) return s;
     } else if (request.has_header()) {
       return invalid("header", "a later message has a header again");
     }
@@ -82,8 +84,9 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (header.size() < 1)
       return invalid("size", "size is " + std::to_string(header.size()) + ", needed is at least 1");
     if (header.size() > context_.limits.maxBlobBytes) {
-      return exhausted("size", "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
-                                   std::to_string(context_.limits.maxBlobBytes) + " bytes");
+      return exhausted(Reason::kMaxBlobBytes, "size",
+                       "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
+                           std::to_string(context_.limits.maxBlobBytes) + " bytes");
     }
     const Expected<SessionPtr> session = findSession(context_, "session", header.session(), Role::kEditor);
     if (!session) return session.status();

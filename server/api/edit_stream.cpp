@@ -18,7 +18,8 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   void expectFirst() {
     first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
       const auto self = std::static_pointer_cast<EditStream>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time"));
+      if (self)
+        self->end(Status(Code::kDeadlineExceeded, Reason::kFirstMessage, "first_message: nothing arrived in time"));
     });
   }
 

@@ -18,7 +18,9 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   void expectFirst() {
     first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
       const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time", "request"));
+      if (self)
+        self->end(Status(Code::kDeadlineExceeded, Reason::kFirstMessage, "first_message: nothing arrived in time",
+                         "request"));
     });
   }
 

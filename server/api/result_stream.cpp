@@ -17,7 +17,9 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
   void expectFirst() {
     first_.restart(context_.limits.firstMessage, [weak = this->weak_from_this()] {
       const auto self = std::static_pointer_cast<ResultStream>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: the subscription did not arrive in time"));
+      if (self)
+        self->end(Status(Code::kDeadlineExceeded, Reason::kFirstMessage,
+                         "first_message: the subscription did not arrive in time"));
     });
   }
 

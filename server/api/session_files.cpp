@@ -15,8 +15,9 @@ namespace {
 constexpr std::size_t kMaxFileBytes = std::size_t(1) << 30U;
 
 Status tooLarge(std::size_t bytes) {
-  return exhausted("data", "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
-                               " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
+  return exhausted(Reason::kMaxSessionFileBytes, "data",
+                   "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
+                       " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
 }
 
 Expected<std::string> fileOf(const SavedSession& state) {
@@ -39,9 +40,9 @@ Status checkLimits(const SavedSession& state, const Limits& limits) {
   Blobs room(limits);
   for (const store::Content& content : contentsOf(state)) {
     if (std::int64_t(content.bytes->size()) <= limits.maxBlobBytes) continue;
-    return exhausted("data", "max_blob_bytes: content " + content.hash + " has " +
-                                 std::to_string(content.bytes->size()) + " bytes, allowed are " +
-                                 std::to_string(limits.maxBlobBytes));
+    return exhausted(Reason::kMaxBlobBytes, "data",
+                     "max_blob_bytes: content " + content.hash + " has " + std::to_string(content.bytes->size()) +
+                         " bytes, allowed are " + std::to_string(limits.maxBlobBytes));
   }
   for (const BlobPtr& blob : state.uploads) {
     const Expected<bool> added = room.add(blob, Clock::now());
@@ -83,7 +84,9 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name(), Role::kViewer);
     if (!session) return end(session.status());
-    if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
+    if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+        !s.ok())
+      return end(s);
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return giveUp(file.status());
     const MutexLock lock(mutex_);
@@ -109,7 +112,9 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
   void expectReader() {
     idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this()] {
       const auto self = std::static_pointer_cast<Export>(weak.lock());
-      if (self) self->giveUp(Status(Code::kDeadlineExceeded, "upload_idle: no part was taken in time", "name"));
+      if (self)
+        self->giveUp(
+            Status(Code::kDeadlineExceeded, Reason::kUploadIdle, "upload_idle: no part was taken in time", "name"));
     });
   }
 
@@ -137,10 +142,11 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
   explicit Import(const Context& context)
       : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
-  void expect(std::chrono::seconds patience, const char* limit) {
-    idle_.restart(patience, [weak = weak_from_this(), limit] {
+  void expect(std::chrono::seconds patience, Reason reason, const char* limit) {
+    idle_.restart(patience, [weak = weak_from_this(), reason, limit] {
       const auto self = std::static_pointer_cast<Import>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, std::string(limit) + ": nothing arrived in time", "data"));
+      if (self)
+        self->end(Status(Code::kDeadlineExceeded, reason, std::string(limit) + ": nothing arrived in time", "data"));
     });
   }
 
@@ -148,7 +154,9 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (hasEnded()) return;
     if (!begun_) {
       if (Status s = allowAdmin(context_, "making a session from a file"); !s.ok()) return end(s);
-      if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
+      if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+          !s.ok())
+        return end(s);
       wantedId_ = request.session_id();
     }
     begun_ = true;
@@ -157,7 +165,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
       return end(tooLarge(kMaxFileBytes + 1));
     }
     bytes_ += request.data();
-    expect(context_.limits.uploadIdle, "upload_idle");
+    expect(context_.limits.uploadIdle, Reason::kUploadIdle, "upload_idle");
   }
 
   void halfClosed() override {
@@ -219,7 +227,7 @@ StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(con
 
 StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(const Context& context) {
   auto stream = std::make_shared<Import>(context);
-  stream->expect(context.limits.firstMessage, "first_message");
+  stream->expect(context.limits.firstMessage, Reason::kFirstMessage, "first_message");
   return stream;
 }
 

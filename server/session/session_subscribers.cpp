@@ -12,9 +12,9 @@ Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Subscription& sub
   const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   if (std::ssize(subscribers_) >= limits_.maxSubscribersPerSession) {
-    return exhausted("max_subscribers_per_session", "max_subscribers_per_session: allowed are " +
-                                                        std::to_string(limits_.maxSubscribersPerSession) +
-                                                        " result streams");
+    return exhausted(Reason::kMaxSubscribersPerSession, "max_subscribers_per_session",
+                     "max_subscribers_per_session: allowed are " + std::to_string(limits_.maxSubscribersPerSession) +
+                         " result streams");
   }
   auto subscriber = std::make_shared<Subscriber>();
   subscriber->key = nextKey_++;

@@ -37,7 +37,7 @@ Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
                 "max_tick_seconds: on this device a tick of the session is predicted to take %.1f s, most of it to %s; "
                 "allowed are %g s; use a coarser grid, fewer iterations, smaller lights or fewer light groups",
                 tick.seconds, tick.mostly.c_str(), limits.maxTickSeconds);
-  return exhausted("max_tick_seconds", text);
+  return exhausted(Reason::kMaxTickSeconds, "max_tick_seconds", text);
 }
 
 Document::Document(const LightingSettings& options, const Limits& limits, MeshHasher hasher)
@@ -54,7 +54,7 @@ MeshPtr Document::meshOf(const std::string& object) const {
 
 Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs& blobs) {
   if (edit.expectedRevision && *edit.expectedRevision != revision_) {
-    return Status(Code::kAborted,
+    return Status(Code::kAborted, Reason::kRevisionChanged,
                   "expected_revision is " + std::to_string(*edit.expectedRevision) + ", the session is at revision " +
                       std::to_string(revision_) + "; read the scene again and repeat",
                   "expected_revision");
@@ -151,20 +151,22 @@ void Document::rollBack(Rollback& rollback) {
 }
 
 Status Document::checkTotals() const {
-  const auto over = [](const char* limit, std::int64_t have, std::int64_t allowed) {
-    return exhausted(limit, std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
-                                std::to_string(allowed));
+  const auto over = [](Reason reason, const char* limit, std::int64_t have, std::int64_t allowed) {
+    return exhausted(reason, limit,
+                     std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
+                         std::to_string(allowed));
   };
   if (std::int64_t(lights_.size()) > limits_.maxLights) {
-    return over("max_lights", std::int64_t(lights_.size()), limits_.maxLights);
+    return over(Reason::kMaxLights, "max_lights", std::int64_t(lights_.size()), limits_.maxLights);
   }
   if (std::int64_t(surfaces_.size()) > limits_.maxSurfaces) {
-    return over("max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
+    return over(Reason::kMaxSurfaces, "max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
   }
   if (std::int64_t(cameras_.size()) > limits_.maxCameras) {
-    return over("max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
+    return over(Reason::kMaxCameras, "max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
   }
-  if (triangles_ > limits_.maxTriangles) return over("max_triangles", triangles_, limits_.maxTriangles);
+  if (triangles_ > limits_.maxTriangles)
+    return over(Reason::kMaxTriangles, "max_triangles", triangles_, limits_.maxTriangles);
   return {};
 }
 
@@ -181,9 +183,10 @@ Status Document::checkGroups(const Rollback& rollback) const {
   for (const std::string& group : all) {
     if (!there.contains(group)) brought = group;
   }
-  return exhausted("max_groups", "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
-                                     std::to_string(all.size()) + " groups, allowed are " + std::to_string(kMaxGroups) +
-                                     "; give a group that another light has, or none");
+  return exhausted(Reason::kMaxGroups, "max_groups",
+                   "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
+                       std::to_string(all.size()) + " groups, allowed are " + std::to_string(kMaxGroups) +
+                       "; give a group that another light has, or none");
 }
 
 Bounds Document::content() const {
