@@ -25,7 +25,7 @@ void addStep(CLI::App& parent, Commands& commands, const std::string& name, cons
       const Expected<Response> done = (editor.*call)();
       if (!done) return done.status();
       if (context.json()) print(toJson(*done));
-      for (const std::string& field : done->skipped_fields()) {
+      for (const std::string& field : done->ack().skipped_fields()) {
         if (!context.json()) print("kept, because another member has changed it since: " + field);
       }
       return {};
@@ -51,7 +51,8 @@ void printPick(const Context& context, const v1::PickResponse& pick) {
   const auto triple = [](const v1::Vec3& v) {
     return numberText(v.x()) + "," + numberText(v.y()) + "," + numberText(v.z());
   };
-  print(pick.kind() + " " + pick.object() + " at " + triple(pick.position()) + " normal " + triple(pick.normal()));
+  print(std::string(pick.kind() == v1::OBJECT_KIND_LIGHT ? "light" : "surface") + " " + pick.object() + " at " +
+        triple(pick.position()) + " normal " + triple(pick.normal()));
 }
 
 }  // namespace

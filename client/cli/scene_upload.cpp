@@ -69,7 +69,7 @@ v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
   out.set_albedo_texture(blobs.hashOf(surface.albedoTexture.get()));
   out.set_roughness(surface.roughness);
   out.set_metalness(surface.metalness);
-  out.set_one_sided(!surface.twoSided);
+  out.set_two_sided(surface.twoSided);
   return client::createSurface(std::move(out));
 }
 

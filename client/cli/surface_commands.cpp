@@ -56,7 +56,7 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
   fields.set("albedo", flags.albedo, [&](const auto& v) { *surface.mutable_albedo() = client::toProto(v); });
   fields.set("roughness", flags.roughness, [&](double v) { surface.set_roughness(v); });
   fields.set("metalness", flags.metalness, [&](double v) { surface.set_metalness(v); });
-  fields.set("one_sided", flags.oneSided, [&](bool on) { surface.set_one_sided(on); });
+  fields.set("two_sided", flags.oneSided, [&](bool on) { surface.set_two_sided(!on); });
   return fields.paths();
 }
 

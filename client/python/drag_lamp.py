@@ -28,7 +28,7 @@ import time
 import grpc
 
 from lpv.v1 import blob_pb2, geometry_pb2, result_pb2, result_pb2_grpc, scene_pb2, scene_pb2_grpc, session_pb2, \
-    session_pb2_grpc
+    session_pb2_grpc, volume_pb2
 
 EDITS_PER_SECOND = 60.0
 RETRY_SECONDS = 0.2
@@ -167,9 +167,9 @@ class LightMeter(threading.Thread):
                 time.sleep(RETRY_SECONDS)
 
     def watch(self):
-        subscription = result_pb2.VolumeSubscription(
-            session=self.session, format=result_pb2.VOLUME_FORMAT_HALF_FLOAT,
-            compression=result_pb2.PAYLOAD_COMPRESSION_NONE)
+        subscription = volume_pb2.VolumeSubscription(
+            session=self.session, format=volume_pb2.VOLUME_FORMAT_HALF_FLOAT,
+            compression=volume_pb2.PAYLOAD_COMPRESSION_NONE)
         subscriber, header, received = "", None, {}
         for response in self.stub.WatchVolume(result_pb2.WatchVolumeRequest(subscription=subscription)):
             kind = response.event.WhichOneof("event")

@@ -1,5 +1,5 @@
 #pragma once
-// Encodes published volumes as the parts of lpv/v1/result.proto, whole or as a delta to a base, and decodes them.
+// Encodes published volumes as the parts of lpv/v1/volume.proto, whole or as a delta to a base, and decodes them.
 
 #include <cstddef>
 #include <cstdint>

@@ -20,7 +20,7 @@ inline constexpr int kMaxLayers = 8;
 /// Elements of one cell: 3 colours x 4.
 inline constexpr std::size_t kCellElements = 12;
 
-/// Type of an element on the wire, little-endian (VolumeFormat of result.proto).
+/// Type of an element on the wire, little-endian (VolumeFormat of volume.proto).
 enum class Format {
   kHalf,     ///< IEEE half; value = half x the layer's scale
   kFloat,    ///< float32; scale 1

@@ -221,7 +221,7 @@ Status pick(const Context& context, const pb::PickRequest& request, pb::PickResp
   if (!hit) return {};
   response->set_hit(true);
   response->set_object(hit->object);
-  response->set_kind(hit->isLight ? "light" : "surface");
+  response->set_kind(hit->isLight ? pb::OBJECT_KIND_LIGHT : pb::OBJECT_KIND_SURFACE);
   toProto(hit->position, response->mutable_position());
   toProto(hit->normal, response->mutable_normal());
   response->set_distance(hit->distance);

@@ -56,7 +56,7 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
     if (!feed || this->hasEnded()) return false;
     if (feed->next(response->mutable_event())) return true;
     response->clear_event();
-    if (feed->closed()) this->endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
+    if (feed->closed()) this->endInNext(feed->endStatus());
     return false;
   }
 

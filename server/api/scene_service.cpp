@@ -33,7 +33,6 @@ void undoRedo(const Context& context, const Request& request, Response* response
                                  [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
                                    if (confirmed.status.ok()) {
                                      toProto(confirmed, *session, response->mutable_ack());
-                                     *response->mutable_skipped_fields() = response->ack().skipped_fields();
                                    }
                                    done(confirmed.status);
                                  });

@@ -1,6 +1,7 @@
 #pragma once
-// Why something was refused, as one name of a fixed set, for programs. This is the only table: metrics and the audit log
-// take their labels from it.
+// Why something was refused, as one name of a fixed set, for programs: clients, metrics and the audit log. This is the
+// only table: a limit's refusal, its metric label and its name on the wire (google.rpc.ErrorInfo.reason, listed as
+// lpv.v1.ErrorReason with the same numbers) all come from here.
 
 #include <array>
 #include <cstddef>
@@ -8,7 +9,7 @@
 
 namespace lpv {
 
-/// X(enumerator, name, number). Numbers are never used again.
+/// X(enumerator, name on the wire, number on the wire). Numbers are never used again.
 #define LPV_REASONS(X)                                                   \
   X(kDraining, "DRAINING", 1)                                            \
   X(kEvicting, "EVICTING", 2)                                            \

@@ -97,7 +97,7 @@ const std::vector<std::string> kSurfacePaths = {"mesh",
                                                 "albedo_texture",
                                                 "roughness",
                                                 "metalness",
-                                                "one_sided"};
+                                                "two_sided"};
 
 Expected<LightFields> lightFields(const pb::Light& in, const FieldSelection& named) {
   LightFields out;
@@ -125,7 +125,7 @@ Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const FieldSelectio
   if (named("albedo_texture", !in.albedo_texture().empty())) out.albedoTexture = in.albedo_texture();
   if (named("roughness", in.has_roughness())) out.roughness = in.has_roughness() ? in.roughness() : 1.0;
   if (named("metalness", in.metalness() != 0.0)) out.metalness = in.metalness();
-  if (named("one_sided", in.one_sided())) out.twoSided = !in.one_sided();
+  if (named("two_sided", in.has_two_sided())) out.twoSided = !in.has_two_sided() || in.two_sided();
   return out;
 }
 
@@ -239,24 +239,41 @@ void toProto(const Versioned<Surface>& in, pb::Surface* out) {
   if (surface.albedoTexture) out->set_albedo_texture(surface.albedoTexture->hash);
   out->set_roughness(surface.roughness);
   out->set_metalness(surface.metalness);
-  out->set_one_sided(!surface.twoSided);
+  out->set_two_sided(surface.twoSided);
   out->set_revision(in.revision);
   out->set_triangle_count(std::int64_t(surface.mesh->triangles.size()));
 }
 
+constexpr const char* kErrorDomain = "lpv.v1";
+/// lpv.v1.ErrorInfo has the fields of google.rpc.ErrorInfo, and is read under that name by common libraries.
+constexpr const char* kErrorInfoType = "type.googleapis.com/google.rpc.ErrorInfo";
+
 void toProto(const Status& status, pb::Status* out) {
   out->set_code(static_cast<int>(status.code()));
   out->set_message(status.message());
-  if (status.field().empty()) return;
-  pb::FieldViolation violation;
-  violation.set_field(status.field());
-  out->add_details()->PackFrom(violation);
+  if (!status.field().empty()) {
+    pb::FieldViolation violation;
+    violation.set_field(status.field());
+    out->add_details()->PackFrom(violation);
+  }
+  if (status.reason() == Reason::kNone) return;
+  pb::ErrorInfo info;
+  info.set_reason(std::string(nameOf(status.reason())));
+  info.set_domain(kErrorDomain);
+  google::protobuf::Any* any = out->add_details();
+  any->set_type_url(kErrorInfoType);
+  any->set_value(info.SerializeAsString());
 }
 
 Status fromProto(const pb::Status& status) {
   pb::FieldViolation violation;
-  if (status.details_size() != 0) (void)status.details(0).UnpackTo(&violation);
-  return Status(static_cast<Code>(status.code()), status.message(), violation.field());
+  pb::ErrorInfo info;
+  for (const google::protobuf::Any& any : status.details()) {
+    if (any.Is<pb::FieldViolation>()) (void)any.UnpackTo(&violation);
+    if (any.type_url() == kErrorInfoType) (void)info.ParseFromString(any.value());
+  }
+  const Reason reason = info.domain() == kErrorDomain ? reasonNamed(info.reason()) : Reason::kNone;
+  return Status(static_cast<Code>(status.code()), reason, status.message(), violation.field());
 }
 
 void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* out) {

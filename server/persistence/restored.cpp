@@ -122,7 +122,7 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   checked.albedo = surface->albedo = fromProto(in.albedo());
   checked.roughness = surface->roughness = in.roughness();
   checked.metalness = surface->metalness = in.metalness();
-  surface->twoSided = !in.one_sided();
+  surface->twoSided = !in.has_two_sided() || in.two_sided();
   Status status = checkName(in.name());
   if (status.ok()) status = checkFields(checked);
   if (!status.ok()) return outOfRange("surface", in.name(), status);

@@ -86,7 +86,7 @@ class Watching {
     v1::VolumeSubscription subscription;
     subscription.set_session("sessions/" + session);
     subscription.set_format(v1::VOLUME_FORMAT_COMPACT);
-    subscription.set_two_credits(twoCredits);
+    subscription.set_credits(twoCredits ? 2 : 1);
     watcher_ = std::make_unique<client::VolumeWatcher>(
         client_, subscription, [this](const client::VolumeResult& result) { take(result.header.result()); });
   }

@@ -54,7 +54,7 @@ std::vector<std::string> words() {
   }
   for (const char* path : {"mesh", "inline_mesh", "transform", "transform.translation", "transform.rotation",
                            "transform.scale", "transform.matrix", "radiance", "power", "texture", "two_sided",
-                           "enabled", "group", "albedo", "albedo_texture", "roughness", "metalness", "one_sided"}) {
+                           "enabled", "group", "albedo", "albedo_texture", "roughness", "metalness"}) {
     out.emplace_back(path);
   }
   out.push_back(api::meshHash(*reference::quad()));

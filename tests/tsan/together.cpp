@@ -139,7 +139,7 @@ void Together::watchVolumes(bool leavesEarly) {
   pb::StreamVolumeRequest first;
   first.mutable_subscription()->set_session("sessions/room");
   first.mutable_subscription()->set_format(pb::VOLUME_FORMAT_COMPACT);
-  first.mutable_subscription()->set_two_credits(true);
+  first.mutable_subscription()->set_credits(2);
   const auto guest = Guest<pb::StreamVolumeRequest, pb::StreamVolumeResponse>::open(
       api::streamVolume(house().context()), first,
       [](const pb::StreamVolumeResponse& response) -> std::optional<pb::StreamVolumeRequest> {

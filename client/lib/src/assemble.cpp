@@ -18,6 +18,16 @@ Status broken(const std::string& what) { return Status(Code::kInternal, "the ser
 Expected<wire::Format> formatOf(const v1::VolumeHeader& header) {
   if (header.sh_bands() != 2)
     return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands; this client reads 2");
+  if (header.coefficients() != int(wire::kCellElements) / 3) {
+    return broken("a volume of " + std::to_string(header.coefficients()) +
+                  " coefficients per colour; this client reads 4");
+  }
+  if (header.guard_cells() != 0) return broken("a volume with guard cells, which this client did not ask for");
+  for (const v1::VolumeLayer& layer : header.layers()) {
+    if (layer.has_grid() && fromProto(layer.grid()) != fromProto(header.grid())) {
+      return broken("a volume of several grids; this client reads one");
+    }
+  }
   if (header.brick_edge() != wire::kBrickEdge) return broken("bricks of another size than 8");
   switch (header.format()) {
     case v1::VOLUME_FORMAT_UNSPECIFIED:

@@ -105,11 +105,15 @@ std::chrono::milliseconds timeFor(std::uint64_t bytes) { return std::chrono::mil
 Status statusFrom(const grpc::Status& status, const std::string& address) {
   if (status.ok()) return {};
   std::string field;
+  Reason reason = Reason::kNone;
   v1::Status details;
   if (details.ParseFromString(status.error_details())) {
     for (const google::protobuf::Any& any : details.details()) {
       v1::FieldViolation violation;
       if (any.UnpackTo(&violation)) field = violation.field();
+      v1::ErrorInfo info;
+      const bool isInfo = any.type_url() == "type.googleapis.com/google.rpc.ErrorInfo";
+      if (isInfo && info.ParseFromString(any.value()) && info.domain() == "lpv.v1") reason = reasonNamed(info.reason());
     }
   }
   const Code code = codeFrom(status.error_code());
@@ -118,7 +122,7 @@ Status statusFrom(const grpc::Status& status, const std::string& address) {
     message = code == Code::kUnimplemented ? "the server does not implement this call" : "the server gave no reason";
   }
   if (code == Code::kUnavailable || code == Code::kDeadlineExceeded) message = address + ": " + message;
-  return Status(code, std::move(message), std::move(field));
+  return Status(code, reason, std::move(message), std::move(field));
 }
 
 bool isRetryable(const grpc::Status& status) {

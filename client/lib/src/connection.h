@@ -68,7 +68,8 @@ class Call {
 /// Extra time for an upload of this size: 1 s per 256 KiB.
 std::chrono::milliseconds timeFor(std::uint64_t bytes);
 
-/// Converts a call's status, with the field of its FieldViolation if the server named one.
+/// Converts a call's status, with the field of its FieldViolation and the reason of its ErrorInfo if the server named
+/// them.
 Status statusFrom(const grpc::Status& status, const std::string& address);
 
 /// True if reconnecting the stream can cure this status.

@@ -34,6 +34,14 @@ bool HeartbeatEmitter::over() const {
   return state_->over;
 }
 
+Status HeartbeatEmitter::endStatus() const {
+  const MutexLock lock(state_->mutex);
+  if (state_->closing == Closing::kEncodingFailed) {
+    return Status(Code::kInternal, Reason::kEncodingFailed, "a frame could not be encoded; the server's log says why");
+  }
+  return Status(Code::kUnavailable, "the session has ended here; see the notice");
+}
+
 void HeartbeatEmitter::beatLater(const std::shared_ptr<State>& state) {
   state->deadline.restart(kHeartbeatInterval, [weak = std::weak_ptr<State>(state)] {
     const std::shared_ptr<State> self = weak.lock();
@@ -81,11 +89,20 @@ void HeartbeatEmitter::fillNotice(bool readOnly, pb::Notice* out) {
 }
 
 void HeartbeatEmitter::fillNotice(Closing why, pb::Notice* out) {
-  const bool deleted = why == Closing::kDeleted;
-  out->set_kind(deleted ? pb::Notice::KIND_DELETED : pb::Notice::KIND_DRAINING);
-  out->set_message(deleted                    ? "the session was deleted"
-                   : why == Closing::kEvicted ? "the session was idle and is being put away; open it again"
-                                              : "the server is draining");
+  switch (why) {
+    case Closing::kDeleted:
+      out->set_kind(pb::Notice::KIND_DELETED);
+      return out->set_message("the session was deleted");
+    case Closing::kEvicted:
+      out->set_kind(pb::Notice::KIND_EVICTED);
+      return out->set_message("the session was idle and is being evicted; open it again");
+    case Closing::kEncodingFailed:
+      out->set_kind(pb::Notice::KIND_FAILED);
+      return out->set_message("a frame could not be encoded; this stream ends, the session goes on");
+    case Closing::kDraining:
+      out->set_kind(pb::Notice::KIND_DRAINING);
+      return out->set_message("the server is draining");
+  }
 }
 
 void HeartbeatEmitter::fillHeartbeat(const Session& session, pb::Heartbeat* out) {

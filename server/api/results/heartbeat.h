@@ -50,6 +50,8 @@ class HeartbeatEmitter {
   }
   /// The closing notice has been taken: the stream is over.
   bool over() const;
+  /// What the stream's call ends with, once over() is true: INTERNAL where this stream alone failed, else UNAVAILABLE.
+  Status endStatus() const;
 
  private:
   struct State {

@@ -48,12 +48,14 @@ void VolumeParts::fill(pb::VolumeHeader* header) const {
   toProto(result_.volume->grid, header->mutable_grid());
   header->set_stage(order_.stage == VolumeStage::kInjected ? pb::VOLUME_STAGE_INJECTED : pb::VOLUME_STAGE_TRANSPORTED);
   header->set_sh_bands(2);
+  header->set_coefficients(int(wire::kCellElements) / 3);
   header->set_format(toProto(order_.format));
   header->set_compression(toProto(order_.compression));
   for (std::size_t i = 0; i < volume.scales.size(); ++i) {
     pb::VolumeLayer* layer = header->add_layers();
     layer->set_group(result_.volume->layers[i].group);
     layer->set_scale(volume.scales[i]);
+    layer->set_kind(pb::LAYER_KIND_DIRECT);
   }
   header->set_base_result_id(encoding_->baseId);
   header->set_brick_edge(wire::kBrickEdge);

@@ -157,6 +157,9 @@ Status checkRate(double rate) {
 }
 
 Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::VolumeSubscription& in) {
+  if (in.guard_cells() != 0)
+    return unimplemented("guard_cells", "guard_cells is " + std::to_string(in.guard_cells()) +
+                                            "; this version sends none, leave it out");
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
   Expected<VolumeEncodingRequest> order = commonVolume(in, true);
   if (!order) return order;
@@ -173,7 +176,12 @@ Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::VolumeSubscription
   return order;
 }
 
-Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& in) { return commonVolume(in, false); }
+Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& in) {
+  if (in.guard_cells() != 0)
+    return unimplemented("guard_cells", "guard_cells is " + std::to_string(in.guard_cells()) +
+                                            "; this version sends none, leave it out");
+  return commonVolume(in, false);
+}
 
 Expected<FrameEncodingRequest> encodingRequestFrom(const pb::FrameSubscription& in, const Limits& limits) {
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;

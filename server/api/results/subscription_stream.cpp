@@ -107,7 +107,7 @@ void FrameSubscription::offer(const Result& result) {
   if (!file) {
     const ops::LogScope scope({session()->id(), {}, {}});
     spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());
-    close(Closing::kDraining);
+    close(Closing::kEncodingFailed);
     return;
   }
   const auto parts = std::make_shared<FrameParts>(result, format_, std::move(*file));
@@ -122,19 +122,29 @@ void FrameSubscription::offer(const Result& result) {
       sentAs(format_), parts->bytes());
 }
 
+namespace {
+
+Status checkCredits(std::uint32_t credits) {
+  if (credits <= 2) return {};
+  return invalid("credits", "credits is " + std::to_string(credits) + ", allowed are 1, 2 and 0 (for 1)");
+}
+
+}  // namespace
+
 Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, const pb::VolumeSubscription& in,
                                                        std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
+  if (Status s = checkCredits(in.credits()); !s.ok()) return s;
   const Expected<VolumeEncodingRequest> order = encodingRequestFrom(in);
   if (!order) return order.status();
   Subscription subscription;
   subscription.volume = order->stage;
   subscription.clientId = client.id;
   subscription.maxRate = in.max_rate();
-  subscription.twoCredits = in.two_credits();
+  subscription.twoCredits = in.credits() == 2;
   auto feed = std::make_shared<VolumeSubscription>(context, *session, *order);
   if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
   return feed;
@@ -146,6 +156,7 @@ Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, co
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
+  if (Status s = checkCredits(in.credits()); !s.ok()) return s;
   const Expected<FrameEncodingRequest> order = encodingRequestFrom(in, context.limits);
   if (!order) return order.status();
   if (Status s = (*session)->checkCamera(order->subscription.camera); !s.ok()) return s;
@@ -153,7 +164,7 @@ Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, co
   subscription.frame = order->subscription;
   subscription.clientId = client.id;
   subscription.maxRate = in.max_rate();
-  subscription.twoCredits = in.two_credits();
+  subscription.twoCredits = in.credits() == 2;
   if (Status s = checkRate(in.adapt_rate()); !s.ok()) return s.within("adapt_rate");
   if (in.adapt_rate() > 0.0 && order->format != pb::FRAME_FORMAT_JPEG) {
     return invalid("adapt_rate", "adapt_rate is given for a format that has no quality; want JPEG, or leave it out");

@@ -27,6 +27,7 @@ class SubscriptionStream : public ResultSink, public std::enable_shared_from_thi
   bool next(Event* event);
   /// True after the closing notice has been taken.
   bool closed() const { return heartbeat_.over(); }
+  Status endStatus() const { return heartbeat_.endStatus(); }
   Status update(const pb::SubscriberUpdate& update);
   void stop();
 

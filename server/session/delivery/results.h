@@ -43,6 +43,7 @@ struct Result {
 enum class Closing {
   kDeleted,
   kDraining,
+  kEncodingFailed,  ///< of one subscriber: its frame could not be encoded; the session goes on
   kEvicted,  ///< idle: it is kept on disk, and comes back with the next call
 };
 

@@ -37,7 +37,7 @@ constexpr std::array<const char*, kMaxFields> kSurfacePaths = {"mesh",
                                                                "transform.rotation",
                                                                "transform.scale",
                                                                "albedo_texture",
-                                                               "one_sided",
+                                                               "two_sided",
                                                                "albedo",
                                                                "roughness",
                                                                "metalness"};

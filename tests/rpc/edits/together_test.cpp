@@ -95,7 +95,7 @@ TEST_F(Together, UndoIsAnEditThatTheOthersSee) {
   EXPECT_EQ(undone->ack().revision(), 3U);
   EXPECT_EQ(undone->ack().sequence(), 2U);
   EXPECT_THAT(undone->ack().names(), ElementsAre("Lamp"));
-  EXPECT_THAT(undone->skipped_fields(), IsEmpty());
+  EXPECT_THAT(undone->ack().skipped_fields(), IsEmpty());
   ASSERT_TRUE(bob.until([&] { return bob.revision == 3; }));
   EXPECT_EQ(bob.lights["Lamp"].radiance().x(), 1.0);
   ASSERT_TRUE(ann.redo().ok());
@@ -114,7 +114,7 @@ TEST_F(Together, WhatTheOtherHasWrittenSinceStaysAndIsNamed) {
   apply(bob, client::setRadiance("Lamp", {7, 7, 7}));
   const auto undone = ann.undo();
   ASSERT_TRUE(undone.ok());
-  EXPECT_THAT(undone->skipped_fields(), ElementsAre("Lamp.radiance"));
+  EXPECT_THAT(undone->ack().skipped_fields(), ElementsAre("Lamp.radiance"));
   EXPECT_EQ(radiance(), 7.0);
   EXPECT_EQ(place(), 0.0);
   EXPECT_EQ(ann.undo().status().code(), Code::kFailedPrecondition);
@@ -155,7 +155,7 @@ TEST_F(Together, ARepeatedUndoIsOneStep) {
   ASSERT_THAT(stubs_.scene->Undo(Call(), request, &first), IsOk());
   ASSERT_THAT(stubs_.scene->Undo(Call(), request, &again), IsOk());
   EXPECT_EQ(first.SerializeAsString(), again.SerializeAsString());
-  EXPECT_THAT(again.skipped_fields(), ElementsAre("Lamp.radiance"));
+  EXPECT_THAT(again.ack().skipped_fields(), ElementsAre("Lamp.radiance"));
 }
 
 TEST_F(Together, UndoIsForMembers) {

@@ -98,11 +98,11 @@ class Pacing : public ::testing::Test {
   double brightness_ = 1.0;
 };
 
-// Seen to fail when two_credits is not passed on, when a third result may follow, and when the round trip is not asked.
+// Seen to fail when credits is not passed on, when a third result may follow, and when the round trip is not asked.
 TEST_F(Pacing, AVolumeWatcherWithTwoCreditsHasTwoResultsInFlight) {
   pb::WatchVolumeRequest request;
   request.mutable_subscription()->set_session(session_);
-  request.mutable_subscription()->set_two_credits(true);
+  request.mutable_subscription()->set_credits(2);
   Call call;
   const auto reader = stubs_.result->WatchVolume(call, request);
   expectTwoInFlight<pb::WatchVolumeResponse>(*reader);
@@ -111,7 +111,7 @@ TEST_F(Pacing, AVolumeWatcherWithTwoCreditsHasTwoResultsInFlight) {
 TEST_F(Pacing, AFrameWatcherWithTwoCreditsHasTwoResultsInFlight) {
   pb::WatchFramesRequest request;
   request.mutable_subscription()->set_session(session_);
-  request.mutable_subscription()->set_two_credits(true);
+  request.mutable_subscription()->set_credits(2);
   request.mutable_subscription()->set_width(64);
   request.mutable_subscription()->set_height(48);
   Call call;

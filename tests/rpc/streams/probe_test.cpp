@@ -173,7 +173,7 @@ TEST_F(Probes, APickFindsTheObjectAndNotItsNeighbour) {
   pb::PickResponse hit = pick(request);
   EXPECT_TRUE(hit.hit());
   EXPECT_EQ(hit.object(), "Left");
-  EXPECT_EQ(hit.kind(), "light");
+  EXPECT_EQ(hit.kind(), pb::OBJECT_KIND_LIGHT);
   EXPECT_NEAR(hit.position().x(), -0.5, 0.01);
   EXPECT_NEAR(hit.normal().z(), 1.0, 1e-6);
   EXPECT_NEAR(hit.distance(), std::sqrt(4.25), 0.01);
@@ -181,7 +181,7 @@ TEST_F(Probes, APickFindsTheObjectAndNotItsNeighbour) {
   request.set_x(200 + 53.6);
   hit = pick(request);
   EXPECT_EQ(hit.object(), "Right");
-  EXPECT_EQ(hit.kind(), "surface");
+  EXPECT_EQ(hit.kind(), pb::OBJECT_KIND_SURFACE);
   request.set_x(200);
   EXPECT_EQ(pick(request).object(), "Behind") << "between the two";
   *request.mutable_camera() = camera({0, 0, 2}, {0, 0, 9});

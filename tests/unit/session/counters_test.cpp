@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "convert/scene.h"
+#include "lpv/v1/status.pb.h"
 #include "ops/health.h"
 #include "session/counters.h"
 #include "unit/session/session_rig.h"
@@ -39,6 +41,28 @@ TEST(Reason, IsTheLimitsNameOrTheCode) {
   EXPECT_EQ(reason({Code::kUnavailable, "--state-dir /var: no space left"}), "unavailable");
   EXPECT_EQ(reason({Code::kUnauthenticated, "who?"}), "unauthenticated");
   EXPECT_EQ(reason({Code::kUnavailable, "draining: words alone are no reason"}), "unavailable");
+}
+
+/// Red when a name or number in base/reason.h is another than in ErrorReason.
+TEST(Reason, HasTheWiresNameAndNumber) {
+  for (const ReasonName& row : kReasonNames) {
+    EXPECT_EQ(v1::ErrorReason_Name(v1::ErrorReason(int(row.reason))), row.name);
+    EXPECT_EQ(reasonNamed(row.name), row.reason);
+  }
+}
+
+/// Red when toProto leaves the ErrorInfo out, or fromProto reads the first detail only.
+TEST(Reason, CrossesTheWireBesideTheField) {
+  v1::Status message;
+  api::toProto(exhausted(Reason::kMaxLights, "edit", "max_lights: 2, allowed are 1"), &message);
+  ASSERT_EQ(message.details_size(), 2);
+  EXPECT_EQ(message.details(1).type_url(), "type.googleapis.com/google.rpc.ErrorInfo");
+  const Status back = api::fromProto(message);
+  EXPECT_EQ(back.reason(), Reason::kMaxLights);
+  EXPECT_EQ(back.field(), "edit");
+  v1::Status plain;
+  api::toProto(invalid("light.radiance", "light.radiance is -1"), &plain);
+  EXPECT_EQ(plain.details_size(), 1) << "the code says all";
 }
 
 /// Every limit that a refusal can name has a reason of its own.
