@@ -40,7 +40,7 @@ constexpr double kNoSpread = 1e-12;
 constexpr double kSteadiness = 2.5;  ///< shaders/layout.h
 constexpr int kColouredRecord = 5;   ///< texels; others have 4
 
-/// What arrives at distance d of a VPL's light, as a vector: shaders/transport/gather.comp.
+/// Vector irradiance of a VPL at distance d; the same as in shaders/transport/gather.comp.
 glm::dvec3 vplFlux(const glm::vec4* record, const glm::dmat3& extent, const glm::dvec3& d, int sides) {
   const glm::dvec3 direction(record[1]);
   const double spread = double(record[1].w), size = double(record[2].w);
