@@ -65,7 +65,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
 
   void cancelled() override {
     first_.stop();
-    if (call_) session_->forget(call_);
+    if (call_) session_->delivery().forget(call_);
     end(Status(Code::kCancelled, "the client went away"));
   }
 
@@ -92,7 +92,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
       }
       self->wake();
     };
-    call_ = session_->ask(std::move(call));
+    call_ = session_->delivery().ask(std::move(call));
     return {};
   }
 

@@ -138,7 +138,7 @@ Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRe
                           pb::UpdateSubscriptionResponse*) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
-  const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
+  const std::shared_ptr<Subscriber> subscriber = (*session)->delivery().findSubscriber(request.subscriber());
   if (!subscriber) {
     return Status(Code::kNotFound,
                   "there is no subscriber \"" + truncatedUtf8(request.subscriber()) + "\"; its stream may have ended",

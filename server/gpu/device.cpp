@@ -11,6 +11,7 @@
 #include <map>
 #include <string>
 #include <thread>
+
 #include "base/mutex.h"
 
 namespace lpv::gpu {

@@ -13,11 +13,11 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include "base/mutex.h"
 
 #include "api/call/context.h"
 #include "api/call/stream.h"
 #include "api/services.h"
+#include "base/mutex.h"
 #include "grpc/admission.h"
 #include "grpc/finish.h"
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+
 #include "base/mutex.h"
 
 namespace lpv::ops {

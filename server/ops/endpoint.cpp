@@ -4,6 +4,7 @@
 
 #include <utility>
 #include <vector>
+
 #include "base/mutex.h"
 
 namespace lpv::ops {

@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 #include <vector>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "session/session.h"
 
 namespace lpv {

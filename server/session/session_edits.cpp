@@ -23,7 +23,7 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
     const MutexLock lock(mutex_);
     outcome = applyEdit(client, edit);
   }
-  countAndTell(outcome);
+  announce(outcome);
   return outcome;
 }
 
@@ -62,7 +62,6 @@ EditOutcome Session::applyEdit(const ClientIdentity& client, const Edit& edit) {
     history_.recordWrites(client.id, edit, *names, document_);
   }
   recordOutcome(client, outcome);
-  if (names) scheduleTick();
   return outcome;
 }
 
@@ -122,16 +121,17 @@ Status Session::changeSettings(const std::function<Expected<SessionSettings>(con
     step.settings = *changed;
     journal(std::move(step));
     lastUsed_ = std::chrono::system_clock::now();
-    scheduleTick();
   }
+  delivery_.sceneChanged();
   tellWatchers();
   return {};
 }
 
-/// Of an edit, or of a step back or forth.
-void Session::countAndTell(const EditOutcome& outcome) {
+/// Counts an edit, an undo or a redo, and tells readers and watchers.
+void Session::announce(const EditOutcome& outcome) {
   if (outcome.status.ok()) {
     ++services_.counters->editsAccepted;
+    delivery_.sceneChanged();
     tellWatchers();
   } else {
     services_.counters->editsRejected.add(outcome.status);

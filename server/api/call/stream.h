@@ -7,8 +7,8 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "base/timers.h"
 

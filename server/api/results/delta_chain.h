@@ -9,9 +9,9 @@
 #include <memory>
 #include <optional>
 #include <tuple>
-#include "base/mutex.h"
 
-#include "session/delivery/results.h"
+#include "base/mutex.h"
+#include "session/delivery/result.h"
 #include "session/session.h"
 #include "wire/publish.h"
 #include "wire/volume_codec.h"

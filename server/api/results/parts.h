@@ -4,12 +4,12 @@
 #include <list>
 #include <memory>
 #include <vector>
-#include "base/mutex.h"
 
 #include "api/results/delta_chain.h"
+#include "base/mutex.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
-#include "session/delivery/results.h"
+#include "session/delivery/result.h"
 
 namespace lpv::api {
 

@@ -5,12 +5,12 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include "base/mutex.h"
 
 #include "api/call/context.h"
 #include "api/results/heartbeat.h"
 #include "api/results/parts.h"
 #include "api/results/subscription.h"
+#include "base/mutex.h"
 
 namespace lpv::api {
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <set>
 #include <thread>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "store/sqlite/directory_lock.h"
 #include "store/sqlite/tables.h"
 #include "store/store.h"

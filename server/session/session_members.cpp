@@ -1,4 +1,4 @@
-// Members: who comes and goes, what they take back and make again, how the others see them, what they lock.
+// Members: who comes and goes, how the others see them, what they lock, what they take back and make again.
 
 #include <algorithm>
 #include <utility>
@@ -16,10 +16,14 @@ Expected<ClientIdentity> Session::join(const PresenceUpdate& seenAs) {
 
 Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
   if (Status s = checkPresence(seenAs); !s.ok()) return s;
+  std::set<std::string> connected = delivery_.clients();
   const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   if (Status s = services_.journal->writable(); !s.ok()) return s;
-  if (members_.full()) forget(members_.silent(connected(), Clock::now()));
+  if (members_.full()) {
+    connected.merge(watching());
+    removeMember(members_.silent(connected, Clock::now()));
+  }
   Expected<ClientIdentity> client = members_.join();
   if (!client) return client;
   presence_.join(client->id, seenAs, Clock::now());
@@ -33,13 +37,13 @@ void Session::leave(const ClientIdentity& client) {
   {
     const MutexLock lock(mutex_);
     if (closed_ || !members_.verify(client).ok()) return;
-    forget(client.id);
+    removeMember(client.id);
   }
   tellWatchers();
 }
 
-/// Whoever it is, and nothing where it is nobody.
-void Session::forget(const std::string& client) {
+/// No-op for an empty id.
+void Session::removeMember(const std::string& client) {
   if (client.empty()) return;
   members_.leave(client);
   history_.leave(client);
@@ -50,11 +54,10 @@ void Session::forget(const std::string& client) {
   journal(std::move(step));
 }
 
-/// Members with a stream.
-std::set<std::string> Session::connected() const {
+/// Members that watch the scene.
+std::set<std::string> Session::watching() const {
   std::set<std::string> out;
   for (const auto& [key, watcher] : watchers_) out.insert(watcher.client);
-  for (const auto& [id, subscriber] : subscribers_) out.insert(subscriber->subscription.clientId);
   return out;
 }
 
@@ -70,7 +73,7 @@ EditOutcome Session::undoRedo(const ClientIdentity& client, std::uint64_t sequen
     const MutexLock lock(mutex_);
     outcome = applyUndoRedo(client, sequence, direction);
   }
-  countAndTell(outcome);
+  announce(outcome);
   return outcome;
 }
 
@@ -101,7 +104,6 @@ EditOutcome Session::applyUndoRedo(const ClientIdentity& client, std::uint64_t s
     history_.done(client.id, direction, std::move(*plan));
   }
   recordOutcome(client, outcome);
-  if (outcome.status.ok()) scheduleTick();
   return outcome;
 }
 
@@ -194,9 +196,7 @@ void Session::dropSilentMembers(Clock::time_point now) {
   {
     const MutexLock lock(mutex_);
     const std::uint64_t before = presence_.changes();
-    std::set<std::string> watching;
-    for (const auto& [key, watcher] : watchers_) watching.insert(watcher.client);
-    presence_.dropSilent(watching, now);
+    presence_.dropSilent(watching(), now);
     for (const std::string& client : locks_.expire(now)) presence_.setLocked(client, locks_.heldBy(client));
     if (presence_.changes() == before) return;
   }
