@@ -34,4 +34,14 @@ using EmitterListPtr = std::shared_ptr<const EmitterList>;
 /// counter-clockwise order seen from the front; `sides` 2: it emits from both sides.
 double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, int sides);
 
+/// What one VPL of unit radiance sends to a receiver (MATHS.md 3b.4; shaders/transport/vpl_kernel.glsl).
+struct VplLight {
+  double fluence = 0.0;
+  glm::dvec3 vectorIrradiance{0.0};  ///< towards the light
+};
+
+/// `entry`: the first four texels of a VPL (shaders/transport/vpls.glsl), grid space, as `receiver` is. `sides` that
+/// emit: 1 or 2.
+VplLight lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides);
+
 }  // namespace lpv
