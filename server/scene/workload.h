@@ -31,6 +31,8 @@ class Workload {
   double rootsOfRecords = 0.0;    ///< square roots of the sizes of the lights' trees
   double bytes = 0.0;             ///< of meshes and textures
 
+  bool operator==(const Workload&) const = default;
+
   /// Chromaticities that are kept apart, 1..3.
   int channels() const { return std::max(1, int(colours_.size())); }
   int groups() const { return std::max(1, int(groups_.size())); }
