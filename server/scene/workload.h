@@ -31,6 +31,8 @@ class Workload {
   double rootsOfRecords = 0.0;    ///< sum over lights of the square root of its tree's size
   double bytes = 0.0;             ///< bytes of meshes and textures
 
+  bool operator==(const Workload&) const = default;
+
   /// Channels of the field, 1..3.
   int channels() const { return std::max(1, int(colours_.size())); }
   int groups() const { return std::max(1, int(groups_.size())); }

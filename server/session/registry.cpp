@@ -155,7 +155,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
   {
     const MutexLock lock(mutex_);
     inTransition_.erase(id);
-    // Nobody would freeze it any more.
+    // The server drains: nothing would drain this session any more.
     if (session && draining_) session = Status(Code::kUnavailable, "draining: this server ends; ask another");
     if (session) (*session)->setLimits(limits_);  // they may have changed meanwhile
     if (session) sessions_[id] = *session;
@@ -346,7 +346,7 @@ void Registry::report(SessionEvent incident, const std::string& id) const {
   if (services_.onEvent) services_.onEvent(incident, id, {});
 }
 
-/// Unless somebody uses it again. What is told is told when it is gone.
+/// Removes the session unless it is in use again; reports the event after removal.
 void Registry::removeIfUnused(const std::string& id, SessionEvent incident,
                               const std::function<bool(const SessionPtr&)>& over) {
   removeIf(id, over, [tell = services_.onEvent, incident, id](const Status& gone) {

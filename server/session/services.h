@@ -20,7 +20,7 @@ class Access;
 enum class SessionEvent {
   kExpired,         ///< idle, and gone with what it held
   kEvicted,         ///< idle: on disk only
-  kRetentionEnded,  ///< put away for longer than it is retained
+  kRetentionEnded,  ///< on disk only for longer than it is retained
   kTickFailed,
 };
 

@@ -120,7 +120,7 @@ Status Session::closedStatus(const char* field) const {
   if (closed_ == Closing::kDraining)
     return {Code::kUnavailable, "draining: this server ends; ask another, or this one again later"};
   if (closed_ == Closing::kEvicted) {
-    return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
+    return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being evicted; repeat the call"};
   }
   return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
 }
@@ -149,10 +149,7 @@ MeshPtr Session::findMeshInUse(const BlobHash& hash) const {
   return document_.meshInUse(hash);
 }
 
-ScenePtr Session::scene() {
-  const MutexLock lock(mutex_);
-  return document_.snapshot();
-}
+ScenePtr Session::scene() { return moment().scene; }
 
 Changes Session::changesSince(std::optional<std::uint64_t> since,
                               std::map<std::string, std::uint64_t>* clientSequences) const {
@@ -283,8 +280,18 @@ void Session::close(Closing why) {
 }
 
 SceneMoment Session::moment() {
-  const MutexLock lock(mutex_);
-  return {document_.snapshot(), document_.options().lookup, members_.sequencesSince(0)};
+  const MutexLock copying(copyMutex_);
+  SceneMoment out;
+  SceneUpdate update;
+  {
+    const MutexLock lock(mutex_);
+    update = document_.takeUpdate();
+    out.lookup = document_.options().lookup;
+    out.clientSequences = members_.sequencesSince(0);
+  }
+  copy_.apply(update);
+  out.scene = copy_.scene();
+  return out;
 }
 
 ScenePtr Session::viewScene() const {

@@ -16,6 +16,7 @@
 #include "session/document/blobs.h"
 #include "session/document/document.h"
 #include "session/document/history.h"
+#include "session/document/scene_copy.h"
 #include "session/members/locks.h"
 #include "session/members/members.h"
 #include "session/members/presence.h"
@@ -30,7 +31,7 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
  public:
   Session(std::string id, SessionKey key, std::uint64_t epoch, const LightingSettings& options, SessionPolicy policy,
           const SessionServices& services);
-  /// A session that was, under a new epoch.
+  /// Restores a saved session under a new epoch.
   Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const SessionServices& services);
   ~Session() override;
 
@@ -163,7 +164,10 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   const SessionServices services_;  ///< with the limits of the beginning
   const std::chrono::system_clock::time_point created_;
 
-  mutable Mutex mutex_;  ///< acquired after the delivery's (README.md)
+  Mutex copyMutex_;
+  SceneCopy copy_ LPV_GUARDED_BY(copyMutex_);
+
+  mutable Mutex mutex_ LPV_ACQUIRED_AFTER(copyMutex_);  ///< and after the delivery's (README.md)
   Limits limits_ LPV_GUARDED_BY(mutex_);
   SessionPolicy policy_ LPV_GUARDED_BY(mutex_);
   Document document_ LPV_GUARDED_BY(mutex_);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "session/delivery/self_check.h"
-#include "session/members/members.h"
 
 namespace lpv {
 namespace {
@@ -227,6 +226,7 @@ std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
     return std::nullopt;
   }
   const Readers::HasView hasView = [this](const CameraChoice& choice, std::uint64_t minRevision) {
+    mutex_.assertHeld();
     return this->hasView(choice, minRevision);
   };
   TickPlan plan;
@@ -316,7 +316,7 @@ FrameRequest Delivery::frameRequest(const FrameSettings& settings, std::uint64_t
   return request;
 }
 
-// Settling.
+// Delivering.
 
 void Delivery::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   if (!result) return fail(plan, result.status());
@@ -327,18 +327,18 @@ void Delivery::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   meta.completedNs = nowNs();
   meta.report = std::make_shared<const TickReport>(std::move(result->report));
   meta.lookup = plan.moment.lookup;
-  Settlement settlement;
+  Deliveries deliveries;
   {
     const MutexLock lock(mutex_);
     tickUnderWay_ = false;
     const Clock::time_point now = Clock::now();
     smooth(tickSeconds_, now - plan.begun);
-    settlement = readers_.settle(plan, *result, meta, {now, source_.revision(), pace()});
+    deliveries = readers_.deliverResults(plan, *result, meta, {now, source_.revision(), pace()});
   }
-  services_.counters->resultsCoalesced += settlement.coalesced;
-  answer(std::move(settlement.answers));
+  services_.counters->resultsCoalesced += deliveries.coalesced;
+  answer(std::move(deliveries.answers));
   if (result->transported) checks_.offer(plan.moment.scene, result->transported, Clock::now());
-  deliver(std::move(settlement.offers));
+  deliver(std::move(deliveries.offers));
   tickIfDue();
 }
 

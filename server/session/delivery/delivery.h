@@ -82,7 +82,7 @@ class Delivery {
   TickRequest requestOf(const TickPlan& plan) const;
   FrameRequest frameRequest(const FrameSettings& settings, std::uint64_t view, const Scene& scene) const;
 
-  // Settling.
+  // Delivering.
   void tickDone(const TickPlan& plan, Expected<TickResult> result) LPV_EXCLUDES(mutex_);
   void fail(const TickPlan& plan, const Status& status) LPV_EXCLUDES(mutex_);
   void answer(std::vector<Answer> answers);

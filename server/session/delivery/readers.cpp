@@ -103,11 +103,12 @@ std::optional<Result> Readers::cachedVolume(VolumeStage stage, std::uint64_t min
   return found->second;
 }
 
-Settlement Readers::settle(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta, const Occasion& at) {
-  Settlement out;
-  if (tick.transported) settleVolume(plan, meta, VolumeStage::kTransported, tick.transported, at, &out);
-  if (tick.injected) settleVolume(plan, meta, VolumeStage::kInjected, tick.injected, at, &out);
-  settleFrames(plan, meta, tick.frames, at, &out);
+Deliveries Readers::deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta,
+                                   const Occasion& at) {
+  Deliveries out;
+  if (tick.transported) deliverVolume(plan, meta, VolumeStage::kTransported, tick.transported, at, &out);
+  if (tick.injected) deliverVolume(plan, meta, VolumeStage::kInjected, tick.injected, at, &out);
+  deliverFrames(plan, meta, tick.frames, at, &out);
   for (const auto& [id, subscriber] : subscribers_) {
     // Passed by, because it has not acknowledged what it was sent, or wants fewer results a second.
     const bool passed = at.now < subscriber->dueAt(at.revision, at.pace);
@@ -118,8 +119,8 @@ Settlement Readers::settle(const TickPlan& plan, const TickResult& tick, const R
 
 /// A volume goes to every reader with credit that lacks it, also to those that came or got their credit back while the
 /// tick ran, and to the calls that waited; it is kept for readers whose credit is about to come back.
-void Readers::settleVolume(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
-                           const Occasion& at, Settlement* out) {
+void Readers::deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
+                            const Occasion& at, Deliveries* out) {
   meta.resultId = nextResult_++;
   const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0, 0};
   for (const auto& [id, subscriber] : subscribers_) {
@@ -142,8 +143,8 @@ void Readers::settleVolume(const TickPlan& plan, ResultMeta meta, VolumeStage st
   }
 }
 
-void Readers::settleFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
-                           const Occasion& at, Settlement* out) {
+void Readers::deliverFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
+                            const Occasion& at, Deliveries* out) {
   auto frame = frames.begin();
   for (const auto& [subscriber, settings] : plan.frameReaders) {
     meta.resultId = nextResult_++;

@@ -28,14 +28,14 @@ struct Answer {
   Result result;
 };
 
-/// What a tick that has ended means for the readers.
-struct Settlement {
+/// What a tick that has ended brings to the readers.
+struct Deliveries {
   std::vector<Offer> offers;
   std::vector<Answer> answers;
   std::int64_t coalesced = 0;  ///< subscribers that the tick passed by: they get a later result instead
 };
 
-/// When a plan is made or settled.
+/// When a plan is made, or its results are delivered.
 struct Occasion {
   Clock::time_point now;
   std::uint64_t revision = 0;  ///< of the session
@@ -75,15 +75,15 @@ class Readers {
   std::vector<Answer> planCalls(const Occasion& at, const HasView& hasView, TickPlan* plan);
 
   /// Names the results of a tick and picks who gets them. `meta` says what all of them have in common.
-  Settlement settle(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta, const Occasion& at);
+  Deliveries deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta, const Occasion& at);
   /// The frames of a tick were not made: they are still wanted.
   static void restore(const TickPlan& plan);
 
  private:
-  void settleVolume(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
-                    const Occasion& at, Settlement* out);
-  void settleFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames, const Occasion& at,
-                    Settlement* out);
+  void deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
+                     const Occasion& at, Deliveries* out);
+  void deliverFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames, const Occasion& at,
+                     Deliveries* out);
   std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
 
   std::map<std::string, SubscriberPtr> subscribers_;

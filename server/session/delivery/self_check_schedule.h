@@ -13,7 +13,7 @@
 
 namespace lpv {
 
-/// A session that shows frames alone has a volume made for its check this many times less often.
+/// Self-check interval multiplier for sessions without volume readers.
 inline constexpr int kUnaskedChecks = 6;
 
 /// When a session's volume is measured (self_check.h), and what the last measurement found: at most one at a time, on a
