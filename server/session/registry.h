@@ -55,9 +55,10 @@ class Registry {
   /// All of them, in order of id. What cannot be read now is left out.
   std::vector<SessionSummary> summaries();
 
-  /// Calls `kept` when the journal has everything up to `position`, or with why that is not known.
-  void whenDurable(Position position, std::function<void(const Status&)> kept) const {
-    services_.journal->whenDurable(position, std::move(kept));
+  /// Calls `kept` when the journal has everything up to `position`, a change of `session`, or with why that is not
+  /// known.
+  void whenDurable(const std::string& session, Position position, std::function<void(const Status&)> kept) const {
+    services_.journal->whenDurable(session, position, std::move(kept));
   }
   Durability durability() const { return services_.journal->durability(); }
 
@@ -94,7 +95,7 @@ class Registry {
   mutable std::mutex mutex_;
   std::condition_variable transitionDone_;
   std::map<std::string, SessionPtr> sessions_;
-  std::map<std::string, KeptSession> durableSessions_;  ///< with those in memory; empty where nothing is kept
+  std::map<std::string, SessionHead> durableSessions_;  ///< with those in memory; empty where nothing is kept
   std::set<std::string> inTransition_;  ///< being brought back, or removed: wait for transitionDone_
   struct Requested {
     std::string session;

@@ -18,7 +18,7 @@ Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
   if (Status s = checkPresence(seenAs); !s.ok()) return s;
   const std::lock_guard lock(mutex_);
   if (closed_) return closedStatus("session");
-  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->writable(id_); !s.ok()) return s;
   if (members_.full()) forget(members_.silent(connected(), Clock::now()));
   Expected<ClientIdentity> client = members_.join();
   if (!client) return client;
@@ -121,7 +121,7 @@ bool Session::admit(const ClientIdentity& client, std::uint64_t sequence, EditOu
     *outcome = **before;
     return false;
   }
-  outcome->status = services_.journal->writable();
+  outcome->status = services_.journal->writable(id_);
   if (outcome->status.ok()) outcome->status = members_.admit(client.id, Clock::now());
   markActive(client.id);
   return outcome->status.ok();
