@@ -30,28 +30,28 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     }
     Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
     if (!points) return end(points.status().within("request"));
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (points->empty()) return;
     waiting_.push_back(std::move(*points));
-    workLocked();
+    startNext();
   }
 
   void halfClosed() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     inputEnded_ = true;
     if (!asked_) return context_.pool->post([self = me()] { self->end(invalid("request", "no message came")); });
-    workLocked();
+    startNext();
   }
 
   bool wantsRead() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return waiting_.size() + answers_.size() < kMaxQueuedParts;
   }
 
   bool next(pb::StreamProbeResponse* response) override {
     bool finished = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!answers_.empty()) {
         response->mutable_response()->Swap(&answers_.front());
         answers_.pop_front();
@@ -65,7 +65,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
 
   void cancelled() override {
     first_.stop();
-    if (call_) session_->forget(call_);
+    if (call_) session_->delivery().forget(call_);
     end(Status(Code::kCancelled, "the client went away"));
   }
 
@@ -86,18 +86,18 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
       if (!self) return;
       if (!result) return self->end(result.status());
       {
-        const std::lock_guard lock(self->mutex_);
+        const MutexLock lock(self->mutex_);
         self->result_ = *result;
-        self->workLocked();
+        self->startNext();
       }
       self->wake();
     };
-    call_ = session_->ask(std::move(call));
+    call_ = session_->delivery().ask(std::move(call));
     return {};
   }
 
   /// Answers the next part on a worker, one at a time so that the order stays.
-  void workLocked() {
+  void startNext() LPV_REQUIRES(mutex_) {
     if (working_ || !result_ || waiting_.empty()) return;
     working_ = true;
     context_.pool->post(
@@ -105,10 +105,10 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
           pb::ProbeResponse answer;
           answerPoints(result, points, volumeOnly, &answer);
           {
-            const std::lock_guard lock(self->mutex_);
+            const MutexLock lock(self->mutex_);
             self->answers_.push_back(std::move(answer));
             self->working_ = false;
-            self->workLocked();
+            self->startNext();
           }
           self->wake();
         });
@@ -121,12 +121,12 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   bool asked_ = false;
   bool volumeOnly_ = false;
   std::shared_ptr<WaitingCall> call_;
-  std::mutex mutex_;
-  std::optional<Result> result_;
-  std::deque<ProbePoints> waiting_;
-  std::deque<pb::ProbeResponse> answers_;
-  bool working_ = false;
-  bool inputEnded_ = false;
+  Mutex mutex_;
+  std::optional<Result> result_ LPV_GUARDED_BY(mutex_);
+  std::deque<ProbePoints> waiting_ LPV_GUARDED_BY(mutex_);
+  std::deque<pb::ProbeResponse> answers_ LPV_GUARDED_BY(mutex_);
+  bool working_ LPV_GUARDED_BY(mutex_) = false;
+  bool inputEnded_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace

@@ -29,15 +29,15 @@ class SingleResultStream : public Stream<Request, Response> {
       const auto self = std::static_pointer_cast<SingleResultStream>(weak.lock());
       if (self) self->finish(std::move(result));
     };
-    const std::shared_ptr<WaitingCall> waiting = session_->ask(std::move(*call));
-    const std::lock_guard lock(mutex_);
+    const std::shared_ptr<WaitingCall> waiting = session_->delivery().ask(std::move(*call));
+    const MutexLock lock(mutex_);
     call_ = waiting;
   }
 
   bool next(Response* response) override {
     bool more = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!parts_) return false;
       more = parts_(response);
     }
@@ -48,10 +48,10 @@ class SingleResultStream : public Stream<Request, Response> {
   void cancelled() override {
     std::shared_ptr<WaitingCall> call;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       call = call_;
     }
-    if (call) session_->forget(call);
+    if (call) session_->delivery().forget(call);
     this->end(Status(Code::kCancelled, "the client went away"));
   }
 
@@ -71,16 +71,16 @@ class SingleResultStream : public Stream<Request, Response> {
     Expected<Parts> made = parts(*result);
     if (!made) return this->end(made.status());
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       parts_ = std::move(*made);
     }
     this->wake();
   }
 
   bool asked_ = false;
-  std::mutex mutex_;
-  Parts parts_;
-  std::shared_ptr<WaitingCall> call_;
+  Mutex mutex_;
+  Parts parts_ LPV_GUARDED_BY(mutex_);
+  std::shared_ptr<WaitingCall> call_ LPV_GUARDED_BY(mutex_);
 };
 
 class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest, pb::GetVolumeResponse> {
@@ -115,7 +115,7 @@ class FrameResultStream final : public SingleResultStream<pb::GetFrameRequest, p
   Expected<WaitingCall> prepare(pb::GetFrameRequest& request) override {
     Expected<FrameEncodingRequest> order = encodingRequestFrom(request, context_.limits);
     if (!order) return order.status();
-    if (Status s = session_->checkCamera(order->subscription.camera); !s.ok()) return s;
+    if (Status s = session_->delivery().checkCamera(order->subscription.camera); !s.ok()) return s;
     order_ = *order;
     WaitingCall call;
     call.frame = order_.subscription;
@@ -181,8 +181,9 @@ static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::P
                                           const Limits& limits) {
   FrameSettings subscription;
   if (!request.subscriber().empty()) {
-    const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(request.subscriber());
-    const std::optional<FrameSettings> frame = subscriber ? session->subscriptionOf(subscriber).frame : std::nullopt;
+    const std::shared_ptr<Subscriber> subscriber = session->delivery().findSubscriber(request.subscriber());
+    const std::optional<FrameSettings> frame =
+        subscriber ? session->delivery().subscriptionOf(subscriber).frame : std::nullopt;
     if (!frame) {
       return Status(Code::kNotFound, "there is no frame subscriber \"" + truncatedUtf8(request.subscriber()) + "\"",
                     "subscriber");
@@ -212,7 +213,7 @@ Status pick(const Context& context, const pb::PickRequest& request, pb::PickResp
                       std::to_string(subscription->size.x) + " x " + std::to_string(subscription->size.y),
                   "x");
   }
-  const Expected<Camera> camera = (*session)->cameraFor(subscription->camera, subscription->size);
+  const Expected<Camera> camera = (*session)->delivery().cameraFor(subscription->camera, subscription->size);
   if (!camera) return camera.status();
   const ScenePtr scene = (*session)->scene();
   response->set_revision(scene->revision);

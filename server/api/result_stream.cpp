@@ -23,10 +23,10 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
 
   void receive(typename Traits::Request request) override {
     if (this->hasEnded()) return;
-    if (feed_) {
+    if (const auto live = current()) {
       const pb::SubscriberUpdate* update = Traits::update(request);
       const Status status =
-          update ? feed_->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
+          update ? live->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
       // A refused camera or size ends nothing a client could still want: it is told, and reopens with a right one.
       if (!status.ok()) this->end(status.within("update"));
       return;
@@ -39,7 +39,7 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
     });
     if (!feed) return this->end(feed.status().within("subscription"));
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       feed_ = *feed;
     }
     this->wake();
@@ -66,14 +66,14 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
 
  private:
   std::shared_ptr<typename Traits::FeedType> current() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return feed_;
   }
 
   const Context context_;
   Deadline first_;
-  std::mutex mutex_;
-  std::shared_ptr<typename Traits::FeedType> feed_;
+  Mutex mutex_;
+  std::shared_ptr<typename Traits::FeedType> feed_ LPV_GUARDED_BY(mutex_);
 };
 
 template <typename Req, typename Resp, typename Sub, typename F>
@@ -138,7 +138,7 @@ Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRe
                           pb::UpdateSubscriptionResponse*) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
   if (!session) return session.status();
-  const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
+  const std::shared_ptr<Subscriber> subscriber = (*session)->delivery().findSubscriber(request.subscriber());
   if (!subscriber) {
     return Status(Code::kNotFound,
                   "there is no subscriber \"" + truncatedUtf8(request.subscriber()) + "\"; its stream may have ended",

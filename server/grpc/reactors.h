@@ -11,13 +11,13 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "api/call/context.h"
 #include "api/call/stream.h"
 #include "api/services.h"
+#include "base/mutex.h"
 #include "grpc/admission.h"
 #include "grpc/finish.h"
 
@@ -57,7 +57,7 @@ class StreamReactor final : public Base {
       stream_->halfClosed();
     }
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       reading_ = false;
       inputEnded_ = !ok;
     }
@@ -66,7 +66,7 @@ class StreamReactor final : public Base {
 
   void OnWriteDone(bool ok) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       writing_ = false;
       broken_ = broken_ || !ok;
     }
@@ -75,7 +75,7 @@ class StreamReactor final : public Base {
 
   void OnCancel() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       broken_ = true;
       if (opening_) return;
     }
@@ -103,17 +103,19 @@ class StreamReactor final : public Base {
   /// Hands the first message to a worker.
   void open(Request request) {
     opened_ = true;
+    ops::LogContext who;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       opening_ = true;
       who_.session = shortId(sessionIn(request));
+      who = who_;
     }
-    context_.pool->post([self = self_, who = who_, request = std::move(request)]() mutable {
+    context_.pool->post([self = self_, who = std::move(who), request = std::move(request)]() mutable {
       const ops::LogScope scope(std::move(who));
       self->stream_->receive(std::move(request));
       bool cancelled = false;
       {
-        const std::lock_guard lock(self->mutex_);
+        const MutexLock lock(self->mutex_);
         self->opening_ = false;
         self->reading_ = false;
         cancelled = self->broken_ || self->expelled_;
@@ -126,7 +128,7 @@ class StreamReactor final : public Base {
   /// The token that opened the stream is no longer good.
   void revokeAccess(const Status& why) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       expelled_ = why;
       if (opening_) return;
     }
@@ -136,7 +138,7 @@ class StreamReactor final : public Base {
 
   /// Starts whatever can be started now.
   void pump() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (finished_ || opening_) return;
     if (!writing_ && !broken_ && !expelled_) respond();
     if (!writing_) {
@@ -154,7 +156,7 @@ class StreamReactor final : public Base {
     }
   }
 
-  void respond() {
+  void respond() LPV_REQUIRES(mutex_) {
     response_->Clear();
     if (!stream_->next(response_)) return;
     if constexpr (kWrites) {
@@ -165,7 +167,7 @@ class StreamReactor final : public Base {
     }
   }
 
-  std::optional<Status> ending() {
+  std::optional<Status> ending() LPV_REQUIRES(mutex_) {
     if (broken_) return Status(Code::kCancelled, "the client went away");
     if (expelled_) return expelled_;
     if (answered_) return Status();
@@ -173,23 +175,23 @@ class StreamReactor final : public Base {
   }
 
   const api::Context context_;
-  ops::LogContext who_;
+  ops::LogContext who_ LPV_GUARDED_BY(mutex_);
   StreamPtr<Request, Response> stream_;
   std::shared_ptr<StreamReactor> self_;
-  std::mutex mutex_;
+  Mutex mutex_;
   Request request_;
   Response ownResponse_;
   Response* response_;
   bool opened_ = false;  ///< the first message has come
-  bool opening_ = false;  ///< a worker has it
-  bool reading_ = false;
-  bool writing_ = false;
-  bool written_ = false;  ///< something
-  bool inputEnded_ = false;
-  bool broken_ = false;
-  bool answered_ = false;  ///< the one response is in its place
-  bool finished_ = false;
-  std::optional<Status> expelled_;  ///< why, once it is
+  bool opening_ LPV_GUARDED_BY(mutex_) = false;  ///< a worker has it
+  bool reading_ LPV_GUARDED_BY(mutex_) = false;
+  bool writing_ LPV_GUARDED_BY(mutex_) = false;
+  bool written_ LPV_GUARDED_BY(mutex_) = false;  ///< something
+  bool inputEnded_ LPV_GUARDED_BY(mutex_) = false;
+  bool broken_ LPV_GUARDED_BY(mutex_) = false;
+  bool answered_ LPV_GUARDED_BY(mutex_) = false;  ///< the one response is in its place
+  bool finished_ LPV_GUARDED_BY(mutex_) = false;
+  std::optional<Status> expelled_ LPV_GUARDED_BY(mutex_);  ///< why, once it is
   std::shared_ptr<void> tokenWatch_;  ///< tells when that is so
 };
 

@@ -5,10 +5,10 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "base/timers.h"
 
@@ -35,11 +35,11 @@ class Stream : public std::enable_shared_from_this<Stream<Request, Response>> {
 
   /// How the call ended; asked after next() has returned false.
   std::optional<Status> ended() {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     return ended_;
   }
   void onWake(std::function<void()> wake) {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     wake_ = std::move(wake);
   }
 
@@ -51,26 +51,26 @@ class Stream : public std::enable_shared_from_this<Stream<Request, Response>> {
   }
   /// Ends the call from inside next(): the door asks ended() by itself, under its lock, and must not be woken.
   void endInNext(Status status) {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     if (!ended_) ended_ = std::move(status);
   }
   bool hasEnded() {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     return ended_.has_value();
   }
   void wake() {
     std::function<void()> call;
     {
-      const std::lock_guard lock(endMutex_);
+      const MutexLock lock(endMutex_);
       call = wake_;
     }
     if (call) call();
   }
 
  private:
-  std::mutex endMutex_;
-  std::optional<Status> ended_;
-  std::function<void()> wake_;
+  Mutex endMutex_;
+  std::optional<Status> ended_ LPV_GUARDED_BY(endMutex_);
+  std::function<void()> wake_ LPV_GUARDED_BY(endMutex_);
 };
 
 }  // namespace lpv::api

@@ -3,13 +3,13 @@
 
 #include <list>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "api/results/delta_chain.h"
+#include "base/mutex.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
-#include "session/delivery/results.h"
+#include "session/delivery/result.h"
 
 namespace lpv::api {
 
@@ -27,8 +27,8 @@ class VolumeEncodings {
     wire::Compression compression;
     EncodingPtr encoding;
   };
-  std::mutex mutex_;
-  std::list<Entry> entries_;  // newest first
+  Mutex mutex_;
+  std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // newest first
 };
 
 /// The process's cache.

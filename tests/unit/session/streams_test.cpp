@@ -334,7 +334,8 @@ TEST_F(ResultStreams, WhatIsMadeAheadOfACreditIsEncodedOnce) {
   stream->receive(request);
   pb::WatchVolumeResponse response;
   ASSERT_TRUE(test::eventually([&] { return stream->next(&response); }));
-  const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(response.event().subscribed().subscriber());
+  const std::shared_ptr<Subscriber> subscriber =
+      session->delivery().findSubscriber(response.event().subscribed().subscriber());
   ASSERT_NE(subscriber, nullptr);
   ASSERT_TRUE(test::eventually([&] { return stream->next(&response) && response.event().has_part(); }));
   rig_.settle();
@@ -343,7 +344,7 @@ TEST_F(ResultStreams, WhatIsMadeAheadOfACreditIsEncodedOnce) {
   EXPECT_TRUE(test::eventually([&] { return rig_.counters.volumesEncoded == 2; }));
   rig_.settle();
   EXPECT_EQ(rig_.counters.resultsSent, 1);
-  session->acknowledge(subscriber, subscriber->taken);
+  session->delivery().acknowledge(subscriber, subscriber->taken);
   rig_.settle();
   EXPECT_EQ(rig_.counters.resultsSent, 2);
   EXPECT_EQ(rig_.counters.volumesEncoded, 2);
