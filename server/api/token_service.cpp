@@ -33,7 +33,7 @@ void createToken(const Context& context, const pb::CreateTokenRequest& request, 
   response->set_token_id(token->kept.id);
   *response->mutable_expire_time() = google::protobuf::util::TimeUtil::SecondsToTimestamp(
       std::chrono::duration_cast<std::chrono::seconds>(token->kept.expires.time_since_epoch()).count());
-  context.registry->whenDurable(token->position, std::move(done));
+  context.registry->whenDurable((*session)->id(), token->position, std::move(done));
 }
 
 void revokeToken(const Context& context, const pb::RevokeTokenRequest& request, pb::RevokeTokenResponse*, Done done) {
@@ -41,7 +41,7 @@ void revokeToken(const Context& context, const pb::RevokeTokenRequest& request, 
   if (!session) return done(session.status());
   const Expected<Position> gone = context.access->revoke((*session)->id(), request.token_id());
   if (!gone) return done(gone.status());
-  context.registry->whenDurable(*gone, std::move(done));
+  context.registry->whenDurable((*session)->id(), *gone, std::move(done));
 }
 
 }  // namespace lpv::api

@@ -26,8 +26,9 @@
 #include "ops/metrics.h"
 #include "persistence/persistent_journal.h"
 #include "session/access.h"
+#include "session/memory_journal.h"
 #include "session/registry.h"
-#include "store/sqlite/sqlite_store.h"
+#include "store/sqlite/sqlite_backend.h"
 
 namespace lpv::app {
 namespace {
@@ -55,26 +56,33 @@ int fail(const Status& status) {
   return 1;
 }
 
-/// Where sessions are kept.
-Expected<std::unique_ptr<store::Store>> openStore(const Options& options, WorkerPool& pool, Counters& counters) {
-  if (options.stateDir.empty()) return std::unique_ptr<store::Store>(std::make_unique<store::MemoryStore>());
+/// Where sessions are kept, with the queue before it; null without --state-dir.
+Expected<std::unique_ptr<store::CommitQueue>> openStore(const Options& options, WorkerPool& pool, Counters& counters) {
+  if (options.stateDir.empty()) return std::unique_ptr<store::CommitQueue>();
   store::SqliteOptions sqlite;
   sqlite.directory = options.stateDir;
-  sqlite.executor = [&pool](std::function<void()> call) { pool.post(std::move(call)); };
-  sqlite.onCommit = [&counters](std::chrono::duration<double> took, bool committed) {
+  Expected<std::unique_ptr<store::SqliteBackend>> tables = store::SqliteBackend::open(std::move(sqlite));
+  if (!tables) return tables.status();
+  store::CommitQueueOptions queue;
+  queue.executor = [&pool](std::function<void()> call) { pool.post(std::move(call)); };
+  queue.onCommit = [&counters](std::chrono::duration<double> took, bool committed) {
     counters.storeCommitSeconds.observe(took.count());
     if (!committed) ++counters.storeFailures;
   };
-  sqlite.onChange = [](const Status& status) {
+  queue.onChange = [](const Status& status) {
     if (status.ok()) {
       spdlog::info("the state directory can be written again; nothing was lost");
     } else {
       spdlog::error("{}; edits are refused until then", status.message());
     }
   };
-  Expected<std::unique_ptr<store::SqliteStore>> opened = store::SqliteStore::open(std::move(sqlite));
-  if (!opened) return opened.status();
-  return std::unique_ptr<store::Store>(std::move(*opened));
+  return std::make_unique<store::CommitQueue>(std::move(*tables), std::move(queue));
+}
+
+/// The journal in `queue`; one that keeps nothing where there is none.
+std::unique_ptr<Journal> makeJournal(store::CommitQueue* queue) {
+  if (!queue) return std::make_unique<MemoryJournal>();
+  return std::make_unique<api::PersistentJournal>(*queue);
 }
 
 /// Makes the first line of --admin-token-file the admin's token.
@@ -116,12 +124,12 @@ Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const o
 }
 
 void publish(ops::Endpoint& endpoint, const api::Context& context, const SessionServices& services,
-             const store::Store& store) {
+             const store::CommitQueue* queue) {
   ops::MetricSources sources;
   sources.counters = context.counters;
   sources.registry = context.registry;
   sources.journal = services.journal;
-  sources.storeQueue = [&store] { return store.queued(); };
+  sources.storeQueue = [queue] { return queue ? queue->queued() : 0; };
   sources.engine = services.engine;
   sources.device = context.device;
   sources.version = context.version;
@@ -200,14 +208,14 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   WorkerPool pool(std::max(2U, std::thread::hardware_concurrency()));
   Expected<std::unique_ptr<Engine>> engine = startEngine(options.choice);
   if (!engine) return fail(engine.status());
-  Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool, counters);
-  if (!opened) return fail(opened.status());
-  api::PersistentJournal journal(**opened);
-  Access access(journal, timers);
+  Expected<std::unique_ptr<store::CommitQueue>> queue = openStore(options, pool, counters);
+  if (!queue) return fail(queue.status());
+  const std::unique_ptr<Journal> journal = makeJournal(queue->get());
+  Access access(*journal, timers);
   if (const Status status = access.open(); !status.ok()) return fail(status);
   if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
   const SessionServices services{options.limits, engine->get(), &pool,   &timers, &counters,
-                                 api::meshHash,  &journal,      &access, report};
+                                 api::meshHash,  journal.get(), &access, report};
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context{&registry,      &pool,
@@ -219,9 +227,9 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
       door::Door::open(context, {options.listen, options.tls, options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   door::Door& door = **entrance;
-  health.serve(journal);
+  health.serve(*journal);
   const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // goes before what it tells of
-  if (endpoint) publish(*endpoint, context, services, **opened);
+  if (endpoint) publish(*endpoint, context, services, queue->get());
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
   announce(options, access, door.port(), context.device);

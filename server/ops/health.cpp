@@ -41,7 +41,7 @@ Status Health::ready() const {
   if (const int failed = watch.failedInARow(); failed >= kFailedTicks) {
     return unavailable("device: the last " + std::to_string(failed) + " ticks failed: " + watch.lastFailure());
   }
-  if (const Status writable = journal_.load()->writable(); !writable.ok()) {
+  if (const Status writable = journal_.load()->available(); !writable.ok()) {
     return unavailable("state directory: " + writable.message());
   }
   return {};

@@ -134,7 +134,7 @@ void addCalls(const Counters& c, Scrape& out) {
 
 void addStore(const MetricSources& s, Scrape& out) {
   out.gauge("lpv_store_writable", "1 while changes can be kept, else 0: edits are refused.",
-            s.journal->writable().ok() ? 1.0 : 0.0);
+            s.journal->available().ok() ? 1.0 : 0.0);
   out.gauge("lpv_store_queued_changes", "Changes that wait for the disk.", double(s.storeQueue()));
   out.histogram("lpv_store_commit_seconds", "A transaction of the state directory, fsync included.",
                 s.counters->storeCommitSeconds);

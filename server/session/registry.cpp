@@ -39,11 +39,11 @@ Registry::~Registry() {
 }
 
 Status Registry::open() {
-  const Expected<std::vector<KeptSession>> kept = services_.journal->kept();
+  const Expected<std::vector<SessionHead>> kept = services_.journal->heads();
   if (!kept) return kept.status();
   const MutexLock lock(mutex_);
   epoch_ = std::max(epoch_, services_.journal->highestEpoch() + 1);
-  for (const KeptSession& session : *kept) {
+  for (const SessionHead& session : *kept) {
     durableSessions_[session.id] = session;
     if (!session.requestId.empty()) requests_[session.requestId] = {session.id, session.created};
   }
@@ -71,7 +71,7 @@ Status Registry::checkNew(const std::string& wantedId) const {
                     "session_id");
     }
   }
-  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->available(); !s.ok()) return s;
   return checkRoom();
 }
 
@@ -121,7 +121,7 @@ SessionPtr Registry::registerNew(const SessionPtr& session, const std::string& r
   if (!requestId.empty()) requests_[requestId] = {session->id(), now};
   const std::chrono::seconds ttl = session->journalCreation(requestId);
   if (session->durability() != Durability::kMemory)
-    durableSessions_[session->id()] = {session->id(), requestId, now, now, ttl};
+    durableSessions_[session->id()] = {session->id(), epoch_, requestId, now, now, ttl};
   return session;
 }
 
@@ -190,7 +190,7 @@ void Registry::remove(const std::string& id, std::function<void(const Status&)> 
 
 void Registry::removeIf(const std::string& id, const std::function<bool(const SessionPtr&)>& over,
                         std::function<void(const Status&)> done) {
-  if (Status s = services_.journal->writable(); !s.ok()) return done(s);
+  if (Status s = services_.journal->writable(id); !s.ok()) return done(s);
   SessionPtr session;
   Position gone = 0;
   {
@@ -220,7 +220,7 @@ void Registry::removeIf(const std::string& id, const std::function<bool(const Se
     if (services_.access) services_.access->forget(id);
   }
   transitionDone_.notifyAll();
-  services_.journal->whenDurable(gone, std::move(done));
+  services_.journal->whenDurable(id, gone, std::move(done));
 }
 
 std::vector<SessionPtr> Registry::all() const {
@@ -355,8 +355,8 @@ void Registry::removeIfUnused(const std::string& id, SessionEvent incident,
 }
 
 void Registry::forgetKept(std::chrono::system_clock::time_point now) {
-  if (!services_.journal->writable().ok()) return;
-  const auto overdue = [this, now](const KeptSession& kept) {
+  if (!services_.journal->available().ok()) return;
+  const auto overdue = [this, now](const SessionHead& kept) {
     return kept.ttl.count() > 0 && now - kept.lastUsed > kept.ttl + retain_;
   };
   std::vector<std::string> over;

@@ -129,7 +129,7 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
   const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   lastUsed_ = std::chrono::system_clock::now();
-  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->writable(id_); !s.ok()) return s;
   const Expected<bool> existed = blobs_.add(blob, Clock::now());
   if (!existed || *existed) return existed;
   JournalStep step = nextStep();
@@ -249,7 +249,7 @@ SavedSession Session::state() const {
 
 void Session::dropUnusedBlobs() {
   const MutexLock lock(mutex_);
-  if (closed_ || !services_.journal->writable().ok()) return;
+  if (closed_ || !services_.journal->writable(id_).ok()) return;
   std::set<BlobHash> used = document_.hashesInUse();
   history_.addHashesInUse(used);
   std::vector<BlobHash> dropped = blobs_.dropUnused(used, Clock::now());

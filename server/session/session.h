@@ -83,7 +83,7 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   /// The same for an edit: `told` gets its outcome, or UNAVAILABLE where it may be lost.
   void confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const;
   /// Changes are refused for now.
-  bool readOnly() const { return !services_.journal->writable().ok(); }
+  bool readOnly() const { return !services_.journal->writable(id_).ok(); }
   Durability durability() const { return services_.journal->durability(); }
 
   // Blobs.

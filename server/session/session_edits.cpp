@@ -41,7 +41,7 @@ EditOutcome Session::recordRejected(const ClientIdentity& client, std::uint64_t 
     outcome.status = before.status().within("edit");
     return outcome;
   }
-  outcome.status = services_.journal->writable();
+  outcome.status = services_.journal->writable(id_);
   if (outcome.status.ok()) outcome.status = members_.admit(client.id, Clock::now());
   if (!outcome.status.ok()) return outcome;
   outcome.status = why;
@@ -92,7 +92,7 @@ void Session::whenDurable(std::function<void(const Status&)> kept) const {
     const MutexLock lock(mutex_);
     position = lastJournalled_;
   }
-  services_.journal->whenDurable(position, std::move(kept));
+  services_.journal->whenDurable(id_, position, std::move(kept));
 }
 
 void Session::confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
@@ -110,7 +110,7 @@ Status Session::changeSettings(const std::function<Expected<SessionSettings>(con
   {
     const MutexLock lock(mutex_);
     if (closed_) return closedStatus("name");
-    if (Status s = services_.journal->writable(); !s.ok()) return s;
+    if (Status s = services_.journal->writable(id_); !s.ok()) return s;
     const std::uint64_t before = document_.revision();
     const Expected<SessionSettings> changed = change({document_.options(), policy_});
     if (!changed) return changed.status();

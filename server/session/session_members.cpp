@@ -19,7 +19,7 @@ Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
   std::set<std::string> connected = delivery_.clients();
   const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
-  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->writable(id_); !s.ok()) return s;
   if (members_.full()) {
     connected.merge(watching());
     removeMember(members_.silent(connected, Clock::now()));
@@ -123,7 +123,7 @@ bool Session::admit(const ClientIdentity& client, std::uint64_t sequence, EditOu
     *outcome = **before;
     return false;
   }
-  outcome->status = services_.journal->writable();
+  outcome->status = services_.journal->writable(id_);
   if (outcome->status.ok()) outcome->status = members_.admit(client.id, Clock::now());
   markActive(client.id);
   return outcome->status.ok();

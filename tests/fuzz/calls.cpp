@@ -111,7 +111,7 @@ void Caller::make(Call call) {
   if (!read.ParseFromString(call.SerializeAsString())) return;
   const std::string before = world_.content();
   refused_ = false;
-  dispatch(read, world_.contextOf(read.role() == pb::ROLE_UNSPECIFIED ? Role::kAdmin : Role(read.role() - 1)));
+  dispatch(read, world_.contextOf(read.role() == pb::ROLE_UNSPECIFIED ? Role::kAdmin : Role(read.role())));
   machinery().settle();
   if (last_ && !last_->drain()) forget(last_);
   check(!refused_ || world_.content() == before, "what is refused changes nothing: " + read.ShortDebugString());

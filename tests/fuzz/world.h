@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "api/call/context.h"
-#include "persistence/persistent_journal.h"
+#include "session/memory_journal.h"
 #include "unit/session/small_engine.h"
 
 namespace lpv::fuzz {
@@ -21,8 +21,7 @@ struct Machinery {
   Counters counters;
   Timers timers;
   WorkerPool pool{0};  ///< its jobs run in settle()
-  store::MemoryStore memory;
-  api::PersistentJournal journal{memory};
+  MemoryJournal journal;
 
   /// Returns when everything that was posted, and what came of it, has run.
   void settle() { pool.runQueued(); }

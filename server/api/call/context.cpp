@@ -36,7 +36,7 @@ Expected<MintedToken> ownerToken(const Context& context, const std::string& id) 
 void whenBothKept(const Context& context, const SessionPtr& session, const MintedToken& token,
                   std::function<void(const Status&)> kept) {
   if (token.token.empty()) return session->whenDurable(std::move(kept));
-  context.registry->whenDurable(token.position, std::move(kept));
+  context.registry->whenDurable(session->id(), token.position, std::move(kept));
 }
 
 }  // namespace lpv::api
