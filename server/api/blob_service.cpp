@@ -40,7 +40,7 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
   }
 
   bool next(pb::UploadBlobResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!answer_) return false;
     *response = *answer_;
     answer_.reset();
@@ -91,7 +91,7 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
     session_->whenDurable([self = me(), hash = (*blob)->hash, existed = *existed](const Status& kept) {
       if (!kept.ok()) return self->end(kept);
       {
-        const std::lock_guard lock(self->mutex_);
+        const MutexLock lock(self->mutex_);
         self->answer_.emplace();
         self->answer_->set_hash(hash);
         self->answer_->set_existed(existed);
@@ -107,8 +107,8 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
   pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;
   std::int64_t size_ = 0;
   std::string bytes_;
-  std::mutex mutex_;
-  std::optional<pb::UploadBlobResponse> answer_;
+  Mutex mutex_;
+  std::optional<pb::UploadBlobResponse> answer_ LPV_GUARDED_BY(mutex_);
 };
 
 /// A blob on its way out, part by part as the client takes them.
@@ -124,8 +124,9 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
   }
 
   bool next(pb::ReadBlobResponse* response) override {
+    bool last = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!bytes_ || done_) return false;
       if (first_) {
         response->set_kind(kind_);
@@ -135,9 +136,9 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
       const std::size_t count = std::min(kMaxPartBytes, bytes_->size() - offset_);
       response->set_data(bytes_->data() + offset_, count);
       offset_ += count;
-      done_ = offset_ == bytes_->size();
+      last = done_ = offset_ == bytes_->size();
     }
-    if (done_) endInNext(Status());
+    if (last) endInNext(Status());
     return true;
   }
 
@@ -162,7 +163,7 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
                         std::to_string(bytes->size()) + " bytes",
                     "offset");
     }
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     kind_ = kind;
     offset_ = std::size_t(request.offset());
     bytes_ = std::move(bytes);
@@ -170,12 +171,12 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
   }
 
   const Context context_;
-  std::mutex mutex_;
-  std::shared_ptr<const std::string> bytes_;
-  pb::BlobKind kind_ = pb::BLOB_KIND_MESH;
-  std::size_t offset_ = 0;
-  bool first_ = true;
-  bool done_ = false;
+  Mutex mutex_;
+  std::shared_ptr<const std::string> bytes_ LPV_GUARDED_BY(mutex_);
+  pb::BlobKind kind_ LPV_GUARDED_BY(mutex_) = pb::BLOB_KIND_MESH;
+  std::size_t offset_ LPV_GUARDED_BY(mutex_) = 0;
+  bool first_ LPV_GUARDED_BY(mutex_) = true;
+  bool done_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 constexpr int kMaxHashes = 1000;

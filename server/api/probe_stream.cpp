@@ -21,28 +21,28 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
     }
     Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
     if (!points) return end(points.status().within("request"));
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (points->empty()) return;
     waiting_.push_back(std::move(*points));
-    workLocked();
+    startNext();
   }
 
   void halfClosed() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     inputEnded_ = true;
     if (!asked_) return context_.pool->post([self = me()] { self->end(invalid("request", "no message came")); });
-    workLocked();
+    startNext();
   }
 
   bool wantsRead() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return waiting_.size() + answers_.size() < kMaxQueuedParts;
   }
 
   bool next(pb::StreamProbeResponse* response) override {
     bool finished = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!answers_.empty()) {
         response->mutable_response()->Swap(&answers_.front());
         answers_.pop_front();
@@ -71,9 +71,9 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
     call.done = whileAlive([](ProbeStream& self, Expected<Result> result) {
       if (!result) return self.end(result.status());
       {
-        const std::lock_guard lock(self.mutex_);
+        const MutexLock lock(self.mutex_);
         self.result_ = *result;
-        self.workLocked();
+        self.startNext();
       }
       self.wake();
     });
@@ -82,7 +82,7 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
   }
 
   /// Answers the next part on a worker, one at a time so that the order stays.
-  void workLocked() {
+  void startNext() LPV_REQUIRES(mutex_) {
     if (working_ || !result_ || waiting_.empty()) return;
     working_ = true;
     context_.pool->post(
@@ -90,10 +90,10 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
           pb::ProbeResponse answer;
           answerPoints(result, points, volumeOnly, &answer);
           {
-            const std::lock_guard lock(self->mutex_);
+            const MutexLock lock(self->mutex_);
             self->answers_.push_back(std::move(answer));
             self->working_ = false;
-            self->workLocked();
+            self->startNext();
           }
           self->wake();
         });
@@ -105,12 +105,12 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
   bool asked_ = false;
   bool volumeOnly_ = false;
   std::shared_ptr<WaitingCall> call_;
-  std::mutex mutex_;
-  std::optional<Result> result_;
-  std::deque<ProbePoints> waiting_;
-  std::deque<pb::ProbeResponse> answers_;
-  bool working_ = false;
-  bool inputEnded_ = false;
+  Mutex mutex_;
+  std::optional<Result> result_ LPV_GUARDED_BY(mutex_);
+  std::deque<ProbePoints> waiting_ LPV_GUARDED_BY(mutex_);
+  std::deque<pb::ProbeResponse> answers_ LPV_GUARDED_BY(mutex_);
+  bool working_ LPV_GUARDED_BY(mutex_) = false;
+  bool inputEnded_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace

@@ -29,14 +29,14 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
     call->done =
         this->whileAlive([](SingleResultStream& self, Expected<Result> result) { self.finish(std::move(result)); });
     const std::shared_ptr<WaitingCall> waiting = session_->ask(std::move(*call));
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     call_ = waiting;
   }
 
   bool next(Response* response) override {
     bool more = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!parts_) return false;
       more = parts_(response);
     }
@@ -47,7 +47,7 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
   void release() override {
     std::shared_ptr<WaitingCall> call;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       call = call_;
     }
     if (call) session_->forget(call);
@@ -69,16 +69,16 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
     Expected<Parts> made = parts(*result);
     if (!made) return this->end(made.status());
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       parts_ = std::move(*made);
     }
     this->wake();
   }
 
   bool asked_ = false;
-  std::mutex mutex_;
-  Parts parts_;
-  std::shared_ptr<WaitingCall> call_;
+  Mutex mutex_;
+  Parts parts_ LPV_GUARDED_BY(mutex_);
+  std::shared_ptr<WaitingCall> call_ LPV_GUARDED_BY(mutex_);
 };
 
 class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest, pb::GetVolumeResponse> {

@@ -15,10 +15,10 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
 
   void receive(typename Traits::Request request) override {
     if (this->hasEnded()) return;
-    if (feed_) {
+    if (const auto live = current()) {
       const pb::SubscriberUpdate* update = Traits::update(request);
       const Status status =
-          update ? feed_->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
+          update ? live->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
       // A refused camera or size ends nothing a client could still want: it is told, and reopens with a right one.
       if (!status.ok()) this->end(status.within("update"));
       return;
@@ -28,7 +28,7 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
     auto feed = openFeed(context_, *subscription, this->wakeWhileAlive());
     if (!feed) return this->end(feed.status().within("subscription"));
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       feed_ = *feed;
     }
     this->wake();
@@ -53,13 +53,13 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
 
  private:
   std::shared_ptr<typename Traits::FeedType> current() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return feed_;
   }
 
   const Context context_;
-  std::mutex mutex_;
-  std::shared_ptr<typename Traits::FeedType> feed_;
+  Mutex mutex_;
+  std::shared_ptr<typename Traits::FeedType> feed_ LPV_GUARDED_BY(mutex_);
 };
 
 template <typename Req, typename Resp, typename Sub, typename F>

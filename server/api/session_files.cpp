@@ -86,13 +86,13 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
     if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return giveUp(file.status());
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     bytes_ = std::move(*file);
     expectReader();
   }
 
   bool next(pb::ExportSessionResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (offset_ >= bytes_.size()) return false;
     const std::size_t count = std::min(kMaxPartBytes, bytes_.size() - offset_);
     response->set_data(bytes_.data() + offset_, count);
@@ -105,7 +105,7 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   void release() override {
     idle_.stop();
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       bytes_ = std::string();
     }
     berth_.leave();
@@ -127,9 +127,9 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   const Context context_;
   AdmissionSlot berth_;
   Deadline idle_;
-  std::mutex mutex_;
-  std::string bytes_;
-  std::size_t offset_ = 0;
+  Mutex mutex_;
+  std::string bytes_ LPV_GUARDED_BY(mutex_);
+  std::size_t offset_ LPV_GUARDED_BY(mutex_) = 0;
 };
 
 /// A file on its way in; a worker makes the session at its end.
@@ -162,7 +162,7 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
   }
 
   bool next(pb::ImportSessionResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!answer_) return false;
     *response = *answer_;
     answer_.reset();
@@ -184,7 +184,7 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
                  [self = me(), session = *session, token = token->token](const Status& kept) {
                    if (!kept.ok()) return self->end(kept);
                    {
-                     const std::lock_guard lock(self->mutex_);
+                     const MutexLock lock(self->mutex_);
                      self->answer_.emplace();
                      toProto(session->summary(), self->answer_->mutable_session());
                      self->answer_->set_owner_token(token);
@@ -199,8 +199,8 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
   bool begun_ = false;
   std::string wantedId_;
   std::string bytes_;
-  std::mutex mutex_;
-  std::optional<pb::ImportSessionResponse> answer_;
+  Mutex mutex_;
+  std::optional<pb::ImportSessionResponse> answer_ LPV_GUARDED_BY(mutex_);
 };
 
 }  // namespace

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <mutex>
 #include <string>
 #include <thread>
+#include "base/mutex.h"
 
 namespace lpv::gpu {
 
@@ -87,9 +87,9 @@ std::vector<Device> preferredOrder(std::vector<Device> devices) {
 }
 
 void* openDisplay(const Device& device, std::string& reason) {
-  static std::mutex mutex;
-  static std::map<void*, EGLDisplay> open;
-  const std::lock_guard lock(mutex);
+  static Mutex mutex;
+  static std::map<void*, EGLDisplay> open LPV_GUARDED_BY(mutex);
+  const MutexLock lock(mutex);
   if (const auto found = open.find(device.eglDevice); found != open.end()) return found->second;
   const EGLDisplay display = displayOf(device);
   if (display == EGL_NO_DISPLAY) {

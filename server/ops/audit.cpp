@@ -5,9 +5,9 @@
 
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
+#include "base/mutex.h"
 
 namespace lpv::ops {
 namespace {
@@ -21,7 +21,7 @@ class TokenBucket {
 
   /// How many were left out since the last one that was written; nothing: leave this one out too.
   std::optional<std::int64_t> take() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const Clock::time_point now = Clock::now();
     if (now - since_ >= std::chrono::seconds(1)) {
       since_ = now;
@@ -36,10 +36,10 @@ class TokenBucket {
   }
 
  private:
-  std::mutex mutex_;
-  Clock::time_point since_{};
-  int written_ = 0;
-  std::int64_t leftOut_ = 0;
+  Mutex mutex_;
+  Clock::time_point since_ LPV_GUARDED_BY(mutex_){};
+  int written_ LPV_GUARDED_BY(mutex_) = 0;
+  std::int64_t leftOut_ LPV_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <CivetServer.h>
 
-#include <mutex>
 #include <utility>
 #include <vector>
+#include "base/mutex.h"
 
 namespace lpv::ops {
 namespace {
@@ -61,15 +61,15 @@ struct Endpoint::Parts {
       : live([&health] { return answerOf(health.live()); }), ready([&health] { return answerOf(health.ready()); }) {}
 
   Answer metricsPage() {
-    const std::lock_guard lock(mutex);
+    const MutexLock lock(mutex);
     if (!render) return answerOf(Status(Code::kUnavailable, "starting"));
     return {200, "text/plain; version=0.0.4; charset=utf-8", render()};
   }
 
   Page live;
   Page ready;
-  std::mutex mutex;
-  std::function<std::string()> render;
+  Mutex mutex;
+  std::function<std::string()> render LPV_GUARDED_BY(mutex);
   Page metrics{[this] { return metricsPage(); }};
   Library library;
   std::unique_ptr<CivetServer> server;  ///< goes first: it ends its threads
@@ -99,7 +99,7 @@ Expected<std::unique_ptr<Endpoint>> Endpoint::open(const std::string& address, c
 int Endpoint::port() const { return parts_->server->getListeningPorts().front(); }
 
 void Endpoint::publish(std::function<std::string()> metrics) {
-  const std::lock_guard lock(parts_->mutex);
+  const MutexLock lock(parts_->mutex);
   parts_->render = std::move(metrics);
 }
 

@@ -49,7 +49,7 @@ void TickWatch::ended(Clock::time_point now, const Status& status) {
   ++failedInARow_;
   failures_.add(status);
   if (status.code() == Code::kUnavailable) contextLost_ = true;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   lastFailure_ = status.message();
 }
 
@@ -59,7 +59,7 @@ std::chrono::seconds TickWatch::stalledFor(Clock::time_point now) const {
 }
 
 std::string TickWatch::lastFailure() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return lastFailure_;
 }
 

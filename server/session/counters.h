@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <string>
+#include "base/mutex.h"
 
 #include "base/status.h"
 #include "engine/stage.h"
@@ -125,8 +125,8 @@ class TickWatch {
   std::atomic<int> failedInARow_{0};
   std::atomic<bool> contextLost_{false};
   ReasonCounter failures_;
-  mutable std::mutex mutex_;
-  std::string lastFailure_;
+  mutable Mutex mutex_;
+  std::string lastFailure_ LPV_GUARDED_BY(mutex_);
 };
 
 /// Counters of the whole server.

@@ -11,6 +11,7 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Ligh
       epoch_(epoch),
       services_(services),
       created_(std::chrono::system_clock::now()),
+      limits_(services.limits),
       policy_(std::move(policy)),
       document_(options, services.limits, services.hasher),
       blobs_(services.limits),
@@ -28,6 +29,7 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state,
       epoch_(epoch),
       services_(services),
       created_(state.created),
+      limits_(services.limits),
       policy_(state.policy),
       document_(state.document, services.limits, services.hasher),
       blobs_(services.limits),
@@ -44,19 +46,19 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state,
 std::chrono::seconds Session::journalCreation(const std::string& requestId) {
   SavedSession now = state();
   now.requestId = requestId;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   lastJournalled_ = services_.journal->create(now);
   return policy_.ttl;
 }
 
 Limits Session::limits() const {
-  const std::lock_guard lock(mutex_);
-  return services_.limits;
+  const MutexLock lock(mutex_);
+  return limits_;
 }
 
 void Session::setLimits(const Limits& limits) {
-  const std::lock_guard lock(mutex_);
-  services_.limits = limits;
+  const MutexLock lock(mutex_);
+  limits_ = limits;
   document_.setLimits(limits);
   blobs_.setLimits(limits);
   members_.setLimits(limits);
@@ -66,7 +68,7 @@ void Session::setLimits(const Limits& limits) {
 }
 
 Status Session::checkCost() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.checkCost();
 }
 
@@ -77,7 +79,7 @@ void Session::predictCosts() {
 Session::~Session() { services_.engine->forget(key_); }
 
 SessionSummary Session::summary() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   SessionSummary out;
   out.id = id_;
   out.displayName = policy_.displayName;
@@ -101,12 +103,12 @@ SessionSummary Session::summary() const {
 }
 
 std::uint64_t Session::revision() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.revision();
 }
 
 Status Session::verify(const ClientIdentity& client) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return members_.verify(client);
 }
 
@@ -120,7 +122,7 @@ Status Session::closedStatus(const char* field) const {
 }
 
 Expected<bool> Session::addBlob(const BlobPtr& blob) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   lastUsed_ = std::chrono::system_clock::now();
   if (Status s = services_.journal->writable(); !s.ok()) return s;
@@ -133,46 +135,46 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
 }
 
 BlobPtr Session::findBlob(const BlobHash& hash) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   blobs_.touch(hash, Clock::now());
   return blobs_.find(hash);
 }
 
 MeshPtr Session::findMeshInUse(const BlobHash& hash) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.meshInUse(hash);
 }
 
 ScenePtr Session::scene() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.snapshot();
 }
 
 Changes Session::changesSince(std::optional<std::uint64_t> since,
                               std::map<std::string, std::uint64_t>* clientSequences) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (clientSequences) *clientSequences = members_.sequencesSince(since.value_or(0));
   return document_.changesSince(since);
 }
 
 std::vector<Versioned<Light>> Session::lights() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.lights();
 }
 
 std::vector<Versioned<Surface>> Session::surfaces() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.surfaces();
 }
 
 std::vector<std::pair<std::string, Camera>> Session::cameras() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.cameras();
 }
 
 std::uint64_t Session::watch(std::function<void()> changed, std::function<void(Closing)> closed,
                              const std::string& client) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const std::uint64_t key = nextKey_++;
   if (closed_) {
     services_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
@@ -183,7 +185,7 @@ std::uint64_t Session::watch(std::function<void()> changed, std::function<void(C
 }
 
 void Session::unwatch(std::uint64_t watcher) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = watchers_.find(watcher);
   if (found == watchers_.end()) return;
   markActive(found->second.client);
@@ -194,26 +196,26 @@ void Session::unwatch(std::uint64_t watcher) {
 void Session::tellWatchers() {
   std::vector<std::function<void()>> calls;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [key, watcher] : watchers_) calls.push_back(watcher.changed);
   }
   for (const auto& call : calls) call();
 }
 
 void Session::touch() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   lastUsed_ = std::chrono::system_clock::now();
 }
 
 bool Session::expired(std::chrono::system_clock::time_point now) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return policy_.ttl.count() > 0 && !busy() && now - lastUsed_ > policy_.ttl;
 }
 
 bool Session::busy() const { return !subscribers_.empty() || !watchers_.empty() || !calls_.empty(); }
 
 std::optional<std::chrono::system_clock::time_point> Session::evict(std::chrono::system_clock::time_point now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_ || policy_.ttl.count() == 0 || busy() || now - lastUsed_ <= policy_.ttl) return std::nullopt;
   closed_ = Closing::kEvicted;  // nobody is there to be told
   return lastUsed_;
@@ -221,7 +223,7 @@ std::optional<std::chrono::system_clock::time_point> Session::evict(std::chrono:
 
 std::optional<std::chrono::system_clock::time_point> Session::useToKeep(std::chrono::system_clock::time_point now) {
   constexpr std::chrono::minutes kEvery{1};
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const std::chrono::system_clock::time_point used = busy() ? now : lastUsed_;
   if (used - keptUse_ < kEvery) return std::nullopt;
   keptUse_ = used;
@@ -229,7 +231,7 @@ std::optional<std::chrono::system_clock::time_point> Session::useToKeep(std::chr
 }
 
 SavedSession Session::state() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   SavedSession out;
   out.id = id_;
   out.epoch = epoch_;
@@ -241,7 +243,7 @@ SavedSession Session::state() const {
 }
 
 void Session::dropUnusedBlobs() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_ || !services_.journal->writable().ok()) return;
   std::set<BlobHash> used = document_.hashesInUse();
   history_.addHashesInUse(used);
@@ -253,7 +255,7 @@ void Session::dropUnusedBlobs() {
 }
 
 void Session::quiesce(Closing why) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!closed_) closed_ = why;
 }
 
@@ -264,7 +266,7 @@ void Session::close(Closing why) {
   std::list<std::shared_ptr<WaitingCall>> calls;
   Status gone;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(closeTold_, true)) return;
     why = *closed_;
     for (const auto& [id, subscriber] : subscribers_) {

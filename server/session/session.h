@@ -7,11 +7,11 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
+#include "base/mutex.h"
 
 #include "base/timers.h"
 #include "base/worker_pool.h"
@@ -206,106 +206,109 @@ class Session : public std::enable_shared_from_this<Session> {
   };
   static constexpr Clock::time_point kNever = Clock::time_point::max();
 
-  void predictCosts();
-  Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs);
-  EditOutcome applyLocked(const ClientIdentity& client, const Edit& edit);
-  EditOutcome undoRedoLocked(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction);
-  Status lockLocked(const std::string& client, const std::vector<std::string>& names, std::chrono::seconds time);
-  bool admit(const ClientIdentity& client, std::uint64_t sequence, EditOutcome* outcome);
-  void forget(const std::string& client);
-  std::set<std::string> connected() const;
-  void markActive(const std::string& client);
-  void recordOutcome(const ClientIdentity& client, const EditOutcome& outcome);
-  void journal(JournalStep step);
-  JournalStep nextStep() const;
-  bool busy() const;
-  Status closedStatus(const char* field) const;
-  void tellWatchers();
-  void countAndTell(const EditOutcome& outcome);
+  void predictCosts() LPV_REQUIRES(mutex_);
+  Expected<ClientIdentity> addMember(const PresenceUpdate& seenAs) LPV_EXCLUDES(mutex_);
+  EditOutcome applyEdit(const ClientIdentity& client, const Edit& edit) LPV_REQUIRES(mutex_);
+  EditOutcome applyUndoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction)
+      LPV_REQUIRES(mutex_);
+  Status lockNamed(const std::string& client, const std::vector<std::string>& names, std::chrono::seconds time)
+      LPV_REQUIRES(mutex_);
+  bool admit(const ClientIdentity& client, std::uint64_t sequence, EditOutcome* outcome) LPV_REQUIRES(mutex_);
+  void forget(const std::string& client) LPV_REQUIRES(mutex_);
+  std::set<std::string> connected() const LPV_REQUIRES(mutex_);
+  void markActive(const std::string& client) LPV_REQUIRES(mutex_);
+  void recordOutcome(const ClientIdentity& client, const EditOutcome& outcome) LPV_REQUIRES(mutex_);
+  void journal(JournalStep step) LPV_REQUIRES(mutex_);
+  JournalStep nextStep() const LPV_REQUIRES(mutex_);
+  bool busy() const LPV_REQUIRES(mutex_);
+  Status closedStatus(const char* field) const LPV_REQUIRES(mutex_);
+  void tellWatchers() LPV_EXCLUDES(mutex_);
+  void countAndTell(const EditOutcome& outcome) LPV_EXCLUDES(mutex_);
 
   // Cameras (session_views.cpp).
-  std::optional<Camera> chosenCamera(const CameraChoice& choice) const;
-  bool hasView(const FrameSettings& subscription, std::uint64_t minRevision);
-  void chooseView();
+  std::optional<Camera> chosenCamera(const CameraChoice& choice) const LPV_REQUIRES(mutex_);
+  bool hasView(const FrameSettings& subscription, std::uint64_t minRevision) LPV_REQUIRES(mutex_);
+  void chooseView() LPV_REQUIRES(mutex_);
   void viewChosen(const ScenePtr& scene, const DefaultView& view);
-  FrameRequest frameRequest(const Subscriber& subscriber) const;
-  FrameRequest frameRequest(const FrameSettings& subscription, std::uint64_t view) const;
+  FrameRequest frameRequest(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
+  FrameRequest frameRequest(const FrameSettings& subscription, std::uint64_t view) const LPV_REQUIRES(mutex_);
 
   // Credit (session_subscribers.cpp).
-  bool wants(const Subscriber& subscriber) const;
-  bool returnCredits(Subscriber& subscriber, std::uint64_t resultId);
-  bool hasCredit(const Subscriber& subscriber) const;
-  bool longTrip(const Subscriber& subscriber) const;
+  bool wants(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
+  bool returnCredits(Subscriber& subscriber, std::uint64_t resultId) LPV_REQUIRES(mutex_);
+  bool hasCredit(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
+  bool longTrip(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
 
   // Planning (session_results.cpp).
-  void scheduleTick();
-  void scheduleTickAt(Clock::time_point when);
-  std::optional<TickPlan> planTick(Clock::time_point now);
-  void planSubscribers(TickPlan& plan, Clock::time_point now, Clock::time_point& next);
-  void planCalls(TickPlan& plan);
+  void scheduleTick() LPV_REQUIRES(mutex_);
+  void scheduleTickAt(Clock::time_point when) LPV_REQUIRES(mutex_);
+  std::optional<TickPlan> planTick(Clock::time_point now) LPV_REQUIRES(mutex_);
+  void planSubscribers(TickPlan& plan, Clock::time_point now, Clock::time_point& next) LPV_REQUIRES(mutex_);
+  void planCalls(TickPlan& plan) LPV_REQUIRES(mutex_);
   void addVolume(TickRequest& request, VolumeStage stage);
-  void tickDone(const TickPlan& plan, Expected<TickResult> result);
-  std::vector<Delivery> planDeliveries(const TickPlan& plan, TickResult& tick);
+  void tickDone(const TickPlan& plan, Expected<TickResult> result) LPV_EXCLUDES(mutex_);
+  std::vector<Delivery> planDeliveries(const TickPlan& plan, TickResult& tick) LPV_REQUIRES(mutex_);
   void planVolumeDeliveries(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
-                            std::vector<Delivery>* out);
+                            std::vector<Delivery>* out) LPV_REQUIRES(mutex_);
   void planFrameDeliveries(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
-                           std::vector<Delivery>* out);
+                           std::vector<Delivery>* out) LPV_REQUIRES(mutex_);
   void fail(const TickPlan& plan, const Status& status);
-  void markSent(Subscriber& subscriber, const Result& result, Clock::time_point now);
-  std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
+  void markSent(Subscriber& subscriber, const Result& result, Clock::time_point now) LPV_REQUIRES(mutex_);
+  std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const LPV_REQUIRES(mutex_);
   void deliver(std::vector<Delivery> deliveries);
-  void countCoalesced(std::uint64_t revision, Clock::time_point now);
+  void countCoalesced(std::uint64_t revision, Clock::time_point now) LPV_REQUIRES(mutex_);
 
   // Ahead of credits (session_prefetch.cpp).
-  Clock::time_point dueAt(const Subscriber& subscriber) const;
-  Clock::time_point prefetchDueAt(const Subscriber& subscriber) const;
-  bool canStorePrefetch(const Subscriber& subscriber) const;
+  Clock::time_point dueAt(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
+  Clock::time_point prefetchDueAt(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
+  bool canStorePrefetch(const Subscriber& subscriber) const LPV_REQUIRES(mutex_);
   static Result storePrefetch(Subscriber& subscriber, Result result);
-  void dropStalePrefetch(Subscriber& subscriber, Clock::time_point now);
-  std::optional<Result> takePrefetch(Subscriber& subscriber);
-  void tickTook(Clock::duration time);
+  void dropStalePrefetch(Subscriber& subscriber, Clock::time_point now) LPV_REQUIRES(mutex_);
+  std::optional<Result> takePrefetch(Subscriber& subscriber) LPV_REQUIRES(mutex_);
+  void tickTook(Clock::duration time) LPV_REQUIRES(mutex_);
   void encodingTook(Clock::duration time);
 
-  void checkLater(const ScenePtr& scene, const VolumePtr& volume);
+  void checkLater(const ScenePtr& scene, const VolumePtr& volume) LPV_REQUIRES(mutex_);
 
   const std::string id_;
   const SessionKey key_;
   const std::uint64_t epoch_;
-  SessionServices services_;  ///< its limits change with the lock held, nothing else does
+  const SessionServices services_;  ///< with the limits of the beginning
   const std::chrono::system_clock::time_point created_;
 
-  mutable std::mutex mutex_;
-  SessionPolicy policy_;
-  Document document_;
-  Blobs blobs_;
-  Members members_;
-  History history_;
-  PresenceTable presence_;
-  Locks locks_;
-  std::map<std::uint64_t, Watcher> watchers_;
-  std::map<std::string, std::shared_ptr<Subscriber>> subscribers_;
-  std::list<std::shared_ptr<WaitingCall>> calls_;
-  std::map<VolumeStage, Result> latest_;  ///< newest volume of each stage that was read back
-  DefaultView view_;  ///< what those see who gave no camera ...
-  ScenePtr viewScene_;  ///< ... chosen from this state; null until somebody asks
-  bool choosingView_ = false;
-  std::uint64_t nextKey_ = 1;
-  std::uint64_t nextResult_ = 1;
-  bool tickUnderWay_ = false;
-  double tickSeconds_ = 0.0;  ///< from a tick's plan to its results, smoothed
-  double encodeSeconds_ = 0.0;  ///< of a volume, smoothed
-  std::optional<Closing> closed_;  ///< why, once it is
-  bool closeTold_ = false;  ///< to streams and calls
-  Position lastJournalled_ = 0;  ///< of the last step that was given to the journal
-  Clock::time_point nextTick_{};
-  Clock::time_point nextCheck_{};  ///< of a volume that is there
-  Clock::time_point nextUnaskedCheck_ =
-      Clock::now() + kUnaskedChecks * services_.limits.selfCheck;  ///< of one made for it
-  bool checking_ = false;
-  std::optional<MeasuredError> measured_;
-  std::optional<Clock::time_point> tickScheduledAt_;
-  std::chrono::system_clock::time_point lastUsed_;
-  std::chrono::system_clock::time_point keptUse_;
+  mutable Mutex mutex_;
+  Limits limits_ LPV_GUARDED_BY(mutex_);
+  SessionPolicy policy_ LPV_GUARDED_BY(mutex_);
+  Document document_ LPV_GUARDED_BY(mutex_);
+  Blobs blobs_ LPV_GUARDED_BY(mutex_);
+  Members members_ LPV_GUARDED_BY(mutex_);
+  History history_ LPV_GUARDED_BY(mutex_);
+  PresenceTable presence_ LPV_GUARDED_BY(mutex_);
+  Locks locks_ LPV_GUARDED_BY(mutex_);
+  std::map<std::uint64_t, Watcher> watchers_ LPV_GUARDED_BY(mutex_);
+  std::map<std::string, std::shared_ptr<Subscriber>> subscribers_ LPV_GUARDED_BY(mutex_);
+  std::list<std::shared_ptr<WaitingCall>> calls_ LPV_GUARDED_BY(mutex_);
+  std::map<VolumeStage, Result> latest_ LPV_GUARDED_BY(mutex_);  ///< newest volume of each stage that was read back
+  DefaultView view_ LPV_GUARDED_BY(mutex_);  ///< what those see who gave no camera ...
+  ScenePtr viewScene_ LPV_GUARDED_BY(mutex_);  ///< ... chosen from this state; null until somebody asks
+  bool choosingView_ LPV_GUARDED_BY(mutex_) = false;
+  std::uint64_t nextKey_ LPV_GUARDED_BY(mutex_) = 1;
+  std::uint64_t nextResult_ LPV_GUARDED_BY(mutex_) = 1;
+  bool tickUnderWay_ LPV_GUARDED_BY(mutex_) = false;
+  double tickSeconds_ LPV_GUARDED_BY(mutex_) = 0.0;  ///< from a tick's plan to its results, smoothed
+  double encodeSeconds_ LPV_GUARDED_BY(mutex_) = 0.0;  ///< of a volume, smoothed
+  std::optional<Closing> closed_ LPV_GUARDED_BY(mutex_);  ///< why, once it is
+  bool closeTold_ LPV_GUARDED_BY(mutex_) = false;  ///< to streams and calls
+  Position lastJournalled_ LPV_GUARDED_BY(mutex_) = 0;  ///< of the last step that was given to the journal
+  Clock::time_point nextTick_ LPV_GUARDED_BY(mutex_){};
+  Clock::time_point nextCheck_ LPV_GUARDED_BY(mutex_){};  ///< of a volume that is there
+  Clock::time_point nextUnaskedCheck_ LPV_GUARDED_BY(mutex_) =
+      Clock::now() + kUnaskedChecks * limits_.selfCheck;  ///< of one made for it
+  bool checking_ LPV_GUARDED_BY(mutex_) = false;
+  std::optional<MeasuredError> measured_ LPV_GUARDED_BY(mutex_);
+  std::optional<Clock::time_point> tickScheduledAt_ LPV_GUARDED_BY(mutex_);
+  std::chrono::system_clock::time_point lastUsed_ LPV_GUARDED_BY(mutex_);
+  std::chrono::system_clock::time_point keptUse_ LPV_GUARDED_BY(mutex_);
 };
 using SessionPtr = std::shared_ptr<Session>;
 

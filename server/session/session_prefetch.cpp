@@ -56,7 +56,7 @@ Result Session::storePrefetch(Subscriber& subscriber, Result result) {
 /// acknowledges must not hold a volume.
 void Session::dropStalePrefetch(Subscriber& subscriber, Clock::time_point now) {
   if (!subscriber.prefetch || subscriber.prefetch->result.meta.revision == document_.revision()) return;
-  if (now - subscriber.prefetch->at > durationOf(1.0 / services_.limits.maxTickRate)) subscriber.prefetch.reset();
+  if (now - subscriber.prefetch->at > durationOf(1.0 / limits_.maxTickRate)) subscriber.prefetch.reset();
 }
 
 /// What was kept for the credit that has just come back, unless it is old, or a delta to what the reader does not hold.
@@ -75,7 +75,7 @@ std::optional<Result> Session::takePrefetch(Subscriber& subscriber) {
 void Session::tickTook(Clock::duration time) { smooth(tickSeconds_, time); }
 
 void Session::encodingTook(Clock::duration time) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   smooth(encodeSeconds_, time);
 }
 

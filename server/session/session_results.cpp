@@ -47,7 +47,7 @@ std::int64_t nowNs() {
 
 std::shared_ptr<WaitingCall> Session::ask(WaitingCall call) {
   auto waiting = std::make_shared<WaitingCall>(std::move(call));
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_) {
     services_.pool->post([waiting, gone = closedStatus("session")] { waiting->done(gone); });
     return waiting;
@@ -59,7 +59,7 @@ std::shared_ptr<WaitingCall> Session::ask(WaitingCall call) {
 }
 
 void Session::forget(const std::shared_ptr<WaitingCall>& call) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   calls_.remove(call);
 }
 
@@ -69,7 +69,7 @@ void Session::scheduleTickAt(Clock::time_point when) {
   services_.timers->at(when, [weak = weak_from_this()] {
     const SessionPtr self = weak.lock();
     if (!self) return;
-    const std::lock_guard lock(self->mutex_);
+    const MutexLock lock(self->mutex_);
     self->tickScheduledAt_.reset();
     self->scheduleTick();
   });
@@ -83,7 +83,7 @@ void Session::scheduleTick() {
   tickUnderWay_ = true;
   const Clock::time_point now = Clock::now();
   plan->begun = now;
-  nextTick_ = now + interval(services_.limits.maxTickRate);
+  nextTick_ = now + interval(limits_.maxTickRate);
   services_.counters->tickWatch.begun(now);
   TickRequest request = plan->request;
   services_.engine->submit(
@@ -114,8 +114,8 @@ std::optional<Session::TickPlan> Session::planTick(Clock::time_point now) {
   }
   plan.request.session = key_;
   plan.request.scene = document_.snapshot();
-  if (services_.limits.selfCheck.count() > 0 && now >= nextUnaskedCheck_) {
-    nextUnaskedCheck_ = now + kUnaskedChecks * services_.limits.selfCheck;
+  if (limits_.selfCheck.count() > 0 && now >= nextUnaskedCheck_) {
+    nextUnaskedCheck_ = now + kUnaskedChecks * limits_.selfCheck;
     if (canSelfCheck(*plan.request.scene)) plan.request.transported = true;
   }
   plan.epoch = epoch_;
@@ -184,13 +184,13 @@ void Session::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   ++services_.counters->ticks;
   std::vector<Delivery> deliveries;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     tickUnderWay_ = false;
     tickTook(Clock::now() - plan.begun);
     deliveries = planDeliveries(plan, *result);
   }
   deliver(std::move(deliveries));
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   scheduleTick();
 }
 
@@ -214,14 +214,14 @@ std::vector<Session::Delivery> Session::planDeliveries(const TickPlan& plan, Tic
 /// Now and then, on a worker, one at a time.
 void Session::checkLater(const ScenePtr& scene, const VolumePtr& volume) {
   const Clock::time_point now = Clock::now();
-  const std::chrono::seconds interval = services_.limits.selfCheck;
+  const std::chrono::seconds interval = limits_.selfCheck;
   if (interval.count() == 0 || checking_ || now < nextCheck_) return;
   checking_ = true;
   nextCheck_ = now + interval;
   nextUnaskedCheck_ = now + kUnaskedChecks * interval;
   services_.pool->post([self = shared_from_this(), scene, volume] {
     const std::optional<double> error = selfCheck(*scene, *volume, std::uint32_t(scene->revision));
-    const std::lock_guard lock(self->mutex_);
+    const MutexLock lock(self->mutex_);
     self->checking_ = false;
     self->measured_ = error ? std::optional(MeasuredError{*error, scene->revision}) : std::nullopt;
   });
@@ -297,7 +297,7 @@ void Session::fail(const TickPlan& plan, const Status& status) {
     services_.onEvent(SessionEvent::kTickFailed, id_, status.message());
   for (const auto& call : plan.volumeCalls) call->done(status);
   for (const auto& call : plan.frameCalls) call->done(status);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [subscriber, cameraSequence] : plan.frameReaders) subscriber->settingsChanged = true;
   tickUnderWay_ = false;
   nextTick_ = Clock::now() + kRetryAfterFailure;

@@ -9,11 +9,11 @@ namespace lpv {
 
 Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Subscription& subscription,
                                                          const std::shared_ptr<ResultSink>& sink) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
-  if (std::ssize(subscribers_) >= services_.limits.maxSubscribersPerSession) {
+  if (std::ssize(subscribers_) >= limits_.maxSubscribersPerSession) {
     return exhausted("max_subscribers_per_session", "max_subscribers_per_session: allowed are " +
-                                                        std::to_string(services_.limits.maxSubscribersPerSession) +
+                                                        std::to_string(limits_.maxSubscribersPerSession) +
                                                         " result streams");
   }
   auto subscriber = std::make_shared<Subscriber>();
@@ -28,7 +28,7 @@ Expected<std::shared_ptr<Subscriber>> Session::subscribe(const Subscription& sub
 }
 
 void Session::unsubscribe(const std::shared_ptr<Subscriber>& subscriber) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   subscribers_.erase(subscriber->id);
   members_.markActive(subscriber->subscription.clientId, Clock::now());
   lastUsed_ = std::chrono::system_clock::now();
@@ -36,7 +36,7 @@ void Session::unsubscribe(const std::shared_ptr<Subscriber>& subscriber) {
 }
 
 std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = subscribers_.find(id);
   return found == subscribers_.end() ? nullptr : found->second;
 }
@@ -44,7 +44,7 @@ std::shared_ptr<Subscriber> Session::findSubscriber(const std::string& id) const
 void Session::acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId) {
   std::vector<Delivery> ready;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!returnCredits(*subscriber, resultId)) return;
     std::optional<Result> ahead = takePrefetch(*subscriber);
     if (ahead) ready.push_back({subscriber, std::move(*ahead), Delivery::kOfferPrepared});
@@ -71,7 +71,7 @@ bool Session::returnCredits(Subscriber& subscriber, std::uint64_t resultId) {
 }
 
 void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   subscriber->shownAny = false;
   subscriber->baseId = 0;
   subscriber->basesAfter = subscriber->lastSent;
@@ -80,7 +80,7 @@ void Session::resend(const std::shared_ptr<Subscriber>& subscriber) {
 
 Status Session::updateSubscription(const std::shared_ptr<Subscriber>& subscriber, const FrameSettings& subscription,
                                    std::optional<double> maxRate) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (maxRate) subscriber->subscription.maxRate = *maxRate;
   if (!subscriber->subscription.frame) return {};
   FrameSettings next = subscription;
@@ -95,7 +95,7 @@ Status Session::updateSubscription(const std::shared_ptr<Subscriber>& subscriber
 }
 
 Subscription Session::subscriptionOf(const std::shared_ptr<Subscriber>& subscriber) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return subscriber->subscription;
 }
 
@@ -111,8 +111,7 @@ bool Session::hasCredit(const Subscriber& subscriber) const {
 
 /// Its round trip lasts for more than one of its intervals.
 bool Session::longTrip(const Subscriber& subscriber) const {
-  const double rate =
-      subscriber.subscription.maxRate > 0.0 ? subscriber.subscription.maxRate : services_.limits.maxTickRate;
+  const double rate = subscriber.subscription.maxRate > 0.0 ? subscriber.subscription.maxRate : limits_.maxTickRate;
   return subscriber.roundTrip.mean() > 1.0 / rate;
 }
 

@@ -16,7 +16,7 @@ Expected<ClientIdentity> Session::join(const PresenceUpdate& seenAs) {
 
 Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
   if (Status s = checkPresence(seenAs); !s.ok()) return s;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   if (Status s = services_.journal->writable(); !s.ok()) return s;
   if (members_.full()) forget(members_.silent(connected(), Clock::now()));
@@ -31,7 +31,7 @@ Expected<ClientIdentity> Session::addMember(const PresenceUpdate& seenAs) {
 
 void Session::leave(const ClientIdentity& client) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (closed_ || !members_.verify(client).ok()) return;
     forget(client.id);
   }
@@ -67,14 +67,14 @@ void Session::markActive(const std::string& client) {
 EditOutcome Session::undoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction) {
   EditOutcome outcome;
   {
-    const std::lock_guard lock(mutex_);
-    outcome = undoRedoLocked(client, sequence, direction);
+    const MutexLock lock(mutex_);
+    outcome = applyUndoRedo(client, sequence, direction);
   }
   countAndTell(outcome);
   return outcome;
 }
 
-EditOutcome Session::undoRedoLocked(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction) {
+EditOutcome Session::applyUndoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction) {
   EditOutcome outcome;
   if (!admit(client, sequence, &outcome)) return outcome;
   if (client.id.empty()) {
@@ -92,7 +92,7 @@ EditOutcome Session::undoRedoLocked(const ClientIdentity& client, std::uint64_t 
   if (outcome.status.ok()) outcome.status = document_.restore(plan->objects);
   outcome.revision = document_.revision();
   if (outcome.status.ok()) {
-    const auto most = std::size_t(services_.limits.maxOperationsPerEdit);  // a step of many edits may be of any size
+    const auto most = std::size_t(limits_.maxOperationsPerEdit);  // a step of many edits may be of any size
     for (const auto& [key, object] : plan->objects) {
       if (outcome.names.size() < most) outcome.names.push_back(key.name);
     }
@@ -129,7 +129,7 @@ bool Session::admit(const ClientIdentity& client, std::uint64_t sequence, EditOu
 
 Status Session::present(const ClientIdentity& client, const PresenceUpdate& update) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (closed_) return closedStatus("session");
     if (client.id.empty()) {
       return invalid("client", "client is not set: only members are seen; call JoinSession and send its identity");
@@ -145,25 +145,25 @@ Status Session::present(const ClientIdentity& client, const PresenceUpdate& upda
 }
 
 std::uint64_t Session::presenceChanges() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return presence_.changes();
 }
 
 PresenceSnapshot Session::presenceSnapshot() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return presence_.members();
 }
 
 Status Session::lockObjects(const ClientIdentity& client, const std::vector<std::string>& names,
                             std::chrono::seconds time) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (closed_) return closedStatus("session");
     if (client.id.empty()) {
       return invalid("client", "client is not set: only members lock; call JoinSession and send its identity");
     }
     if (Status s = members_.verify(client); !s.ok()) return s;
-    if (Status s = lockLocked(client.id, names, time); !s.ok()) return s;
+    if (Status s = lockNamed(client.id, names, time); !s.ok()) return s;
     lastUsed_ = std::chrono::system_clock::now();
     markActive(client.id);
     presence_.setLocked(client.id, locks_.heldBy(client.id));
@@ -172,8 +172,7 @@ Status Session::lockObjects(const ClientIdentity& client, const std::vector<std:
   return {};
 }
 
-Status Session::lockLocked(const std::string& client, const std::vector<std::string>& names,
-                           std::chrono::seconds time) {
+Status Session::lockNamed(const std::string& client, const std::vector<std::string>& names, std::chrono::seconds time) {
   if (time.count() < 0 || time > kMaxLockTime) {
     return invalid("ttl", "ttl is " + std::to_string(time.count()) + " s, allowed are 1 to " +
                               std::to_string(kMaxLockTime.count()) + ", and 0 to release");
@@ -193,7 +192,7 @@ Status Session::lockLocked(const std::string& client, const std::vector<std::str
 
 void Session::dropSilentMembers(Clock::time_point now) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const std::uint64_t before = presence_.changes();
     std::set<std::string> watching;
     for (const auto& [key, watcher] : watchers_) watching.insert(watcher.client);

@@ -19,7 +19,7 @@ std::optional<Camera> Session::chosenCamera(const CameraChoice& choice) const {
 }
 
 Status Session::checkCamera(const CameraChoice& choice) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (choice.name.empty() || chosenCamera(choice)) return {};
   return {Code::kNotFound, "there is no camera \"" + choice.name + "\" in this session", "camera_name"};
 }
@@ -28,7 +28,7 @@ Expected<Camera> Session::cameraFor(const CameraChoice& choice, const glm::ivec2
   if (Status s = checkCamera(choice); !s.ok()) return s;
   ScenePtr scene;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (const auto camera = chosenCamera(choice)) return *camera;
     scene = document_.viewScene();
     if (viewScene_ == scene) return view_.camera(aspectOf(size));
@@ -56,7 +56,7 @@ void Session::chooseView() {
 }
 
 void Session::viewChosen(const ScenePtr& scene, const DefaultView& view) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   choosingView_ = false;
   view_ = view;
   viewScene_ = scene;

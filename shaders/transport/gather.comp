@@ -93,8 +93,8 @@ void addVpl(int at, vec2 receiver, vec4 depth) {
 
 /// From record `at` on; returns where the walk stands when it has done its share.
 int walk(int at, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
-  const int end = params.tree.x;
-  const float reach = params.rule.x * params.rule.x;
+  const int end = params.entryCount;
+  const float reach = params.openingRatio * params.openingRatio;
   for (int rounds = 0; at < end && rounds < kMaxRounds;) {
     const vec4 node = texelFetch(tree, at * kRecordTexels), next = texelFetch(tree, at * kRecordTexels + 1);
     const int vpls = int(next.x), after = int(next.y);
@@ -116,28 +116,34 @@ void store(ivec3 cell, int z) {
     const vec3 flux = vec3(sums[s].x[z], sums[s].y[z], sums[s].z[z]);
     // A series cut off can give what no light does; only beside nodes taken from too near.
     const float fluence = max(sums[s].fluence[z], 0.0), possible = fluence / max(length(flux), 1e-30);
-    field[haloIndex(cell, params.dims.xyz, params.tree.z + k)] +=
+    field[haloIndex(cell, params.dims, params.firstChannel + k)] +=
         params.weight[k] * vec4(kY0 * fluence, kY1 * min(possible, 1.0) * flux.yzx);
   }
 }
 
+/// The inverse of packedBlock().
+ivec3 unpackedBlock(uint block) {
+  const uint mask = (1u << kBlockBits) - 1u;
+  return ivec3(block & mask, (block >> kBlockBits) & mask, block >> (2 * kBlockBits));
+}
+
 void main() {
-  const uint block = uint(params.dims.w) + gl_WorkGroupID.x;
+  const uint block = params.firstBlock + gl_WorkGroupID.x;
   const uint corner = blocks[block];
-  const ivec3 first = ivec3(corner & 255u, (corner >> 8) & 255u, corner >> 16) * ivec3(kBlockX, kBlockY, kBlockZ);
+  const ivec3 first = unpackedBlock(corner) * ivec3(kBlockX, kBlockY, kBlockZ);
   const ivec3 cell = first + ivec3(gl_LocalInvocationID.xy, 0);
   const vec3 lower = vec3(first) + 0.5;
-  const vec3 upper = min(lower + vec3(kBlockX, kBlockY, kBlockZ) - 1.0, vec3(params.dims.xyz) - 0.5);
+  const vec3 upper = min(lower + vec3(kBlockX, kBlockY, kBlockZ) - 1.0, vec3(params.dims) - 0.5);
   for (int k = 0; k < kSums; ++k) sums[k] = Column(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-  const int turn = params.tree.w;
+  const int turn = params.turn;
   const int from = turn > 0 ? int(cursors[block][turn & 1]) : 0;
   const int to = walk(from, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
   // Not where the group's other threads may still be about to read.
-  if (params.tree.x > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
+  if (params.entryCount > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
   for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
     store(cell + ivec3(0, 0, z), z);
-    const int i = cellIndex(cell + ivec3(0, 0, z), params.dims.xyz);
+    const int i = cellIndex(cell + ivec3(0, 0, z), params.dims);
     if (closest[z] > 0.0) emitterDistance[i] = min(emitterDistance[i], 1.0 / closest[z]);
   }
 }

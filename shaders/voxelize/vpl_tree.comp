@@ -12,7 +12,7 @@
 layout(local_size_x = kNodeGroup) in;
 
 /// Of the whole pass: a large one comes in several dispatches.
-uint thread() { return uint(params.scale.y) + gl_GlobalInvocationID.x; }
+uint thread() { return params.firstThread + gl_GlobalInvocationID.x; }
 
 #if defined(LPV_DOWN) || defined(LPV_LEAVES) || defined(LPV_MERGE)
 layout(std430, binding = kTreeRecords) buffer Records { vec4 records[]; };
@@ -33,7 +33,7 @@ void storeVpl(uint record, Vpl v) {
 #if defined(LPV_UP)
 
 void main() {
-  const int level = params.upper.w;
+  const int level = params.level;
   ivec3 block;
   if (!blockOf(level, int(thread()), block)) return;
   const int self = nodeIndex(level, block);
@@ -41,7 +41,7 @@ void main() {
   uint below = 0u, lit = 0u;
   if (level == 0) {
     bins = nodes[self].xy;
-    if (bins != uvec2(0u)) atomicAdd(voxelHeader[7], 1u);
+    if (bins != uvec2(0u)) atomicAdd(voxelHeader.litCells, 1u);
   } else {
     for (int i = 0; i < 8; ++i) {
       ivec3 child;
@@ -54,7 +54,7 @@ void main() {
   }
   const uint own = bins == uvec2(0u) || isSingleChild(lit) ? 0u : 1u + binsIn(bins);
   nodes[self] = uvec4(bins, own + below, 0u);
-  if (level + 1 == params.lower.w) voxelHeader[6] = own + below;
+  if (level + 1 == params.levels) voxelHeader.treeEntries = own + below;
 }
 
 #elif defined(LPV_DOWN)
@@ -68,13 +68,13 @@ void storeHeader(int level, ivec3 block, Node node) {
 }
 
 void main() {
-  const int level = params.upper.w;
+  const int level = params.level;
   ivec3 block;
   if (!blockOf(level, int(thread()), block)) return;
   const int self = nodeIndex(level, block);
   Node node = nodeAt(self);
   if (node.records == 0u) return;
-  if (level + 1 == params.lower.w) nodes[self].w = node.first = 0u;
+  if (level + 1 == params.levels) nodes[self].w = node.first = 0u;
   uint lit = 0u, below = 0u;
   if (level > 0) {
     for (int i = 0; i < 8; ++i) {
@@ -105,36 +105,36 @@ float taken(int at) {
   words[at] = words[at + 1] = 0u;
   const bool negative = bits.y >= 0x80000000u;
   if (negative) bits = uvec2(0u - bits.x, ~bits.y + (bits.x == 0u ? 1u : 0u));
-  const float size = (float(bits.y) * 4294967296.0 + float(bits.x)) * float(params.unit.x);
+  const float size = (float(bits.y) * 4294967296.0 + float(bits.x)) * float(params.shareOfUnit);
   return negative ? -size : size;
 }
 
-vec3 taken3(int at) { return vec3(taken(at), taken(at + 2), taken(at + 4)); }
+vec3 taken3(int at) { return vec3(taken(at), taken(at + kWideWords), taken(at + 2 * kWideWords)); }
 
 void main() {
-  if (thread() >= voxelHeader[3]) return;
+  if (thread() >= voxelHeader.count) return;
   const int base = int(voxels[thread()].x) * kVplWords;
-  const uint key = words[base] - 1u;
-  words[base] = 0u;
+  const uint key = words[base + kVplKey] - 1u;
+  words[base + kVplKey] = 0u;
   Vpl v;
-  v.area = taken(base + 1);
-  v.direction = taken3(base + 3);
-  const vec3 moment = taken3(base + 9);
+  v.area = taken(base + kVplArea);
+  v.direction = taken3(base + kVplDirection);
+  const vec3 moment = taken3(base + kVplOffset);
 #if LPV_TEXTURED
-  const vec3 colour = taken3(base + 15);
-  const float weight = taken(base + 21);
+  const vec3 colour = taken3(base + kVplColour);
+  const float weight = taken(base + kVplWeight);
   v.colour = v.area > 0.0 ? colour / v.area : vec3(0.0);
 #else
   const float weight = v.area;
 #endif
-  const ivec3 cell = ivec3(params.lower.xyz) + cellInBox(int(key >> 6), params.upper.xyz - params.lower.xyz);
+  const ivec3 cell = params.lower + cellInBox(int(key >> kBinBits), params.upper - params.lower);
   v.position = vec3(cell) + (weight > 0.0 ? clamp(moment / weight, 0.0, 1.0) : vec3(0.5));
-  v.area *= params.scale.x;
-  v.direction *= params.scale.x;
+  v.area *= params.areaScale;
+  v.direction *= params.areaScale;
   v.spread = spreadOf(v.area, v.direction);
   v.extent = extentInCell(v.area, v.direction);
   const Node node = nodeAt(nodeIndex(0, cell));
-  storeVpl(node.first + 1u + placeOf(node.bins, key & 63u), v);
+  storeVpl(node.first + 1u + placeOf(node.bins, key & ((1u << kBinBits) - 1u)), v);
 }
 
 #else
@@ -214,7 +214,7 @@ uint childrenWithLight(int level, ivec3 block) {
 }
 
 void main() {
-  const int level = params.upper.w;
+  const int level = params.level;
   ivec3 block;
   if (!blockOf(level, int(thread()), block)) return;
   const Node node = nodeAt(nodeIndex(level, block));

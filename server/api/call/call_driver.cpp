@@ -33,8 +33,8 @@ void CallDriver::start() {
   Status status = admit(token_, context_);
   if (status.ok()) status = authorize(context_, method_);
   if (!status.ok()) {
-    const std::lock_guard lock(mutex_);
-    return finishLocked(status);
+    const MutexLock lock(mutex_);
+    return finish(status);
   }
   stream_ = method_.handler.open(context_);
   stream_->onWake([weak = weak_from_this()] {
@@ -62,32 +62,34 @@ void CallDriver::onRead(ReadResult result) {
   }
   if (result == ReadResult::kEnd) return inputEnded();
   bool first = false;
+  ops::LogContext who;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (phase_ == Phase::kFinished) return;
     first = phase_ == Phase::kAwaitingFirst;
     if (first) phase_ = Phase::kOpening;
     if (first) who_.session = shortId(textAt(*request_, method_.session));
+    who = who_;
   }
-  return first ? open() : later();
+  return first ? open(std::move(who)) : later();
 }
 
 /// Hands the first message to a worker.
-void CallDriver::open() {
+void CallDriver::open(ops::LogContext who) {
   first_.stop();
-  context_.pool->post([self = shared_from_this(), who = who_]() mutable {
+  context_.pool->post([self = shared_from_this(), who = std::move(who)]() mutable {
     const ops::LogScope scope(std::move(who));
     const Status allowed = authorize(self->context_, self->method_, *self->request_);
     if (allowed.ok()) self->stream_->receiveMessage(*self->request_);
     bool cut = false;
     {
-      const std::lock_guard lock(self->mutex_);
+      const MutexLock lock(self->mutex_);
       self->phase_ = Phase::kOpen;
       self->outstanding_.read = false;
       self->progress_.handedOver = allowed.ok();
       if (!allowed.ok()) self->cut_ = allowed;
       self->request_->Clear();
-      cut = self->isCutLocked();
+      cut = self->isCut();
     }
     if (cut) self->stream_->cancelled();
     self->pump();
@@ -98,7 +100,7 @@ void CallDriver::later() {
   stream_->receiveMessage(*request_);
   request_->Clear();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     outstanding_.read = false;
   }
   pump();
@@ -109,7 +111,7 @@ void CallDriver::inputEnded() {
   if (clientStreams_) stream_->halfClosed();
   bool nothingCame = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     outstanding_.read = false;
     progress_.inputEnded = true;
     nothingCame = !clientStreams_ && phase_ == Phase::kAwaitingFirst;
@@ -120,7 +122,7 @@ void CallDriver::inputEnded() {
 
 void CallDriver::onWrite(bool ok) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     outstanding_.write = false;
     if (!ok && !cut_) cut_ = Status(Code::kCancelled, AnyStream::kClientGone);
   }
@@ -132,11 +134,11 @@ void CallDriver::onCancel() { cutOff(Status(Code::kCancelled, AnyStream::kClient
 void CallDriver::cutOff(const Status& why) {
   bool cut = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (phase_ == Phase::kFinished) return;  // refused at its start, it has no stream
     if (!cut_) cut_ = why;
     if (phase_ == Phase::kOpening) return;  // open() looks when it is done
-    cut = isCutLocked();
+    cut = isCut();
   }
   if (cut) stream_->cancelled();
   pump();
@@ -149,16 +151,16 @@ void CallDriver::onDone() {
 
 /// Starts whatever can be started now.
 void CallDriver::pump() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (phase_ == Phase::kOpening || phase_ == Phase::kFinished) return;
-  if (!outstanding_.write && !isCutLocked()) pullLocked();
+  if (!outstanding_.write && !isCut()) pull();
   if (!outstanding_.write) {
-    if (const std::optional<Status> end = endLocked()) return finishLocked(*end);
+    if (const std::optional<Status> over = end()) return finish(*over);
   }
-  readLocked();
+  read();
 }
 
-void CallDriver::pullLocked() {
+void CallDriver::pull() {
   response_->Clear();
   if (!stream_->nextMessage(response_.get())) return;
   if (!serverStreams_) {
@@ -169,7 +171,7 @@ void CallDriver::pullLocked() {
   transport_.write(*response_);
 }
 
-void CallDriver::readLocked() {
+void CallDriver::read() {
   if (outstanding_.read || progress_.inputEnded) return;
   const bool first = phase_ == Phase::kAwaitingFirst;
   if (!first && (!clientStreams_ || !stream_->wantsRead())) return;
@@ -177,15 +179,15 @@ void CallDriver::readLocked() {
   transport_.read(request_.get());
 }
 
-bool CallDriver::isCutLocked() const { return cut_ && !(progress_.handedOver && stream_->completesAnyway()); }
+bool CallDriver::isCut() const { return cut_ && !(progress_.handedOver && stream_->completesAnyway()); }
 
-std::optional<Status> CallDriver::endLocked() const {
-  if (isCutLocked()) return cut_;
+std::optional<Status> CallDriver::end() const {
+  if (isCut()) return cut_;
   if (progress_.answered) return Status();
   return stream_->ended();
 }
 
-void CallDriver::finishLocked(const Status& status) {
+void CallDriver::finish(const Status& status) {
   phase_ = Phase::kFinished;
   const ops::LogScope scope(who_);
   recordEnd(context_, method_, status, progress_.sent, *response_);

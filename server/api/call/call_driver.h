@@ -7,12 +7,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "api/call/deadline.h"
 #include "api/call/method.h"
+#include "base/mutex.h"
 #include "ops/log_scope.h"
 
 namespace lpv::api {
@@ -86,18 +86,18 @@ class CallDriver : public std::enable_shared_from_this<CallDriver> {
   };
 
   void watchToken();
-  void open();
+  void open(ops::LogContext who);
   void later();
   void inputEnded();
   /// Ends the call whatever its stream thinks; the first reason counts.
   void cutOff(const Status& why);
   void pump();
   /// There is a reason to cut the call off, and it does not complete anyway.
-  bool isCutLocked() const;
-  void pullLocked();
-  void readLocked();
-  std::optional<Status> endLocked() const;
-  void finishLocked(const Status& status);
+  bool isCut() const LPV_REQUIRES(mutex_);
+  void pull() LPV_REQUIRES(mutex_);
+  void read() LPV_REQUIRES(mutex_);
+  std::optional<Status> end() const LPV_REQUIRES(mutex_);
+  void finish(const Status& status) LPV_REQUIRES(mutex_);
 
   Context context_;
   const Method& method_;
@@ -110,12 +110,12 @@ class CallDriver : public std::enable_shared_from_this<CallDriver> {
   std::shared_ptr<void> tokenWatch_;
   const std::unique_ptr<google::protobuf::Message> request_;  ///< the transport's while a read is outstanding
   const std::unique_ptr<google::protobuf::Message> response_;
-  std::mutex mutex_;  ///< guards what follows; held while the transport is called
-  Phase phase_ = Phase::kAwaitingFirst;
-  Outstanding outstanding_;
-  Progress progress_;
-  std::optional<Status> cut_;  ///< why the call was cut off
-  ops::LogContext who_;
+  Mutex mutex_;  ///< held while the transport is called
+  Phase phase_ LPV_GUARDED_BY(mutex_) = Phase::kAwaitingFirst;
+  Outstanding outstanding_ LPV_GUARDED_BY(mutex_);
+  Progress progress_ LPV_GUARDED_BY(mutex_);
+  std::optional<Status> cut_ LPV_GUARDED_BY(mutex_);  ///< why the call was cut off
+  ops::LogContext who_ LPV_GUARDED_BY(mutex_);
 };
 
 }  // namespace lpv::api

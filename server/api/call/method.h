@@ -5,13 +5,13 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "api/call/context.h"
 #include "api/call/stream.h"
+#include "base/mutex.h"
 
 namespace lpv::api {
 
@@ -70,7 +70,7 @@ class QuestionAndAnswer final : public StreamOf<QuestionAndAnswer<Request, Respo
     later_(context_, request_, &response_, [self = this->me()](const Status& status) { self->answer(status); });
   }
   bool next(Response* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!answered_) return false;
     answered_ = false;
     response->Swap(&response_);
@@ -82,7 +82,7 @@ class QuestionAndAnswer final : public StreamOf<QuestionAndAnswer<Request, Respo
   void answer(const Status& status) {
     if (!status.ok()) return this->end(status);
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       answered_ = true;
     }
     this->wake();
@@ -93,8 +93,8 @@ class QuestionAndAnswer final : public StreamOf<QuestionAndAnswer<Request, Respo
   const Answer<Request, Response> atOnce_;
   Request request_;
   Response response_;
-  std::mutex mutex_;
-  bool answered_ = false;
+  Mutex mutex_;
+  bool answered_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 template <typename Request, typename Response>

@@ -6,10 +6,10 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "base/mutex.h"
 #include "base/status.h"
 
 namespace lpv::api {
@@ -40,11 +40,11 @@ class AnyStream : public std::enable_shared_from_this<AnyStream> {
   }
   /// How the call ended; asked after nextMessage() has returned false.
   std::optional<Status> ended() {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     return ended_;
   }
   void onWake(std::function<void()> wake) {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     wake_ = std::move(wake);
   }
 
@@ -61,26 +61,26 @@ class AnyStream : public std::enable_shared_from_this<AnyStream> {
   }
   /// Ends the call from inside next(): the driver asks ended() by itself, under its lock, and must not be woken.
   void endInNext(Status status) {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     if (!ended_) ended_ = std::move(status);
   }
   bool hasEnded() {
-    const std::lock_guard lock(endMutex_);
+    const MutexLock lock(endMutex_);
     return ended_.has_value();
   }
   void wake() {
     std::function<void()> call;
     {
-      const std::lock_guard lock(endMutex_);
+      const MutexLock lock(endMutex_);
       call = wake_;
     }
     if (call) call();
   }
 
  private:
-  std::mutex endMutex_;
-  std::optional<Status> ended_;
-  std::function<void()> wake_;
+  Mutex endMutex_;
+  std::optional<Status> ended_ LPV_GUARDED_BY(endMutex_);
+  std::function<void()> wake_ LPV_GUARDED_BY(endMutex_);
 };
 
 /// A call whose messages have types: what AnyStream says of receiveMessage() and nextMessage() holds for receive() and

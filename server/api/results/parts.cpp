@@ -18,7 +18,7 @@ std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
 }  // namespace
 
 EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRequest& order, Counters& counters) {
-  const std::lock_guard lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
+  const MutexLock lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
   for (const Entry& entry : entries_) {
     const bool coding = entry.format == order.format && entry.compression == order.compression;
     if (coding && entry.volume.lock() == volume) return entry.encoding;

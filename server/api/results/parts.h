@@ -3,8 +3,8 @@
 
 #include <list>
 #include <memory>
-#include <mutex>
 #include <vector>
+#include "base/mutex.h"
 
 #include "api/results/delta_chain.h"
 #include "encode/frame_codec.h"
@@ -27,8 +27,8 @@ class VolumeEncodings {
     wire::Compression compression;
     EncodingPtr encoding;
   };
-  std::mutex mutex_;
-  std::list<Entry> entries_;  // newest first
+  Mutex mutex_;
+  std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // newest first
 };
 
 /// A finished result, ready to be pulled part by part.

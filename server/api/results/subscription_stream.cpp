@@ -11,14 +11,14 @@ namespace lpv::api {
 template <typename Event>
 Status SubscriptionStream<Event>::start(const Subscription& subscription, std::function<void()> wake) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     wake_ = wake;
   }
   heartbeat_.start(std::move(wake));
   const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(subscription, this->shared_from_this());
   if (!subscriber) return subscriber.status();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     subscriber_ = *subscriber;
   }
   return {};
@@ -26,7 +26,7 @@ Status SubscriptionStream<Event>::start(const Subscription& subscription, std::f
 
 template <typename Event>
 bool SubscriptionStream<Event>::next(Event* event) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!subscriber_ || heartbeat_.over()) return false;
   if (!subscribedSent_) {
     subscribedSent_ = true;
@@ -51,7 +51,7 @@ void SubscriptionStream<Event>::push(std::uint64_t resultId, std::function<bool(
                                      std::int64_t bytes) {
   std::function<void()> wake;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (resultId < newest_) {  // its credit comes back with the later one's acknowledgement
       ++context_.counters->resultsCoalesced;
       return;
@@ -69,7 +69,7 @@ void SubscriptionStream<Event>::stop() {
   heartbeat_.stop();
   std::shared_ptr<Subscriber> subscriber;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     wake_ = nullptr;
     subscriber = subscriber_;
   }
@@ -78,7 +78,12 @@ void SubscriptionStream<Event>::stop() {
 
 template <typename Event>
 Status SubscriptionStream<Event>::update(const pb::SubscriberUpdate& update) {
-  return applyUpdate(session_, subscriber_, update, context_.limits);
+  std::shared_ptr<Subscriber> subscriber;
+  {
+    const MutexLock lock(mutex_);
+    subscriber = subscriber_;
+  }
+  return applyUpdate(session_, subscriber, update, context_.limits);
 }
 
 template class SubscriptionStream<pb::VolumeEvent>;

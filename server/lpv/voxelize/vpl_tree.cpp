@@ -50,14 +50,16 @@ GpuTask TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, Tree
                           const std::function<void()>& bindLight) {
   const gpu::Defines defines = with(variant, pass.name);
   layout::TreeParams shape{};
-  shape.lower = glm::ivec4(tree.box.lower, tree.levels);
-  shape.upper = glm::ivec4(tree.box.upper, pass.level);
-  for (int i = 0; i < tree.levels; ++i) shape.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
-  shape.scale.x = float(scales.areaScale);
-  shape.unit.x = 1.0 / scales.moment;
+  shape.lower = tree.box.lower;
+  shape.upper = tree.box.upper;
+  shape.levels = tree.levels;
+  shape.level = pass.level;
+  for (int i = 0; i < tree.levels; ++i) shape.nodesBefore[i / 4][i % 4] = tree.offsets[std::size_t(i)];
+  shape.areaScale = float(scales.areaScale);
+  shape.shareOfUnit = 1.0 / scales.moment;
   for (std::uint32_t first = 0; first < pass.threads; first += kThreadsAtOnce) {
     const std::uint32_t threads = std::min(kThreadsAtOnce, pass.threads - first);
-    shape.scale.y = float(first);
+    shape.firstThread = first;
     params_.update(0, gpu::bytesOfValue(shape));
     bindLight();
     params_.bindUniform(layout::kParams);
@@ -78,9 +80,13 @@ GpuTask TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std
 }
 
 VplCounts TreeBuilder::read(const gpu::Readback& header) {
-  std::array<std::uint32_t, layout::kVoxelHeaderWords> words{};
-  std::memcpy(words.data(), header.bytes().data(), sizeof words);
-  return {words[3], words[4], words[5], words[6], words[7]};
+  layout::VoxelHeader read{};
+  std::memcpy(&read, header.bytes().data(), sizeof read);
+  return {.vpls = read.count,
+          .degenerate = read.degenerate,
+          .lost = read.lost,
+          .records = read.treeEntries,
+          .cells = read.litCells};
 }
 
 GpuTask TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant,

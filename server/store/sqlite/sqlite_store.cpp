@@ -30,37 +30,37 @@ Expected<std::unique_ptr<SqliteStore>> SqliteStore::open(SqliteOptions options) 
 
 SqliteStore::~SqliteStore() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     waiting_.clear();
   }
-  wake_.notify_all();
+  wake_.notifyAll();
   if (thread_.joinable()) thread_.join();
 }
 
 Status SqliteStore::writable() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return failure_;
 }
 
 std::int64_t SqliteStore::queued() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return std::int64_t(given_ - durablePosition_);
 }
 
 std::int64_t SqliteStore::commits() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return commits_;
 }
 
 Position SqliteStore::push(const std::string& session, std::function<Status(Tables&, LogSize*)> make) {
   Position position = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     position = ++given_;
     queue_.push_back({position, session, std::move(make)});
   }
-  wake_.notify_all();
+  wake_.notifyAll();
   return position;
 }
 
@@ -104,7 +104,7 @@ Position SqliteStore::dropToken(const std::string& tokenId) {
 void SqliteStore::whenDurable(Position position, Kept kept) {
   Status status;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (position > durablePosition_) {
       if (failure_.ok()) {
         waiting_.emplace(position, std::move(kept));
@@ -117,12 +117,13 @@ void SqliteStore::whenDurable(Position position, Kept kept) {
 }
 
 void SqliteStore::run() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (true) {
     if (failure_.ok()) {
-      wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+      while (!stopping_ && queue_.empty()) wake_.wait(lock);
     } else {
-      wake_.wait_for(lock, options_.retry, [this] { return stopping_; });
+      const auto retry = std::chrono::steady_clock::now() + options_.retry;
+      while (!stopping_ && wake_.waitUntil(lock, retry)) continue;
       if (stopping_) return;
     }
     std::move(queue_.begin(), queue_.end(), std::back_inserter(group_));
@@ -164,7 +165,7 @@ void SqliteStore::settle(const Status& status) {
   std::vector<Kept> told;
   bool changed = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     changed = failure_.ok() != status.ok();
     failure_ = status;
     if (status.ok()) {
@@ -175,7 +176,7 @@ void SqliteStore::settle(const Status& status) {
     const auto end = status.ok() ? waiting_.upper_bound(durablePosition_) : waiting_.end();
     for (auto it = waiting_.begin(); it != end; it = waiting_.erase(it)) told.push_back(std::move(it->second));
   }
-  settled_.notify_all();
+  settled_.notifyAll();
   if (changed && options_.onChange) options_.onChange(status);
   tell(std::move(told), status);
 }
@@ -206,27 +207,27 @@ void SqliteStore::compactDue() {
 }
 
 Status SqliteStore::flush() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   const Position last = given_;
-  settled_.wait(lock, [&] { return durablePosition_ >= last || !failure_.ok(); });
+  while (durablePosition_ < last && failure_.ok()) settled_.wait(lock);
   return durablePosition_ >= last ? Status() : failure_;
 }
 
 Expected<std::vector<Head>> SqliteStore::heads() {
   if (Status s = flush(); !s.ok()) return s;
-  const std::lock_guard lock(readMutex_);
+  const MutexLock lock(readMutex_);
   return reading_->heads();
 }
 
 Expected<std::vector<Token>> SqliteStore::tokens() {
   if (Status s = flush(); !s.ok()) return s;
-  const std::lock_guard lock(readMutex_);
+  const MutexLock lock(readMutex_);
   return reading_->tokens();
 }
 
 Expected<Loaded> SqliteStore::load(const std::string& session, bool withContents) {
   if (Status s = flush(); !s.ok()) return s;
-  const std::lock_guard lock(readMutex_);
+  const MutexLock lock(readMutex_);
   if (Status s = reading_->beginReading(); !s.ok()) return s;
   Expected<Loaded> out = reading_->load(session, withContents);
   if (Status s = reading_->commit(); !s.ok() && out) return s;

@@ -6,13 +6,12 @@
 // `compactAfter...`; bytes are kept once, whoever needs them, and let go of with their last holder. The file does not
 // shrink: its free pages are used again.
 
-#include <condition_variable>
 #include <deque>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <thread>
+#include "base/mutex.h"
 
 #include "store/sqlite/directory_lock.h"
 #include "store/sqlite/tables.h"
@@ -80,20 +79,20 @@ class SqliteStore final : public Store {
   const SqliteOptions options_;
   std::unique_ptr<DirectoryLock> lock_;
   std::unique_ptr<Tables> tables_;  ///< the store's thread's
-  std::mutex readMutex_;
-  std::unique_ptr<Tables> reading_;
+  Mutex readMutex_;
+  std::unique_ptr<Tables> reading_ LPV_GUARDED_BY(readMutex_);
   std::uint64_t highestEpoch_ = 0;  ///< when the store was opened
 
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;     ///< there is something to write
-  std::condition_variable settled_;  ///< a transaction has ended
-  std::deque<Change> queue_;
-  std::multimap<Position, Kept> waiting_;
-  Position given_ = 0;
-  Position durablePosition_ = 0;
-  Status failure_;
-  std::int64_t commits_ = 0;
-  bool stopping_ = false;
+  mutable Mutex mutex_;
+  ConditionVariable wake_;     ///< there is something to write
+  ConditionVariable settled_;  ///< a transaction has ended
+  std::deque<Change> queue_ LPV_GUARDED_BY(mutex_);
+  std::multimap<Position, Kept> waiting_ LPV_GUARDED_BY(mutex_);
+  Position given_ LPV_GUARDED_BY(mutex_) = 0;
+  Position durablePosition_ LPV_GUARDED_BY(mutex_) = 0;
+  Status failure_ LPV_GUARDED_BY(mutex_);
+  std::int64_t commits_ LPV_GUARDED_BY(mutex_) = 0;
+  bool stopping_ LPV_GUARDED_BY(mutex_) = false;
 
   // The store's thread's own.
   std::deque<Change> group_;  ///< of the transaction in progress, or of the one that failed

@@ -96,11 +96,11 @@ double furthest(const Volume& truth, const Volume& held) {
 
 /// Follows the lamp with the library until the newest revision is there; every result's checksum is verified.
 TEST_F(Deltas, TheLibraryHoldsWhatTheServerMade) {
-  using Case = std::tuple<pb::VolumeFormat, int, double>;
+  using Coding = std::tuple<pb::VolumeFormat, int, double>;
   for (const auto& [format, toleranceClass, bound] :
-       {Case{pb::VOLUME_FORMAT_HALF_FLOAT, 0, 1e-3}, Case{pb::VOLUME_FORMAT_FLOAT, 0, 0.0},
-        Case{pb::VOLUME_FORMAT_COMPACT, 0, 0.018}, Case{pb::VOLUME_FORMAT_COMPACT, 2, 0.07},
-        Case{pb::VOLUME_FORMAT_HALF_FLOAT, 3, 0.14}}) {
+       {Coding{pb::VOLUME_FORMAT_HALF_FLOAT, 0, 1e-3}, Coding{pb::VOLUME_FORMAT_FLOAT, 0, 0.0},
+        Coding{pb::VOLUME_FORMAT_COMPACT, 0, 0.018}, Coding{pb::VOLUME_FORMAT_COMPACT, 2, 0.07},
+        Coding{pb::VOLUME_FORMAT_HALF_FLOAT, 3, 0.14}}) {
     std::mutex mutex;
     client::VolumeResult last;
     std::size_t deltas = 0;

@@ -1,4 +1,4 @@
-#include "wire/planes.h"
+#include "wire/byte_planes.h"
 
 #include <cstdint>
 #include <cstring>
@@ -71,7 +71,7 @@ class PlaneCoder {
     return out;
   }
 
-  /// What cell `i` is compared with: the cell before it along x, for the first of a row along y, then z.
+  /// Value that predicts cell `i`: the cell before it along x; for the first cell of a row along y, of a slice along z.
   static Word neighbour(const PlaneBrick& brick, const std::vector<Word>& values, std::size_t i) {
     const auto row = std::size_t(brick.size.x);
     const std::size_t slice = row * std::size_t(brick.size.y);
@@ -79,7 +79,7 @@ class PlaneCoder {
     return i < back ? Word(0) : values[i - back];
   }
 
-  /// Calls block(brick, its first cell of a layer, kind of element, where its cells stand in a plane).
+  /// Calls block(brick, index of a layer's first cell in the brick, element 0..11, offset of its cells in a plane).
   template <typename Block>
   void forEachBlock(const Block& block) const {
     for (std::size_t kind = 0; kind < kCellElements; ++kind) {

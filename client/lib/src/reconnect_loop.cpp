@@ -1,4 +1,4 @@
-#include "reopening.h"
+#include "reconnect_loop.h"
 
 #include <algorithm>
 #include <random>
@@ -70,7 +70,7 @@ grpc::Status ReconnectLoop::attemptOnce() {
   return status;
 }
 
-/// False where the pause was ended by stop().
+/// Returns false if stop() ended the pause.
 bool ReconnectLoop::pause(int failures) {
   std::unique_lock lock(mutex_);
   return !changed_.wait_for(lock, jitter(failures), [this] { return stopping_; });

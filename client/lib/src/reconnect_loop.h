@@ -1,5 +1,5 @@
 #pragma once
-// A thread that keeps a stream open: opens it again after a random pause, watches that something arrives.
+// A thread that keeps a stream open: it reconnects after a random pause, and when nothing arrives for 3 s.
 
 #include <chrono>
 #include <condition_variable>
@@ -15,20 +15,20 @@ namespace lpv::client {
 class ReconnectLoop {
  public:
   struct Behaviour {
-    /// Opens the stream, reads it to its end with read() below, returns its status.
+    /// Opens the stream, reads it to its end with read(), returns its status.
     std::function<grpc::Status(grpc::ClientContext&)> attempt;
-    std::function<void(const Status&)> reopening;  ///< before each pause; may be empty
-    std::function<void(const Status&)> ended;      ///< once, unless stopped; may be empty
+    std::function<void(const Status&)> reopening;  ///< called before each pause; may be empty
+    std::function<void(const Status&)> ended;      ///< called once, unless stop() ended the loop; may be empty
   };
 
   ReconnectLoop(std::shared_ptr<Connection> connection, Behaviour behaviour);
-  /// Begins; from here on `behaviour` is called.
+  /// Starts the threads, which call `behaviour`.
   void start();
   ~ReconnectLoop() { stop(); }
   ReconnectLoop(const ReconnectLoop&) = delete;
   ReconnectLoop& operator=(const ReconnectLoop&) = delete;
 
-  /// Reads one message; the watchdog cancels the stream when none comes for 3 s.
+  /// Reads one message. The watchdog cancels the stream if none arrives for 3 s.
   template <typename Stream, typename Message>
   bool read(Stream& stream, Message& message) {
     watch(true);
@@ -38,7 +38,7 @@ class ReconnectLoop {
     return got;
   }
 
-  /// Writes one message before anything is read; the watchdog cancels the stream when it is not taken for 3 s.
+  /// Writes a message before reading begins. The watchdog cancels the stream if the write takes 3 s.
   template <typename Stream, typename Message>
   bool write(Stream& stream, const Message& message) {
     watch(true);
@@ -47,7 +47,7 @@ class ReconnectLoop {
     return taken;
   }
 
-  /// Ends the stream and, from another thread, waits for the callbacks to be over.
+  /// Ends the stream. Waits for running callbacks unless called from one.
   void stop();
   std::uint64_t reopened() const;
 
@@ -64,12 +64,12 @@ class ReconnectLoop {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool stopping_ = false;
-  bool finished_ = false;                  ///< the reading thread is past its last attempt
-  bool waiting_ = false;                   ///< for the other side
+  bool finished_ = false;                  ///< the reading thread has made its last attempt
+  bool waiting_ = false;                   ///< a read or write is in progress
   Clock::time_point waitingSince_;
   grpc::ClientContext* context_ = nullptr;
   std::uint64_t attempts_ = 0;
-  bool alive_ = false;                     ///< something arrived in this attempt; reading thread only
+  bool alive_ = false;                     ///< a message arrived in this attempt; reading thread only
   std::thread reader_;
   std::thread watchdog_;
 };

@@ -1,4 +1,4 @@
-#include "wire/tokens.h"
+#include "wire/run_level.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@ namespace lpv::wire {
 namespace {
 
 constexpr int kMaxShift = 22;
-constexpr int kSkip = 254;      // that many zeros and no value
-constexpr int kEndPlane = 255;  // zeros to the end of the plane
+constexpr int kSkip = 254;          // 254 zeros without a value after them
+constexpr int kEndOfChannel = 255;  // zeros to the end of the channel
 
-/// Positions of a plane in the order coded: low frequencies first, as they are the ones that are not zero.
+/// Positions of a channel in coding order: low frequencies first, because most values that are not zero are there.
 const std::array<std::uint16_t, kBrickCells>& scanOrder() {
   static const auto kOrder = [] {
     std::array<std::uint16_t, kBrickCells> order;
@@ -32,19 +32,19 @@ void appendLevel(std::int32_t level, std::string* out) {
   out->push_back(char(zigzag));
 }
 
-void appendPlane(const std::int32_t* plane, int shift, RunLevels* out) {
+void appendChannel(const std::int32_t* channel, int shift, RunLevels* out) {
   int zeros = 0;
   for (const std::uint16_t at : scanOrder()) {
-    if (plane[at] == 0) {
+    if (channel[at] == 0) {
       ++zeros;
       continue;
     }
     for (; zeros >= kSkip; zeros -= kSkip) out->runs.push_back(char(kSkip));
     out->runs.push_back(char(zeros));
-    appendLevel(plane[at] / (1 << shift), &out->levels);
+    appendLevel(channel[at] / (1 << shift), &out->levels);
     zeros = 0;
   }
-  if (zeros > 0) out->runs.push_back(char(kEndPlane));
+  if (zeros > 0) out->runs.push_back(char(kEndOfChannel));
 }
 
 Status torn() { return invalid("part.payload", "the payload ends within a brick"); }
@@ -53,21 +53,22 @@ Status torn() { return invalid("part.payload", "the payload ends within a brick"
 
 bool appendBlock(const std::int32_t* coefficients, RunLevels* out) {
   std::uint32_t all = 0;
-  for (std::size_t i = 0; i < kPlanes * kBrickCells; ++i) all |= std::uint32_t(coefficients[i]);
+  for (std::size_t i = 0; i < kChannels * kBrickCells; ++i) all |= std::uint32_t(coefficients[i]);
   const int shift = all == 0 ? 0 : std::min(std::countr_zero(all), kMaxShift);
   out->runs.push_back(char(shift));
-  for (std::size_t plane = 0; plane < kPlanes; ++plane) appendPlane(coefficients + plane * kBrickCells, shift, out);
+  for (std::size_t channel = 0; channel < kChannels; ++channel)
+    appendChannel(coefficients + channel * kBrickCells, shift, out);
   return all != 0;
 }
 
-bool TokenReader::takeRun(int* run) {
+bool RunLevelReader::takeRun(int* run) {
   if (runs_.empty()) return false;
   *run = std::uint8_t(runs_.front());
   runs_.remove_prefix(1);
   return true;
 }
 
-bool TokenReader::takeLevel(std::int32_t* level) {
+bool RunLevelReader::takeLevel(std::int32_t* level) {
   std::uint32_t zigzag = 0;
   for (std::uint32_t at = 0; at < 28 && !levels_.empty(); at += 7) {
     const auto byte = std::uint8_t(levels_.front());
@@ -80,18 +81,18 @@ bool TokenReader::takeLevel(std::int32_t* level) {
   return false;
 }
 
-Status TokenReader::addPlane(int shift, std::int32_t* plane) {
+Status RunLevelReader::addChannel(int shift, std::int32_t* channel) {
   std::size_t at = 0;
   while (at < kBrickCells) {
     int run = 0;
     if (!takeRun(&run)) return torn();
-    if (run == kEndPlane) return {};
+    if (run == kEndOfChannel) return {};
     at += std::size_t(run);
     if (run == kSkip) continue;
     if (at >= kBrickCells) return invalid("part.payload", "a coefficient of a brick lies outside it");
     std::int32_t level = 0;
     if (!takeLevel(&level)) return torn();
-    std::int32_t& value = plane[scanOrder()[at++]];
+    std::int32_t& value = channel[scanOrder()[at++]];
     const std::int64_t sum = value + (std::int64_t(level) << shift);
     if (sum > kMaxCoefficient || sum < -kMaxCoefficient) {
       return invalid("part.payload", "a coefficient of a brick is " + std::to_string(sum) + ", allowed are +-" +
@@ -102,12 +103,12 @@ Status TokenReader::addPlane(int shift, std::int32_t* plane) {
   return {};
 }
 
-Status TokenReader::addBlock(std::int32_t* coefficients) {
+Status RunLevelReader::addBlock(std::int32_t* coefficients) {
   int shift = 0;
   if (!takeRun(&shift)) return torn();
   if (shift > kMaxShift) return invalid("part.payload", "a brick's shift is " + std::to_string(shift));
-  for (std::size_t plane = 0; plane < kPlanes; ++plane) {
-    if (Status s = addPlane(shift, coefficients + plane * kBrickCells); !s.ok()) return s;
+  for (std::size_t channel = 0; channel < kChannels; ++channel) {
+    if (Status s = addChannel(shift, coefficients + channel * kBrickCells); !s.ok()) return s;
   }
   return {};
 }
