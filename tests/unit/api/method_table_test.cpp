@@ -67,7 +67,6 @@ std::vector<std::string> linesOf(const std::string& text) {
 // A new method gets its line here: who may call it is read by people.
 TEST(MethodTableTest, IsWhatPeopleHaveRead) { EXPECT_EQ(linesOf(methodTableText()), linesOf(kTable)); }
 
-// Seen to fail with a row left out, with one twice, and with UndoRequest's handler in Redo's row.
 TEST(MethodTableTest, HasOneRowForEachMethodOfTheServices) {
   std::map<std::string, int> rows;
   for (const Method& method : methods()) {
@@ -100,7 +99,6 @@ bool leadsToText(const Descriptor* type, const std::string& path) {
   return field == nullptr || (field->type() == FieldDescriptor::TYPE_STRING && !field->is_repeated());
 }
 
-// Seen to fail with "subscription.sesion" in a row.
 TEST(MethodTableTest, FindsSessionsInFieldsThatExist) {
   for (const Method& method : methods()) {
     EXPECT_TRUE(leadsToText(method.descriptor().input_type(), method.session)) << method.name;
