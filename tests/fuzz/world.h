@@ -2,6 +2,7 @@
 // A server without doors, a GPU or a disk, for one input: a registry with one session, "room", that has a light "Lamp",
 // a surface "Wall", a camera "Front" and two members.
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ class World {
 
  private:
   Access access_;
+  const std::shared_ptr<api::ResultCaches> caches_ = api::makeResultCaches();
   SessionServices services_;
   Registry registry_;
   ClientIdentity a_;

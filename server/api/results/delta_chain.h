@@ -78,7 +78,4 @@ class VolumeChains {
   std::map<Key, std::weak_ptr<DeltaChain>> chains_ LPV_GUARDED_BY(mutex_);
 };
 
-/// The process's.
-VolumeChains& deltaChains();
-
 }  // namespace lpv::api

@@ -31,9 +31,6 @@ class VolumeEncodings {
   std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // newest first
 };
 
-/// The process's cache.
-VolumeEncodings& volumeEncodings();
-
 /// A finished result, ready to be pulled part by part.
 class VolumeParts {
  public:

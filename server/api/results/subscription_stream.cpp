@@ -125,7 +125,7 @@ void FrameSubscription::offer(const Result& result) {
 
 Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, const pb::VolumeSubscription& in,
                                                        std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
@@ -143,7 +143,7 @@ Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, c
 
 Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& in,
                                                       std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;

@@ -138,46 +138,6 @@ TEST_F(StreamsTest, AnUploadThatGoesOnIsNotIdle) {
   upload->cancelled();
 }
 
-/// Each stream that a client opens by speaking, left without a word. Seen to fail for each whose wait has no end.
-TEST_F(StreamsTest, WithoutAFirstMessageEndInTime) {
-  const auto upload = uploadBlob(context_);
-  const auto edits = streamEdits(context_);
-  const auto volumes = streamVolume(context_);
-  const auto frames = streamFrames(context_);
-  const auto probes = streamProbe(context_);
-  const auto expectEnd = [](const auto& stream, const char* name) {
-    EXPECT_TRUE(test::eventually([&] { return stream->ended().has_value(); })) << name;
-    EXPECT_EQ(endOf(stream).code(), Code::kDeadlineExceeded) << name;
-    EXPECT_THAT(endOf(stream).message(), HasSubstr("first_message")) << name;
-  };
-  expectEnd(upload, "upload");
-  expectEnd(edits, "edits");
-  expectEnd(volumes, "volumes");
-  expectEnd(frames, "frames");
-  expectEnd(probes, "probes");
-}
-
-TEST_F(StreamsTest, AfterTheirFirstMessageMayBeSilent) {
-  const auto edits = streamEdits(context_);
-  const auto volumes = streamVolume(context_);
-  const auto probes = streamProbe(context_);
-  pb::StreamEditsRequest edit;
-  edit.set_session("sessions/room");
-  edits->receive(edit);
-  pb::StreamVolumeRequest subscription;
-  subscription.mutable_subscription()->set_session("sessions/room");
-  volumes->receive(subscription);
-  pb::StreamProbeRequest probe;
-  probe.mutable_request()->set_session("sessions/room");
-  probes->receive(probe);
-  const auto late = uploadBlob(context_);  // opened after them: when its time is up, so was theirs
-  EXPECT_TRUE(test::eventually([&] { return late->ended().has_value(); }));
-  EXPECT_FALSE(edits->ended() || volumes->ended() || probes->ended());
-  edits->cancelled();
-  volumes->cancelled();
-  probes->cancelled();
-}
-
 TEST_F(StreamsTest, WithAnotherFirstMessageAreRefused) {
   const auto volumes = streamVolume(context_);
   pb::StreamVolumeRequest early;
