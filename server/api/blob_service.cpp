@@ -23,7 +23,7 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
     }
     idle_.restart(
         context_.limits.uploadIdle, whileAlive([seconds = context_.limits.uploadIdle.count()](Upload& self) {
-          self.end(Status(Code::kDeadlineExceeded,
+          self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
                           "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
         }));
   }
@@ -54,7 +54,7 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
     if (!session_) {
       if (!request.has_header()) return invalid("header", "the first message has no header");
       if (Status s = begin(request.header()); !s.ok()) return s.within("header");
-      if (Status s = berth_.enter("max_uploads", context_.limits.maxUploads); !s.ok()) return s;
+      if (Status s = berth_.enter(Reason::kMaxUploads, "max_uploads", context_.limits.maxUploads); !s.ok()) return s;
     } else if (request.has_header()) {
       return invalid("header", "a later message has a header again");
     }
@@ -72,8 +72,9 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
     if (header.size() < 1)
       return invalid("size", "size is " + std::to_string(header.size()) + ", needed is at least 1");
     if (header.size() > context_.limits.maxBlobBytes) {
-      return exhausted("size", "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
-                                   std::to_string(context_.limits.maxBlobBytes) + " bytes");
+      return exhausted(Reason::kMaxBlobBytes, "size",
+                       "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
+                           std::to_string(context_.limits.maxBlobBytes) + " bytes");
     }
     const Expected<SessionPtr> session = findSession(context_, "session", header.session());
     if (!session) return session.status();

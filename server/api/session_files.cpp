@@ -15,8 +15,9 @@ namespace {
 constexpr std::size_t kMaxFileBytes = std::size_t(1) << 30U;
 
 Status tooLarge(std::size_t bytes) {
-  return exhausted("data", "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
-                               " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
+  return exhausted(Reason::kMaxSessionFileBytes, "data",
+                   "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
+                       " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
 }
 
 Expected<std::string> fileOf(const SavedSession& state) {
@@ -39,9 +40,9 @@ Status checkLimits(const SavedSession& state, const Limits& limits) {
   Blobs room(limits);
   for (const store::Content& content : contentsOf(state)) {
     if (std::int64_t(content.bytes->size()) <= limits.maxBlobBytes) continue;
-    return exhausted("data", "max_blob_bytes: content " + content.hash + " has " +
-                                 std::to_string(content.bytes->size()) + " bytes, allowed are " +
-                                 std::to_string(limits.maxBlobBytes));
+    return exhausted(Reason::kMaxBlobBytes, "data",
+                     "max_blob_bytes: content " + content.hash + " has " + std::to_string(content.bytes->size()) +
+                         " bytes, allowed are " + std::to_string(limits.maxBlobBytes));
   }
   for (const BlobPtr& blob : state.uploads) {
     const Expected<bool> added = room.add(blob, Clock::now());
@@ -83,7 +84,9 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name());
     if (!session) return end(session.status());
-    if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
+    if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+        !s.ok())
+      return end(s);
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return giveUp(file.status());
     const MutexLock lock(mutex_);
@@ -115,7 +118,8 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   /// A reader that stops holds the file no longer than a writer that stops.
   void expectReader() {
     idle_.restart(context_.limits.uploadIdle, whileAlive([](Export& self) {
-                    self.giveUp(Status(Code::kDeadlineExceeded, "upload_idle: no part was taken in time", "name"));
+                    self.giveUp(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                       "upload_idle: no part was taken in time", "name"));
                   }));
   }
 
@@ -141,7 +145,9 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
   void receive(pb::ImportSessionRequest request) override {
     if (hasEnded()) return;
     if (!begun_) {
-      if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
+      if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+          !s.ok())
+        return end(s);
       wantedId_ = request.session_id();
     }
     begun_ = true;
@@ -151,7 +157,8 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
     }
     bytes_ += request.data();
     idle_.restart(context_.limits.uploadIdle, whileAlive([](Import& self) {
-                    self.end(Status(Code::kDeadlineExceeded, "upload_idle: nothing arrived in time", "data"));
+                    self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                    "upload_idle: nothing arrived in time", "data"));
                   }));
   }
 

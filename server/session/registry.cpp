@@ -58,17 +58,19 @@ SessionServices Registry::servicesNow() const {
 
 Status Registry::checkRoom() const {
   if (std::ssize(sessions_) + std::ssize(inTransition_) < limits_.maxSessions) return {};
-  return exhausted("max_sessions", "max_sessions: this server has " + std::to_string(sessions_.size()) +
-                                       " sessions, allowed are " + std::to_string(limits_.maxSessions));
+  return exhausted(Reason::kMaxSessions, "max_sessions",
+                   "max_sessions: this server has " + std::to_string(sessions_.size()) + " sessions, allowed are " +
+                       std::to_string(limits_.maxSessions));
 }
 
 Status Registry::checkNew(const std::string& wantedId) const {
-  if (draining_) return Status(Code::kUnavailable, "draining: this server takes no new sessions; ask another");
+  if (draining_)
+    return Status(Code::kUnavailable, Reason::kDraining, "draining: this server takes no new sessions; ask another");
   if (!wantedId.empty()) {
     if (Status s = checkId(wantedId); !s.ok()) return s;
     if (sessions_.contains(wantedId) || durableSessions_.contains(wantedId)) {
-      return Status(Code::kAlreadyExists, "session \"" + wantedId + "\" exists; choose another id or leave it empty",
-                    "session_id");
+      return Status(Code::kAlreadyExists, Reason::kNameTaken,
+                    "session \"" + wantedId + "\" exists; choose another id or leave it empty", "session_id");
     }
   }
   if (Status s = services_.journal->available(); !s.ok()) return s;
@@ -146,7 +148,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
       return Status(Code::kNotFound,
                     "there is no session \"" + truncatedUtf8(id) + "\" on this server; it may have expired", "session");
     }
-    if (draining_) return Status(Code::kUnavailable, "draining: this server ends; ask another");
+    if (draining_) return Status(Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another");
     if (Status s = checkRoom(); !s.ok()) return s;
     inTransition_.insert(id);
   }
@@ -156,7 +158,8 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
     const MutexLock lock(mutex_);
     inTransition_.erase(id);
     // The server drains: nothing would drain this session any more.
-    if (session && draining_) session = Status(Code::kUnavailable, "draining: this server ends; ask another");
+    if (session && draining_)
+      session = Status(Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another");
     if (session) (*session)->setLimits(limits_);  // they may have changed meanwhile
     if (session) sessions_[id] = *session;
   }

@@ -118,11 +118,12 @@ Status Session::verify(const ClientIdentity& client) const {
 
 Status Session::closedStatus(const char* field) const {
   if (closed_ == Closing::kDraining)
-    return {Code::kUnavailable, "draining: this server ends; ask another, or this one again later"};
+    return {Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another, or this one again later"};
   if (closed_ == Closing::kEvicted) {
-    return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being evicted; repeat the call"};
+    return {Code::kUnavailable, Reason::kEvicting,
+            "session \"" + id_ + "\" was idle and is being evicted; repeat the call"};
   }
-  return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
+  return {Code::kNotFound, Reason::kSessionDeleted, "session \"" + id_ + "\" was deleted", field};
 }
 
 Expected<bool> Session::addBlob(const BlobPtr& blob) {

@@ -10,9 +10,9 @@ namespace lpv::api {
 namespace {
 
 Status firstMessageIsLate(const Limits& limits) {
-  return {Code::kDeadlineExceeded, "first_message: no message arrived within " +
-                                       std::to_string(limits.firstMessage.count()) +
-                                       " s; send the first one right after opening the call"};
+  return {Code::kDeadlineExceeded, Reason::kFirstMessage,
+          "first_message: no message arrived within " + std::to_string(limits.firstMessage.count()) +
+              " s; send the first one right after opening the call"};
 }
 
 }  // namespace

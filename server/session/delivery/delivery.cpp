@@ -60,9 +60,9 @@ Expected<SubscriberPtr> Delivery::subscribe(const Subscription& subscription, co
     const MutexLock lock(mutex_);
     if (Status s = source_.accepting(); !s.ok()) return s;
     if (std::ssize(readers_.subscribers()) >= limits_.maxSubscribersPerSession) {
-      return exhausted("max_subscribers_per_session", "max_subscribers_per_session: allowed are " +
-                                                          std::to_string(limits_.maxSubscribersPerSession) +
-                                                          " result streams");
+      return exhausted(Reason::kMaxSubscribersPerSession, "max_subscribers_per_session",
+                       "max_subscribers_per_session: allowed are " + std::to_string(limits_.maxSubscribersPerSession) +
+                           " result streams");
     }
     subscriber = readers_.add(subscription, sink);
   }

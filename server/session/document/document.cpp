@@ -52,7 +52,7 @@ MeshPtr Document::meshOf(const std::string& object) const {
 
 Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs& blobs) {
   if (edit.expectedRevision && *edit.expectedRevision != revision_) {
-    return Status(Code::kAborted,
+    return Status(Code::kAborted, Reason::kRevisionChanged,
                   "expected_revision is " + std::to_string(*edit.expectedRevision) + ", the session is at revision " +
                       std::to_string(revision_) + "; read the scene again and repeat",
                   "expected_revision");
@@ -127,20 +127,22 @@ void Document::rollBack(Rollback& rollback) {
 }
 
 Status Document::checkTotals() const {
-  const auto over = [](const char* limit, std::int64_t have, std::int64_t allowed) {
-    return exhausted(limit, std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
-                                std::to_string(allowed));
+  const auto over = [](Reason reason, const char* limit, std::int64_t have, std::int64_t allowed) {
+    return exhausted(reason, limit,
+                     std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
+                         std::to_string(allowed));
   };
   if (std::int64_t(lights_.size()) > limits_.maxLights) {
-    return over("max_lights", std::int64_t(lights_.size()), limits_.maxLights);
+    return over(Reason::kMaxLights, "max_lights", std::int64_t(lights_.size()), limits_.maxLights);
   }
   if (std::int64_t(surfaces_.size()) > limits_.maxSurfaces) {
-    return over("max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
+    return over(Reason::kMaxSurfaces, "max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
   }
   if (std::int64_t(cameras_.size()) > limits_.maxCameras) {
-    return over("max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
+    return over(Reason::kMaxCameras, "max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
   }
-  if (tally_.triangles > limits_.maxTriangles) return over("max_triangles", tally_.triangles, limits_.maxTriangles);
+  if (tally_.triangles > limits_.maxTriangles)
+    return over(Reason::kMaxTriangles, "max_triangles", tally_.triangles, limits_.maxTriangles);
   return {};
 }
 
@@ -156,9 +158,10 @@ Status Document::checkGroups(const Rollback& rollback) const {
   for (const auto& [group, lights] : tally_.lightsInGroup) {
     if (!there.contains(group)) brought = group;
   }
-  return exhausted("max_groups", "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
-                                     std::to_string(groups) + " groups, allowed are " + std::to_string(kMaxGroups) +
-                                     "; give a group that another light has, or none");
+  return exhausted(Reason::kMaxGroups, "max_groups",
+                   "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
+                       std::to_string(groups) + " groups, allowed are " + std::to_string(kMaxGroups) +
+                       "; give a group that another light has, or none");
 }
 
 Bounds Document::content() const {

@@ -14,7 +14,7 @@ Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
                 "max_tick_seconds: on this device a tick of the session is predicted to take %.1f s, most of it to %s; "
                 "allowed are %g s; use a coarser grid, fewer iterations, smaller lights or fewer light groups",
                 tick.seconds, tick.mostly.c_str(), limits.maxTickSeconds);
-  return exhausted("max_tick_seconds", text);
+  return exhausted(Reason::kMaxTickSeconds, "max_tick_seconds", text);
 }
 
 void Document::predictWith(std::function<Prediction(const Workload&)> predict) {

@@ -229,8 +229,8 @@ Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, R
 
 Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Rollback& rollback) {
   if (options_.grid.hasBounds) {
-    return Status(Code::kFailedPrecondition, "the grid has fixed bounds; clear settings.grid.bounds to fit it",
-                  "fit_grid");
+    return Status(Code::kFailedPrecondition, Reason::kFixedBounds,
+                  "the grid has fixed bounds; clear settings.grid.bounds to fit it", "fit_grid");
   }
   if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
   rollback.fitted = true;
