@@ -1,6 +1,6 @@
 #pragma once
-// Why something was refused, as one name of a fixed set, for programs. This is the only table: metrics and the audit log
-// take their labels from it.
+// Why something was refused, as one name of a fixed set, for programs. This is the only table: metrics and the audit
+// log take their labels from it.
 
 #include <array>
 #include <cstddef>

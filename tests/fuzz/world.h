@@ -2,6 +2,7 @@
 // A server without doors, a GPU or a disk, for one input: a registry with one session, "room", that has a light "Lamp",
 // a surface "Wall", a camera "Front" and two members.
 
+#include <google/protobuf/message_lite.h>
 #include <memory>
 #include <string>
 #include <vector>
