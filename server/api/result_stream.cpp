@@ -62,6 +62,7 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
   std::shared_ptr<typename Traits::Live> subscription_ LPV_GUARDED_BY(mutex_);
 };
 
+/// Of a call whose client says one thing, and then only reads.
 template <typename Req, typename Resp, typename Sub, typename F>
 struct WatchTraits {
   using Request = Req;
@@ -75,16 +76,10 @@ struct WatchTraits {
   static const pb::SubscriberUpdate* update(const Req&) { return nullptr; }
 };
 
+/// Of a call whose client acknowledges, and changes its subscription, on the same stream.
 template <typename Req, typename Resp, typename Sub, typename F>
-struct BidiTraits {
-  using Request = Req;
-  using Response = Resp;
-  using Subscription = Sub;
-  using Live = F;
+struct BidiTraits : WatchTraits<Req, Resp, Sub, F> {
   static constexpr bool kBidirectional = true;
-  static const Sub* subscription(const Req& request) {
-    return request.has_subscription() ? &request.subscription() : nullptr;
-  }
   static const pb::SubscriberUpdate* update(const Req& request) {
     return request.has_update() ? &request.update() : nullptr;
   }
