@@ -1,5 +1,6 @@
 // Single answers: volumes, frames, probes, picks. Each waits for a result at or after its revision.
 
+#include "api/call/method_table.h"
 #include "api/results/probing.h"
 #include "api/results/subscription_stream.h"
 #include "api/services.h"
@@ -12,24 +13,22 @@ namespace {
 
 /// A call that asks the session for one result and hands it out in parts. Make builds the parts on a worker thread.
 template <typename Request, typename Response>
-class SingleResultStream : public Stream<Request, Response> {
+class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>, Request, Response> {
  public:
   explicit SingleResultStream(const Context& context) : context_(context) {}
 
   void receive(Request request) override {
     if (asked_) return;
     asked_ = true;
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return this->end(session.status());
     session_ = *session;
     Expected<WaitingCall> call = prepare(request);
     if (!call) return this->end(call.status());
     call->minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
-    call->done = [weak = this->weak_from_this()](Expected<Result> result) {
-      const auto self = std::static_pointer_cast<SingleResultStream>(weak.lock());
-      if (self) self->finish(std::move(result));
-    };
-    const std::shared_ptr<WaitingCall> waiting = session_->ask(std::move(*call));
+    call->done =
+        this->whileAlive([](SingleResultStream& self, Expected<Result> result) { self.finish(std::move(result)); });
+    const std::shared_ptr<WaitingCall> waiting = session_->delivery().ask(std::move(*call));
     const MutexLock lock(mutex_);
     call_ = waiting;
   }
@@ -45,14 +44,13 @@ class SingleResultStream : public Stream<Request, Response> {
     return more;
   }
 
-  void cancelled() override {
+  void release() override {
     std::shared_ptr<WaitingCall> call;
     {
       const MutexLock lock(mutex_);
       call = call_;
     }
-    if (call) session_->forget(call);
-    this->end(Status(Code::kCancelled, "the client went away"));
+    if (call) session_->delivery().forget(call);
   }
 
  protected:
@@ -97,8 +95,8 @@ class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest,
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
-    const auto parts =
-        std::make_shared<VolumeParts>(result, order_, volumeEncodings().get(result.volume, order_, *context_.counters));
+    const auto parts = std::make_shared<VolumeParts>(
+        result, order_, context_.caches->encodings.get(result.volume, order_, *context_.counters));
     context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }
@@ -115,7 +113,7 @@ class FrameResultStream final : public SingleResultStream<pb::GetFrameRequest, p
   Expected<WaitingCall> prepare(pb::GetFrameRequest& request) override {
     Expected<FrameEncodingRequest> order = encodingRequestFrom(request, context_.limits);
     if (!order) return order.status();
-    if (Status s = session_->checkCamera(order->subscription.camera); !s.ok()) return s;
+    if (Status s = session_->delivery().checkCamera(order->subscription.camera); !s.ok()) return s;
     order_ = *order;
     WaitingCall call;
     call.frame = order_.subscription;
@@ -177,12 +175,13 @@ StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(const Context& context) {
 }
 
 /// The camera and picture size that a pick is about: a live subscriber's, or given.
-static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::PickRequest& request,
-                                          const Limits& limits) {
-  FrameSettings subscription;
+static Expected<FrameSettings> pickedFrame(const SessionPtr& session, const pb::PickRequest& request,
+                                           const Limits& limits) {
+  FrameSettings settings;
   if (!request.subscriber().empty()) {
-    const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(request.subscriber());
-    const std::optional<FrameSettings> frame = subscriber ? session->subscriptionOf(subscriber).frame : std::nullopt;
+    const std::shared_ptr<Subscriber> subscriber = session->delivery().findSubscriber(request.subscriber());
+    const std::optional<FrameSettings> frame =
+        subscriber ? session->delivery().subscriptionOf(subscriber).frame : std::nullopt;
     if (!frame) {
       return Status(Code::kNotFound, "there is no frame subscriber \"" + truncatedUtf8(request.subscriber()) + "\"",
                     "subscriber");
@@ -191,28 +190,28 @@ static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::P
   }
   const Expected<glm::ivec2> size = frameSize(request.width(), request.height(), limits);
   if (!size) return size.status();
-  subscription.size = *size;
+  settings.size = *size;
   if (request.has_camera()) {
     const Expected<Camera> camera = fromProto(request.camera());
     if (!camera) return camera.status().within("camera");
-    subscription.camera.camera = *camera;
+    settings.camera.camera = *camera;
   }
-  return subscription;
+  return settings;
 }
 
 Status pick(const Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
-  const Expected<FrameSettings> subscription = pickedWish(*session, request, context.limits);
-  if (!subscription) return subscription.status();
-  const glm::dvec2 size(subscription->size);
+  const Expected<FrameSettings> frame = pickedFrame(*session, request, context.limits);
+  if (!frame) return frame.status();
+  const glm::dvec2 size(frame->size);
   if (!(request.x() >= 0.0 && request.x() <= size.x && request.y() >= 0.0 && request.y() <= size.y)) {
     return Status(Code::kOutOfRange,
                   "x, y is " + std::to_string(request.x()) + ", " + std::to_string(request.y()) + ", the picture is " +
-                      std::to_string(subscription->size.x) + " x " + std::to_string(subscription->size.y),
+                      std::to_string(frame->size.x) + " x " + std::to_string(frame->size.y),
                   "x");
   }
-  const Expected<Camera> camera = (*session)->cameraFor(subscription->camera, subscription->size);
+  const Expected<Camera> camera = (*session)->delivery().cameraFor(frame->camera, frame->size);
   if (!camera) return camera.status();
   const ScenePtr scene = (*session)->scene();
   response->set_revision(scene->revision);
@@ -226,6 +225,21 @@ Status pick(const Context& context, const pb::PickRequest& request, pb::PickResp
   toProto(hit->normal, response->mutable_normal());
   response->set_distance(hit->distance);
   return {};
+}
+
+std::vector<Method> resultMethods() {
+  return {
+      {"ResultService.WatchVolume", Role::kViewer, "subscription.session", handler(watchVolume)},
+      {"ResultService.StreamVolume", Role::kViewer, "subscription.session", handler(streamVolume)},
+      {"ResultService.WatchFrames", Role::kViewer, "subscription.session", handler(watchFrames)},
+      {"ResultService.StreamFrames", Role::kViewer, "subscription.session", handler(streamFrames)},
+      {"ResultService.UpdateSubscription", Role::kViewer, "session", handler(updateSubscription)},
+      {"ResultService.GetVolume", Role::kViewer, "session", handler(getVolume)},
+      {"ResultService.GetFrame", Role::kViewer, "session", handler(getFrame)},
+      {"ResultService.Probe", Role::kViewer, "session", handler(probe)},
+      {"ResultService.StreamProbe", Role::kViewer, "request.session", handler(streamProbe)},
+      {"ResultService.Pick", Role::kViewer, "session", handler(pick)},
+  };
 }
 
 }  // namespace lpv::api

@@ -1,4 +1,4 @@
-// Subscriptions as streams: the bidirectional form and its server-streaming twin over the same feeds.
+// Subscriptions as streams: the bidirectional form and its server-streaming twin of the same.
 
 #include "api/results/subscription_stream.h"
 #include "api/services.h"
@@ -7,21 +7,11 @@
 namespace lpv::api {
 namespace {
 
-/// A stream that has a feed once its subscription has arrived. Traits say how messages carry what.
+/// A stream of results that begins once its subscription has arrived. Traits say how messages carry what.
 template <typename Traits>
-class ResultStream final : public Stream<typename Traits::Request, typename Traits::Response> {
+class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits::Request, typename Traits::Response> {
  public:
-  explicit ResultStream(const Context& context) : context_(context), first_(*context.timers) {}
-
-  /// The client has to say what it wants within the limit.
-  void expectFirst() {
-    first_.restart(context_.limits.firstMessage, [weak = this->weak_from_this()] {
-      const auto self = std::static_pointer_cast<ResultStream>(weak.lock());
-      if (self)
-        self->end(Status(Code::kDeadlineExceeded, Reason::kFirstMessage,
-                         "first_message: the subscription did not arrive in time"));
-    });
-  }
+  explicit ResultStream(const Context& context) : context_(context) {}
 
   void receive(typename Traits::Request request) override {
     if (this->hasEnded()) return;
@@ -33,16 +23,13 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
       if (!status.ok()) this->end(status.within("update"));
       return;
     }
-    first_.stop();
     const typename Traits::Subscription* subscription = Traits::subscription(request);
     if (!subscription) return this->end(invalid("subscription", "the first message has no subscription"));
-    auto feed = openFeed(context_, *subscription, [weak = this->weak_from_this()] {
-      if (const auto self = std::static_pointer_cast<ResultStream>(weak.lock())) self->wake();
-    });
-    if (!feed) return this->end(feed.status().within("subscription"));
+    auto opened = openSubscription(context_, *subscription, this->wakeWhileAlive());
+    if (!opened) return this->end(opened.status().within("subscription"));
     {
       const MutexLock lock(mutex_);
-      feed_ = *feed;
+      subscription_ = *opened;
     }
     this->wake();
   }
@@ -52,38 +39,36 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
   }
 
   bool next(typename Traits::Response* response) override {
-    const std::shared_ptr<typename Traits::FeedType> feed = current();
-    if (!feed || this->hasEnded()) return false;
-    if (feed->next(response->mutable_event())) return true;
+    const std::shared_ptr<typename Traits::Live> live = current();
+    if (!live || this->hasEnded()) return false;
+    if (live->next(response->mutable_event())) return true;
     response->clear_event();
-    if (feed->closed()) this->endInNext(feed->endStatus());
+    if (live->closed()) this->endInNext(live->endStatus());
     return false;
   }
 
-  void cancelled() override {
-    first_.stop();
-    if (const auto feed = current()) feed->stop();
-    this->end(Status(Code::kCancelled, "the client went away"));
+  void release() override {
+    if (const auto live = current()) live->stop();
   }
 
  private:
-  std::shared_ptr<typename Traits::FeedType> current() {
+  std::shared_ptr<typename Traits::Live> current() {
     const MutexLock lock(mutex_);
-    return feed_;
+    return subscription_;
   }
 
   const Context context_;
-  Deadline first_;
   Mutex mutex_;
-  std::shared_ptr<typename Traits::FeedType> feed_ LPV_GUARDED_BY(mutex_);
+  std::shared_ptr<typename Traits::Live> subscription_ LPV_GUARDED_BY(mutex_);
 };
 
+/// Of a call whose client says one thing, and then only reads.
 template <typename Req, typename Resp, typename Sub, typename F>
 struct WatchTraits {
   using Request = Req;
   using Response = Resp;
   using Subscription = Sub;
-  using FeedType = F;
+  using Live = F;
   static constexpr bool kBidirectional = false;
   static const Sub* subscription(const Req& request) {
     return request.has_subscription() ? &request.subscription() : nullptr;
@@ -91,16 +76,10 @@ struct WatchTraits {
   static const pb::SubscriberUpdate* update(const Req&) { return nullptr; }
 };
 
+/// Of a call whose client acknowledges, and changes its subscription, on the same stream.
 template <typename Req, typename Resp, typename Sub, typename F>
-struct BidiTraits {
-  using Request = Req;
-  using Response = Resp;
-  using Subscription = Sub;
-  using FeedType = F;
+struct BidiTraits : WatchTraits<Req, Resp, Sub, F> {
   static constexpr bool kBidirectional = true;
-  static const Sub* subscription(const Req& request) {
-    return request.has_subscription() ? &request.subscription() : nullptr;
-  }
   static const pb::SubscriberUpdate* update(const Req& request) {
     return request.has_update() ? &request.update() : nullptr;
   }
@@ -108,9 +87,7 @@ struct BidiTraits {
 
 template <typename Traits>
 std::shared_ptr<ResultStream<Traits>> make(const Context& context) {
-  auto stream = std::make_shared<ResultStream<Traits>>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<ResultStream<Traits>>(context);
 }
 
 }  // namespace
@@ -138,9 +115,9 @@ StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(const 
 
 Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRequest& request,
                           pb::UpdateSubscriptionResponse*) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
-  const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
+  const std::shared_ptr<Subscriber> subscriber = (*session)->delivery().findSubscriber(request.subscriber());
   if (!subscriber) {
     return Status(Code::kNotFound,
                   "there is no subscriber \"" + truncatedUtf8(request.subscriber()) + "\"; its stream may have ended",

@@ -15,7 +15,8 @@ Status SubscriptionStream<Event>::start(const Subscription& subscription, std::f
     wake_ = wake;
   }
   heartbeat_.start(std::move(wake));
-  const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(subscription, this->shared_from_this());
+  const Expected<std::shared_ptr<Subscriber>> subscriber =
+      session_->delivery().subscribe(subscription, this->shared_from_this());
   if (!subscriber) return subscriber.status();
   {
     const MutexLock lock(mutex_);
@@ -73,7 +74,7 @@ void SubscriptionStream<Event>::stop() {
     wake_ = nullptr;
     subscriber = subscriber_;
   }
-  if (subscriber) session_->unsubscribe(subscriber);
+  if (subscriber) session_->delivery().unsubscribe(subscriber);
 }
 
 template <typename Event>
@@ -131,9 +132,9 @@ Status checkCredits(std::uint32_t credits) {
 
 }  // namespace
 
-Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, const pb::VolumeSubscription& in,
+Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& context, const pb::VolumeSubscription& in,
                                                        std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
@@ -145,21 +146,21 @@ Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, c
   subscription.clientId = client.id;
   subscription.maxRate = in.max_rate();
   subscription.twoCredits = in.credits() == 2;
-  auto feed = std::make_shared<VolumeSubscription>(context, *session, *order);
-  if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
-  return feed;
+  auto live = std::make_shared<VolumeSubscription>(context, *session, *order);
+  if (Status s = live->start(subscription, std::move(wake)); !s.ok()) return s;
+  return live;
 }
 
-Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& in,
+Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context, const pb::FrameSubscription& in,
                                                       std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
   if (Status s = checkCredits(in.credits()); !s.ok()) return s;
   const Expected<FrameEncodingRequest> order = encodingRequestFrom(in, context.limits);
   if (!order) return order.status();
-  if (Status s = (*session)->checkCamera(order->subscription.camera); !s.ok()) return s;
+  if (Status s = (*session)->delivery().checkCamera(order->subscription.camera); !s.ok()) return s;
   Subscription subscription;
   subscription.frame = order->subscription;
   subscription.clientId = client.id;
@@ -170,30 +171,31 @@ Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, co
     return invalid("adapt_rate", "adapt_rate is given for a format that has no quality; want JPEG, or leave it out");
   }
   subscription.adaptRate = in.adapt_rate();
-  auto feed = std::make_shared<FrameSubscription>(context, *session, order->format);
-  if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
-  return feed;
+  auto live = std::make_shared<FrameSubscription>(context, *session, order->format);
+  if (Status s = live->start(subscription, std::move(wake)); !s.ok()) return s;
+  return live;
 }
 
 Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
                    const pb::SubscriberUpdate& update, const Limits& limits) {
   if (Status s = checkRate(update.max_rate()); !s.ok()) return s;
-  if (update.request_key_frame()) session->resend(subscriber);
+  if (update.request_key_frame()) session->delivery().resend(subscriber);
   // Who acknowledges what was never taken would have results pile up here.
   const std::uint64_t acknowledged = update.acknowledge().result_id();
-  if (update.has_acknowledge() && acknowledged <= subscriber->taken) session->acknowledge(subscriber, acknowledged);
+  if (update.has_acknowledge() && acknowledged <= subscriber->taken)
+    session->delivery().acknowledge(subscriber, acknowledged);
   const bool rewishes = update.has_camera() || update.width() != 0 || update.height() != 0 || update.has_exposure() ||
                         update.max_rate() != 0.0;
   if (!rewishes) return {};
-  const Subscription now = session->subscriptionOf(subscriber);
+  const Subscription now = session->delivery().subscriptionOf(subscriber);
   FrameSettings subscription;
   if (now.frame) {
     const Expected<FrameSettings> next = updated(*now.frame, update, limits);
     if (!next) return next.status();
     subscription = *next;
   }
-  return session->updateSubscription(subscriber, subscription,
-                                     update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
+  return session->delivery().updateSubscription(
+      subscriber, subscription, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
 }
 
 Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {

@@ -5,16 +5,16 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include "base/mutex.h"
 
 #include "api/call/context.h"
 #include "api/results/heartbeat.h"
-#include "api/results/parts.h"
+#include "api/results/result_caches.h"
 #include "api/results/subscription.h"
+#include "base/mutex.h"
 
 namespace lpv::api {
 
-/// What volume and frame feeds share. Event is VolumeEvent or FrameEvent.
+/// What volume and frame subscriptions share. Event is VolumeEvent or FrameEvent.
 template <typename Event>
 class SubscriptionStream : public ResultSink, public std::enable_shared_from_this<SubscriptionStream<Event>> {
  public:
@@ -59,7 +59,7 @@ class VolumeSubscription final : public SubscriptionStream<pb::VolumeEvent> {
   VolumeSubscription(const Context& context, SessionPtr session, const VolumeEncodingRequest& order)
       : SubscriptionStream(context, std::move(session)),
         order_(order),
-        chain_(deltaChains().get(this->session(), order, *context.counters)) {}
+        chain_(context.caches->chains.get(this->session(), order, *context.counters)) {}
   void offer(const Result& result) override;
   void prepare(const Result& result) override { (void)chain_->encode(result, order_); }
 
@@ -78,11 +78,11 @@ class FrameSubscription final : public SubscriptionStream<pb::FrameEvent> {
   pb::FrameFormat format_;
 };
 
-/// A feed for what a subscription asks, subscribed; errors by field.
-Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context,
+/// The started stream of what a subscription asks for; errors by field.
+Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& context,
                                                        const pb::VolumeSubscription& subscription,
                                                        std::function<void()> wake);
-Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& subscription,
+Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context, const pb::FrameSubscription& subscription,
                                                       std::function<void()> wake);
 
 /// An update's effect on a live subscriber.

@@ -1,5 +1,6 @@
 // A document as values: what an edit changed, and all of it.
 
+#include "scene/error_goal.h"
 #include "session/document/document.h"
 
 namespace lpv {
@@ -30,7 +31,8 @@ Document::Document(const DocumentState& state, const Limits& limits, MeshHasher 
   for (const Versioned<Light>& light : state.lights) lights_[light.object->name] = light;
   for (const Versioned<Surface>& surface : state.surfaces) surfaces_[surface.object->name] = surface;
   for (const DocumentState::Camera& camera : state.cameras) cameras_[camera.name] = {camera.camera, camera.revision};
-  recount();
+  for (const auto& [name, light] : lights_) count(*light.object, 1);
+  for (const auto& [name, surface] : surfaces_) count(*surface.object, 1);
   setStage();
 }
 
@@ -84,6 +86,32 @@ ObjectState Document::objectBefore(const ObjectKey& key) const {
   const auto surface = replaced_.surfaces.find(key.name);
   if (surface != replaced_.surfaces.end()) out.surface = objectOf(surface->second);
   return out;
+}
+
+SceneUpdate Document::takeUpdate() {
+  SceneUpdate out = std::exchange(pending_, SceneUpdate());
+  pending_.whole = false;
+  out.revision = revision_;
+  out.options = resolved(options_);
+  out.grid = grid_;
+  if (!out.whole) return out;
+  for (const auto& [name, light] : lights_) out.lights.emplace_hint(out.lights.end(), name, light.object);
+  for (const auto& [name, surface] : surfaces_) out.surfaces.emplace_hint(out.surfaces.end(), name, surface.object);
+  for (const auto& [name, entry] : cameras_) out.cameras.emplace_hint(out.cameras.end(), name, entry.camera);
+  return out;
+}
+
+/// The objects are looked up here, where the edit has just looked at them: taking the update takes the same time for a
+/// large scene as for a small one.
+void Document::notePending(const Rollback& rollback) {
+  if (pending_.whole) return;
+  for (const auto& [name, was] : rollback.lights) pending_.lights[name] = objectIn(lights_, name);
+  for (const auto& [name, was] : rollback.surfaces) pending_.surfaces[name] = objectIn(surfaces_, name);
+  for (const auto& [name, was] : rollback.cameras) pending_.cameras[name] = camera(name);
+  // More names than there are objects: the whole is as cheap, and names that are gone are let go of.
+  constexpr std::size_t kFew = 64;
+  const std::size_t names = pending_.lights.size() + pending_.surfaces.size() + pending_.cameras.size();
+  if (names > kFew + lights_.size() + surfaces_.size() + cameras_.size()) pending_ = SceneUpdate();
 }
 
 /// In time of the edit's size, not the scene's.
