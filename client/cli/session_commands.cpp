@@ -24,9 +24,12 @@ std::string gridText(const v1::Session& session) {
 
 void printSession(const Context& context, const v1::Session& session) {
   if (context.json()) return print(toJson(session));
-  const std::string measured = session.has_measured_error() ? shortText(session.measured_error()) + " at revision " +
-                                                                  std::to_string(session.measured_revision())
-                                                            : "not yet";
+  const std::string measured = session.has_measured_error()
+                                   ? shortText(session.measured_error()) + " (" +
+                                         shortText(session.measured_error_low()) + " to " +
+                                         shortText(session.measured_error_high()) + ") at revision " +
+                                         std::to_string(session.measured_revision())
+                                   : "not yet";
   printTable({{"id", client::sessionId(session.name())},
               {"name", session.settings().display_name()},
               {"revision", std::to_string(session.revision())},

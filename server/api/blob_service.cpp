@@ -4,6 +4,7 @@
 #include "api/services.h"
 #include "base/text.h"
 #include "convert/blob_content.h"
+#include "wire/message_size.h"
 
 namespace lpv::api {
 namespace {

@@ -3,6 +3,8 @@
 #include "api/services.h"
 #include "convert/session.h"
 #include "ops/process.h"
+#include "session/limit_table.h"
+#include "wire/message_size.h"
 
 namespace lpv::api {
 namespace {
@@ -42,29 +44,35 @@ constexpr const char* kFeatures[] = {
     "locks",
 };
 
+void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, std::int64_t value) {
+  const google::protobuf::Reflection& fields = *out->GetReflection();
+  if (field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_INT32) {
+    fields.SetInt32(out, field, std::int32_t(value));
+  } else {
+    fields.SetInt64(out, field, value);
+  }
+}
+
+void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, double value) {
+  out->GetReflection()->SetDouble(out, field, value);
+}
+
+void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, std::chrono::seconds value) {
+  google::protobuf::Duration duration;
+  duration.set_seconds(value.count());
+  out->GetReflection()->MutableMessage(out, field)->CopyFrom(duration);
+}
+
+/// Those of the table by name, and those that nobody sets.
 void limitsToProto(const Limits& in, pb::Limits* out) {
-  out->set_max_sessions(in.maxSessions);
-  out->set_max_clients_per_session(in.maxClientsPerSession);
+  forEachLimit([&](const auto& row) { set(out, pb::Limits::descriptor()->FindFieldByName(row.name), in.*row.value); });
   out->set_max_cells_per_axis(kMaxCellsPerAxis);
-  out->set_max_lights(in.maxLights);
-  out->set_max_surfaces(in.maxSurfaces);
-  out->set_max_triangles(in.maxTriangles);
-  out->set_max_texels(in.maxTexels);
-  out->set_max_blob_bytes(in.maxBlobBytes);
   out->set_max_message_bytes(int(kMaxMessageBytes));
   out->set_max_operations_per_edit(in.maxOperationsPerEdit);
-  out->set_max_edits_per_second(in.maxEditsPerSecond);
-  out->set_max_tick_rate(in.maxTickRate);
-  out->set_max_tick_seconds(in.maxTickSeconds);
-  out->set_max_session_files(in.maxSessionFiles);
-  out->set_max_uploads(in.maxUploads);
   out->set_max_frame_edge(in.maxFrameEdge);
   out->set_max_probe_points(in.maxProbePoints);
   out->set_max_groups(kMaxGroups);
   out->set_max_undo_steps(in.maxUndoSteps);
-  out->set_max_presence_updates_per_second(in.maxPresenceUpdatesPerSecond);
-  out->mutable_presence_idle()->set_seconds(in.presenceIdle.count());
-  out->mutable_upload_idle()->set_seconds(in.uploadIdle.count());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "convert/session.h"
 #include "persistence/snapshot.h"
 #include "store/envelope.h"
+#include "wire/message_size.h"
 
 namespace lpv::api {
 namespace {
@@ -84,8 +85,7 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name());
     if (!session) return end(session.status());
-    if (Status s = slot_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
-        !s.ok())
+    if (Status s = slot_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles); !s.ok())
       return end(s);
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return giveUp(file.status());

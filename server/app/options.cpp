@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/version.h"
+#include "session/limit_table.h"
 
 namespace lpv::app {
 namespace {
@@ -17,39 +18,30 @@ constexpr const char* kLater[] = {"--web"};
 /// Options of this group change while the server runs.
 constexpr const char* kLimitsGroup = "Limits";
 
+std::string flagOf(const char* limit) {
+  std::string flag = std::string("--") + limit;
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+template <typename Value>
+CLI::Option* addLimit(CLI::App& app, Limits& limits, const LimitRow<Value>& row) {
+  return app.add_option(flagOf(row.name), limits.*row.value, row.help)
+      ->check(CLI::Range(Value(row.least), Value(row.most)))
+      ->capture_default_str();
+}
+
+CLI::Option* addLimit(CLI::App& app, Limits& limits, const LimitRow<std::chrono::seconds>& row) {
+  std::chrono::seconds& value = limits.*row.value;
+  return app
+      .add_option_function<int>(
+          flagOf(row.name), [&value](const int& given) { value = std::chrono::seconds(given); }, row.help)
+      ->check(CLI::Range(int(row.least), int(row.most)))
+      ->default_str(std::to_string(value.count()));
+}
+
 void addLimits(CLI::App& app, Limits& limits) {
-  const auto limit = [&app](const char* flag, auto& value, const char* what, double low, double high) {
-    app.add_option(flag, value, what)->check(CLI::Range(low, high))->capture_default_str()->group(kLimitsGroup);
-  };
-  limit("--max-sessions", limits.maxSessions, "sessions on this server", 1, 100000);
-  limit("--max-clients-per-session", limits.maxClientsPerSession, "joined clients of a session", 1, 10000);
-  limit("--max-subscribers-per-session", limits.maxSubscribersPerSession, "result streams of a session", 1, 10000);
-  limit("--max-lights", limits.maxLights, "lights of a session", 1, 100000);
-  limit("--max-surfaces", limits.maxSurfaces, "surfaces of a session", 1, 100000);
-  limit("--max-triangles", limits.maxTriangles, "triangles of a session", 1, 1e9);
-  limit("--max-texels", limits.maxTexels, "texels of a session's textures", 1, 1e10);
-  limit("--max-blob-bytes", limits.maxBlobBytes, "bytes of one blob", 1, 1e9);
-  limit("--max-edits-per-second", limits.maxEditsPerSecond,
-        "edits of one client, or of all that do not say who they are", 1, 100000);
-  limit("--max-presence-updates-per-second", limits.maxPresenceUpdatesPerSecond, "presence updates of one client", 0.1,
-        1000);
-  limit("--max-tick-rate", limits.maxTickRate, "ticks of one session per second", 0.1, 240);
-  limit("--max-uploads", limits.maxUploads, "uploads of blobs on their way at once", 1, 1000);
-  limit("--max-session-files", limits.maxSessionFiles, "session files on their way in or out at once", 1, 1000);
-  limit("--max-tick-seconds", limits.maxTickSeconds, "seconds of this device that a tick is predicted to take", 0.001,
-        86400);
-  const auto seconds = [&app](const char* flag, std::chrono::seconds& value, const char* what, int least) {
-    app.add_option_function<int>(
-           flag, [&value](const int& given) { value = std::chrono::seconds(given); }, what)
-        ->check(CLI::Range(least, 86400))
-        ->default_str(std::to_string(value.count()))
-        ->group(kLimitsGroup);
-  };
-  seconds("--upload-idle", limits.uploadIdle, "seconds without a part after which an upload is given up", 1);
-  seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take", 1);
-  seconds("--presence-idle", limits.presenceIdle, "seconds without a call after which a member is removed from presence", 1);
-  seconds("--self-check", limits.selfCheck, "seconds between comparisons of a session's light with the truth; 0 = none",
-          0);
+  forEachLimit([&](const auto& row) { addLimit(app, limits, row)->group(kLimitsGroup); });
 }
 
 /// "90s", "10m", "1h", "30d", or a number of seconds.

@@ -224,6 +224,8 @@ void toProto(const SessionSummary& in, pb::Session* out) {
   out->set_expected_error(expectedError(options, std::max({in.grid.dims.x, in.grid.dims.y, in.grid.dims.z})));
   if (in.measured) {
     out->set_measured_error(in.measured->error);
+    out->set_measured_error_low(in.measured->low);
+    out->set_measured_error_high(in.measured->high);
     out->set_measured_revision(in.measured->revision);
   }
   out->set_durability(toProto(in.durability));

@@ -7,6 +7,7 @@
 
 #include "grpc/call.h"
 #include "session/limits.h"
+#include "wire/message_size.h"
 
 namespace lpv::grpc_door {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "session/limits.h"
+#include "wire/message_size.h"
 
 namespace lpv::api {
 namespace {

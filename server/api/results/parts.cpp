@@ -2,6 +2,7 @@
 
 #include "convert/geometry.h"
 #include "session/limits.h"
+#include "wire/message_size.h"
 #include "wire/publish.h"
 
 namespace lpv::api {

@@ -186,6 +186,9 @@ TEST_F(SessionSettings, ASessionMeasuresItsOwnError) {
   EXPECT_EQ(now.measured_revision(), 1U);
   EXPECT_GT(now.measured_error(), 0.0);
   EXPECT_LE(now.measured_error(), 3.0 * now.expected_error());
+  EXPECT_LE(now.measured_error_low(), now.measured_error());
+  EXPECT_GE(now.measured_error_high(), now.measured_error());
+  EXPECT_GT(now.measured_error_high(), now.measured_error_low());
   pb::GetStatsResponse stats;
   ASSERT_THAT(stubs_.server->GetStats(Call(), {}, &stats), IsOk());
   EXPECT_GE(stats.worst_measured_error(), now.measured_error());
