@@ -44,13 +44,12 @@ constexpr const char* kFeatures[] = {
     "locks",
 };
 
+void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, int value) {
+  out->GetReflection()->SetInt32(out, field, value);
+}
+
 void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, std::int64_t value) {
-  const google::protobuf::Reflection& fields = *out->GetReflection();
-  if (field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_INT32) {
-    fields.SetInt32(out, field, std::int32_t(value));
-  } else {
-    fields.SetInt64(out, field, value);
-  }
+  out->GetReflection()->SetInt64(out, field, value);
 }
 
 void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, double value) {
