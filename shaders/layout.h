@@ -173,7 +173,6 @@ LPV_CONST int kNormalBins = 54;  // per cell: 3 x 3 on each face of a cube
 LPV_CONST int kMaxLevels = 9;  // of a tree: blocks of 1, 2, 4 .. 256 cells
 LPV_CONST int kPlainRecordTexels = 4;  // vec4 of a record (shaders/transport/vpls.glsl) ...
 LPV_CONST int kTexturedRecordTexels = 5;  // ... and of one with a colour
-LPV_CONST float kSteadiness = 2.5;  // second order counts 1 / (1 + (2.5 x)^4), x: extent over squared distance
 LPV_CONST int kMostProbes = 64;  // places of the table that a VPL is looked for in
 LPV_CONST float kFarFromVpls = 1e4;  // cells: nothing near
 LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,

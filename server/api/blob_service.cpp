@@ -1,5 +1,6 @@
 #include "api/call/admission_slot.h"
 #include "api/call/deadline.h"
+#include "api/call/method_table.h"
 #include "api/services.h"
 #include "base/text.h"
 #include "convert/blob_content.h"
@@ -8,19 +9,10 @@ namespace lpv::api {
 namespace {
 
 /// An upload in progress: bytes arrive, the buffer grows with them, at the end a worker parses.
-class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse> {
+class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBlobResponse> {
  public:
   explicit Upload(const Context& context)
       : context_(context), berth_(context.counters->uploads), idle_(*context.timers) {}
-
-  void expectFirst() {
-    idle_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<Upload>(weak.lock());
-      if (self)
-        self->end(
-            Status(Code::kDeadlineExceeded, Reason::kFirstMessage, "first_message: nothing arrived in time", "header"));
-    });
-  }
 
   void receive(pb::UploadBlobRequest request) override {
     if (hasEnded()) return;
@@ -29,12 +21,11 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
       end(s);
       return;
     }
-    idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this(), seconds = context_.limits.uploadIdle.count()] {
-      const auto self = std::static_pointer_cast<Upload>(weak.lock());
-      if (!self) return;
-      self->end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
-                       "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
-    });
+    idle_.restart(
+        context_.limits.uploadIdle, whileAlive([seconds = context_.limits.uploadIdle.count()](Upload& self) {
+          self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                          "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
+        }));
   }
 
   void halfClosed() override {
@@ -45,7 +36,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
       return end(invalid("data", "data has " + std::to_string(bytes_.size()) + " bytes, the header announced " +
                                      std::to_string(size_)));
     }
-    context_.pool->post([self = std::static_pointer_cast<Upload>(shared_from_this())] { self->finish(); });
+    context_.pool->post([self = me()] { self->finish(); });
   }
 
   bool next(pb::UploadBlobResponse* response) override {
@@ -56,10 +47,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     return true;
   }
 
-  void cancelled() override {
-    idle_.stop();
-    end(Status(Code::kCancelled, "the client went away"));
-  }
+  void release() override { idle_.stop(); }
 
  private:
   Status take(pb::UploadBlobRequest& request) {
@@ -88,7 +76,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
                        "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
                            std::to_string(context_.limits.maxBlobBytes) + " bytes");
     }
-    const Expected<SessionPtr> session = findSession(context_, "session", header.session(), Role::kEditor);
+    const Expected<SessionPtr> session = findSession(context_, "session", header.session());
     if (!session) return session.status();
     session_ = *session;
     kind_ = header.kind();
@@ -101,8 +89,7 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (!blob) return end(blob.status());
     const Expected<bool> existed = session_->addBlob(*blob);
     if (!existed) return end(existed.status());
-    session_->whenDurable([self = std::static_pointer_cast<Upload>(shared_from_this()), hash = (*blob)->hash,
-                           existed = *existed](const Status& kept) {
+    session_->whenDurable([self = me(), hash = (*blob)->hash, existed = *existed](const Status& kept) {
       if (!kept.ok()) return self->end(kept);
       {
         const MutexLock lock(self->mutex_);
@@ -126,12 +113,12 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
 };
 
 /// A blob on its way out, part by part as the client takes them.
-class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
+class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobResponse> {
  public:
   explicit Read(const Context& context) : context_(context) {}
 
   void receive(pb::ReadBlobRequest request) override {
-    context_.pool->post([self = std::static_pointer_cast<Read>(shared_from_this()), request = std::move(request)] {
+    context_.pool->post([self = me(), request = std::move(request)] {
       if (Status s = self->open(request); !s.ok()) return self->end(s);
       self->wake();
     });
@@ -156,11 +143,9 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
     return true;
   }
 
-  void cancelled() override { end(Status(Code::kCancelled, "the client went away")); }
-
  private:
   Status open(const pb::ReadBlobRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     std::shared_ptr<const std::string> bytes;
     pb::BlobKind kind = pb::BLOB_KIND_MESH;
@@ -200,7 +185,7 @@ constexpr int kMaxHashes = 1000;
 }  // namespace
 
 Status findBlobs(const Context& context, const pb::FindBlobsRequest& request, pb::FindBlobsResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   if (request.hashes_size() > kMaxHashes) {
     return invalid("hashes", "hashes has " + std::to_string(request.hashes_size()) + " entries, allowed are 1000");
@@ -212,13 +197,19 @@ Status findBlobs(const Context& context, const pb::FindBlobsRequest& request, pb
 }
 
 StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(const Context& context) {
-  auto stream = std::make_shared<Upload>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<Upload>(context);
 }
 
 StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(const Context& context) {
   return std::make_shared<Read>(context);
+}
+
+std::vector<Method> blobMethods() {
+  return {
+      {"BlobService.UploadBlob", Role::kEditor, "header.session", handler(uploadBlob)},
+      {"BlobService.FindBlobs", Role::kEditor, "session", handler(findBlobs)},
+      {"BlobService.ReadBlob", Role::kViewer, "session", handler(readBlob)},
+  };
 }
 
 }  // namespace lpv::api

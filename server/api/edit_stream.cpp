@@ -10,23 +10,13 @@
 namespace lpv::api {
 namespace {
 
-class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsResponse> {
+class EditStream final : public StreamOf<EditStream, pb::StreamEditsRequest, pb::StreamEditsResponse> {
  public:
-  explicit EditStream(const Context& context)
-      : context_(context), first_(*context.timers), heartbeat_(*context.timers) {}
-
-  void expectFirst() {
-    first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<EditStream>(weak.lock());
-      if (self)
-        self->end(Status(Code::kDeadlineExceeded, Reason::kFirstMessage, "first_message: nothing arrived in time"));
-    });
-  }
+  explicit EditStream(const Context& context) : context_(context), heartbeat_(*context.timers) {}
 
   void receive(pb::StreamEditsRequest request) override {
     if (hasEnded()) return;
     if (!session_) {
-      first_.stop();
       if (Status s = open(request); !s.ok()) return end(s);
     }
     if (!request.has_edit()) return;
@@ -68,16 +58,12 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     return false;
   }
 
-  void cancelled() override {
-    first_.stop();
+  void release() override {
     heartbeat_.stop();
     if (session_) session_->unwatch(watcher_);
-    {
-      // Nobody is told of them: whoever comes back repeats them, and whose token was revoked has none applied.
-      const MutexLock lock(mutex_);
-      waiting_.clear();
-    }
-    end(Status(Code::kCancelled, "the client went away"));
+    // Nobody is told of them: whoever comes back repeats them, and whose token was revoked has none applied.
+    const MutexLock lock(mutex_);
+    waiting_.clear();
   }
 
  private:
@@ -87,25 +73,18 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     bool told = false;
   };
 
-  std::shared_ptr<EditStream> me() { return std::static_pointer_cast<EditStream>(shared_from_this()); }
-
   Status open(const pb::StreamEditsRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kEditor);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     client_ = fromProto(request.client());
     if (Status s = (*session)->verify(client_); !s.ok()) return s;
-    const auto weak = std::weak_ptr<EditStream>(me());
-    const auto close = [weak](Closing why) {
-      if (const auto self = weak.lock()) self->heartbeat_.close(why);
-    };
+    const auto close = whileAlive([](EditStream& self, Closing why) { self.heartbeat_.close(why); });
     watcher_ = (*session)->watch([] {}, close, client_.id);
     {
       const MutexLock lock(mutex_);
       session_ = *session;
     }
-    heartbeat_.start([weak] {
-      if (const auto self = weak.lock()) self->wake();
-    });
+    heartbeat_.start(wakeWhileAlive());
     return {};
   }
 
@@ -144,7 +123,6 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   }
 
   const Context context_;
-  Deadline first_;
   HeartbeatEmitter heartbeat_;
   SessionPtr session_;
   ClientIdentity client_;
@@ -161,9 +139,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
 }  // namespace
 
 StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(const Context& context) {
-  auto stream = std::make_shared<EditStream>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<EditStream>(context);
 }
 
 }  // namespace lpv::api

@@ -2,7 +2,6 @@
 
 #include <deque>
 
-#include "api/call/deadline.h"
 #include "api/results/probing.h"
 #include "api/services.h"
 
@@ -11,23 +10,13 @@ namespace {
 
 constexpr std::size_t kMaxQueuedParts = 4;
 
-class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeResponse> {
+class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, pb::StreamProbeResponse> {
  public:
-  explicit ProbeStream(const Context& context) : context_(context), first_(*context.timers) {}
-
-  void expectFirst() {
-    first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
-      if (self)
-        self->end(Status(Code::kDeadlineExceeded, Reason::kFirstMessage, "first_message: nothing arrived in time",
-                         "request"));
-    });
-  }
+  explicit ProbeStream(const Context& context) : context_(context) {}
 
   void receive(pb::StreamProbeRequest request) override {
     if (hasEnded()) return;
     if (!asked_) {
-      first_.stop();
       if (Status s = ask(request.request()); !s.ok()) return end(s.within("request"));
     }
     Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
@@ -65,17 +54,13 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     return false;
   }
 
-  void cancelled() override {
-    first_.stop();
-    if (call_) session_->forget(call_);
-    end(Status(Code::kCancelled, "the client went away"));
+  void release() override {
+    if (call_) session_->delivery().forget(call_);
   }
 
  private:
-  std::shared_ptr<ProbeStream> me() { return std::static_pointer_cast<ProbeStream>(shared_from_this()); }
-
   Status ask(const pb::ProbeRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     session_ = *session;
     asked_ = true;
@@ -83,18 +68,16 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
     call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
-    call.done = [weak = weak_from_this()](Expected<Result> result) {
-      const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
-      if (!self) return;
-      if (!result) return self->end(result.status());
+    call.done = whileAlive([](ProbeStream& self, Expected<Result> result) {
+      if (!result) return self.end(result.status());
       {
-        const MutexLock lock(self->mutex_);
-        self->result_ = *result;
-        self->startNext();
+        const MutexLock lock(self.mutex_);
+        self.result_ = *result;
+        self.startNext();
       }
-      self->wake();
-    };
-    call_ = session_->ask(std::move(call));
+      self.wake();
+    });
+    call_ = session_->delivery().ask(std::move(call));
     return {};
   }
 
@@ -118,7 +101,6 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   }
 
   const Context context_;
-  Deadline first_;
   SessionPtr session_;
   bool asked_ = false;
   bool volumeOnly_ = false;
@@ -134,9 +116,7 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
 }  // namespace
 
 StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(const Context& context) {
-  auto stream = std::make_shared<ProbeStream>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<ProbeStream>(context);
 }
 
 }  // namespace lpv::api

@@ -12,7 +12,7 @@
 namespace lpv::api {
 namespace {
 
-class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneResponse> {
+class SceneStream final : public StreamOf<SceneStream, pb::WatchSceneRequest, pb::WatchSceneResponse> {
  public:
   explicit SceneStream(const Context& context) : context_(context), heartbeat_(*context.timers) {}
 
@@ -36,7 +36,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     return true;
   }
 
-  void cancelled() override {
+  void release() override {
     heartbeat_.stop();
     SessionPtr session;
     std::uint64_t watcher = 0;
@@ -46,28 +46,21 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
       watcher = watcher_;
     }
     if (session) session->unwatch(watcher);
-    end(Status(Code::kCancelled, "the client went away"));
   }
 
  private:
   Status open(const pb::WatchSceneRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return s;
     const MutexLock lock(mutex_);
     sent_ = request.since_revision();
     session_ = *session;
     snapshotDue_ = sent_ == 0 || (request.since_epoch() != 0 && request.since_epoch() != session_->epoch());
-    const auto weak = std::weak_ptr<SceneStream>(std::static_pointer_cast<SceneStream>(shared_from_this()));
-    const auto wakeUp = [weak] {
-      if (const auto self = weak.lock()) self->wake();
-    };
-    const auto close = [weak](Closing why) {
-      if (const auto self = weak.lock()) self->heartbeat_.close(why);
-    };
+    const auto close = whileAlive([](SceneStream& self, Closing why) { self.heartbeat_.close(why); });
     presence_.start(request.client().client_id());
-    watcher_ = session_->watch(wakeUp, close, request.client().client_id());
-    heartbeat_.start(wakeUp);
+    watcher_ = session_->watch(wakeWhileAlive(), close, request.client().client_id());
+    heartbeat_.start(wakeWhileAlive());
     return {};
   }
 

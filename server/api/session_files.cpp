@@ -76,13 +76,13 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
 }
 
 /// A session on its way out, part by part as the client takes them.
-class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionResponse> {
+class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
   explicit Export(const Context& context)
       : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
   void receive(pb::ExportSessionRequest request) override {
-    const Expected<SessionPtr> session = findSession(context_, "name", request.name(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "name", request.name());
     if (!session) return end(session.status());
     if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
         !s.ok())
@@ -105,26 +105,26 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
     return true;
   }
 
-  void cancelled() override { giveUp(Status(Code::kCancelled, "the client went away")); }
-
- private:
-  /// A reader that stops holds the file no longer than a writer that stops.
-  void expectReader() {
-    idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<Export>(weak.lock());
-      if (self)
-        self->giveUp(
-            Status(Code::kDeadlineExceeded, Reason::kUploadIdle, "upload_idle: no part was taken in time", "name"));
-    });
-  }
-
-  void giveUp(Status why) {
+  void release() override {
     idle_.stop();
     {
       const MutexLock lock(mutex_);
       bytes_ = std::string();
     }
     berth_.leave();
+  }
+
+ private:
+  /// A reader that stops holds the file no longer than a writer that stops.
+  void expectReader() {
+    idle_.restart(context_.limits.uploadIdle, whileAlive([](Export& self) {
+                    self.giveUp(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                       "upload_idle: no part was taken in time", "name"));
+                  }));
+  }
+
+  void giveUp(Status why) {
+    release();
     end(std::move(why));
   }
 
@@ -137,23 +137,14 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
 };
 
 /// A file on its way in; a worker makes the session at its end.
-class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionResponse> {
+class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::ImportSessionResponse> {
  public:
   explicit Import(const Context& context)
       : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
-  void expect(std::chrono::seconds patience, Reason reason, const char* limit) {
-    idle_.restart(patience, [weak = weak_from_this(), reason, limit] {
-      const auto self = std::static_pointer_cast<Import>(weak.lock());
-      if (self)
-        self->end(Status(Code::kDeadlineExceeded, reason, std::string(limit) + ": nothing arrived in time", "data"));
-    });
-  }
-
   void receive(pb::ImportSessionRequest request) override {
     if (hasEnded()) return;
     if (!begun_) {
-      if (Status s = allowAdmin(context_, "making a session from a file"); !s.ok()) return end(s);
       if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
           !s.ok())
         return end(s);
@@ -165,13 +156,16 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
       return end(tooLarge(kMaxFileBytes + 1));
     }
     bytes_ += request.data();
-    expect(context_.limits.uploadIdle, Reason::kUploadIdle, "upload_idle");
+    idle_.restart(context_.limits.uploadIdle, whileAlive([](Import& self) {
+                    self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                    "upload_idle: nothing arrived in time", "data"));
+                  }));
   }
 
   void halfClosed() override {
     idle_.stop();
     if (hasEnded()) return;
-    context_.pool->post([self = std::static_pointer_cast<Import>(shared_from_this())] { self->finish(); });
+    context_.pool->post([self = me()] { self->finish(); });
   }
 
   bool next(pb::ImportSessionResponse* response) override {
@@ -182,10 +176,7 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     return true;
   }
 
-  void cancelled() override {
-    idle_.stop();
-    end(Status(Code::kCancelled, "the client went away"));
-  }
+  void release() override { idle_.stop(); }
 
  private:
   void finish() {
@@ -196,17 +187,17 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (!session) return end(session.status());
     const Expected<MintedToken> token = ownerToken(context_, (*session)->id());
     if (!token) return end(token.status());
-    const auto self = std::static_pointer_cast<Import>(shared_from_this());
-    whenBothKept(context_, *session, *token, [self, session = *session, token = token->token](const Status& kept) {
-      if (!kept.ok()) return self->end(kept);
-      {
-        const MutexLock lock(self->mutex_);
-        self->answer_.emplace();
-        toProto(session->summary(), self->answer_->mutable_session());
-        self->answer_->set_owner_token(token);
-      }
-      self->end(Status());
-    });
+    whenBothKept(context_, *session, *token,
+                 [self = me(), session = *session, token = token->token](const Status& kept) {
+                   if (!kept.ok()) return self->end(kept);
+                   {
+                     const MutexLock lock(self->mutex_);
+                     self->answer_.emplace();
+                     toProto(session->summary(), self->answer_->mutable_session());
+                     self->answer_->set_owner_token(token);
+                   }
+                   self->end(Status());
+                 });
   }
 
   const Context context_;
@@ -226,9 +217,7 @@ StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(con
 }
 
 StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(const Context& context) {
-  auto stream = std::make_shared<Import>(context);
-  stream->expect(context.limits.firstMessage, Reason::kFirstMessage, "first_message");
-  return stream;
+  return std::make_shared<Import>(context);
 }
 
 }  // namespace lpv::api

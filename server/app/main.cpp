@@ -26,8 +26,9 @@
 #include "ops/metrics.h"
 #include "persistence/persistent_journal.h"
 #include "session/access.h"
+#include "session/memory_journal.h"
 #include "session/registry.h"
-#include "store/sqlite/sqlite_store.h"
+#include "store/sqlite/sqlite_backend.h"
 
 namespace lpv::app {
 namespace {
@@ -55,26 +56,33 @@ int fail(const Status& status) {
   return 1;
 }
 
-/// Where sessions are kept.
-Expected<std::unique_ptr<store::Store>> openStore(const Options& options, WorkerPool& pool, Counters& counters) {
-  if (options.stateDir.empty()) return std::unique_ptr<store::Store>(std::make_unique<store::MemoryStore>());
+/// Where sessions are kept, with the queue before it; null without --state-dir.
+Expected<std::unique_ptr<store::CommitQueue>> openStore(const Options& options, WorkerPool& pool, Counters& counters) {
+  if (options.stateDir.empty()) return std::unique_ptr<store::CommitQueue>();
   store::SqliteOptions sqlite;
   sqlite.directory = options.stateDir;
-  sqlite.executor = [&pool](std::function<void()> call) { pool.post(std::move(call)); };
-  sqlite.onCommit = [&counters](std::chrono::duration<double> took, bool committed) {
+  Expected<std::unique_ptr<store::SqliteBackend>> tables = store::SqliteBackend::open(std::move(sqlite));
+  if (!tables) return tables.status();
+  store::CommitQueueOptions queue;
+  queue.executor = [&pool](std::function<void()> call) { pool.post(std::move(call)); };
+  queue.onCommit = [&counters](std::chrono::duration<double> took, bool committed) {
     counters.storeCommitSeconds.observe(took.count());
     if (!committed) ++counters.storeFailures;
   };
-  sqlite.onChange = [](const Status& status) {
+  queue.onChange = [](const Status& status) {
     if (status.ok()) {
       spdlog::info("the state directory can be written again; nothing was lost");
     } else {
       spdlog::error("{}; edits are refused until then", status.message());
     }
   };
-  Expected<std::unique_ptr<store::SqliteStore>> opened = store::SqliteStore::open(std::move(sqlite));
-  if (!opened) return opened.status();
-  return std::unique_ptr<store::Store>(std::move(*opened));
+  return std::make_unique<store::CommitQueue>(std::move(*tables), std::move(queue));
+}
+
+/// The journal in `queue`; one that keeps nothing where there is none.
+std::unique_ptr<Journal> makeJournal(store::CommitQueue* queue) {
+  if (!queue) return std::make_unique<MemoryJournal>();
+  return std::make_unique<api::PersistentJournal>(*queue);
 }
 
 /// Makes the first line of --admin-token-file the admin's token.
@@ -92,7 +100,7 @@ Status readAdminToken(const Options& options, Access& access) {
 
 /// What happened to a session that nobody asked for.
 void report(SessionEvent incident, const std::string& session, const std::string& why) {
-  const ops::LogScope scope({session, {}, {}});
+  const ops::LogScope scope({.session = session, .trace = {}, .peer = {}});
   switch (incident) {
     case SessionEvent::kExpired:
       return ops::audit("expire", {{"why", "ttl"}});
@@ -115,13 +123,26 @@ Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const o
   return endpoint;
 }
 
+/// What calls can reach.
+api::Context callContext(Registry& registry, const SessionServices& services) {
+  return {.registry = &registry,
+          .pool = services.pool,
+          .timers = services.timers,
+          .counters = services.counters,
+          .limits = services.limits,
+          .device = services.engine->device(),
+          .version = kVersion,
+          .started = std::chrono::system_clock::now(),
+          .access = services.access};
+}
+
 void publish(ops::Endpoint& endpoint, const api::Context& context, const SessionServices& services,
-             const store::Store& store) {
+             const store::CommitQueue* queue) {
   ops::MetricSources sources;
   sources.counters = context.counters;
   sources.registry = context.registry;
   sources.journal = services.journal;
-  sources.storeQueue = [&store] { return store.queued(); };
+  sources.storeQueue = [queue] { return queue ? queue->queued() : 0; };
   sources.engine = services.engine;
   sources.device = context.device;
   sources.version = context.version;
@@ -131,7 +152,7 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
 
 /// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
 /// is kept, and before the first stream has its notice: who has that, and asks, must not be sent here again.
-void drain(Registry& registry, door::Door& door, ops::Health& health) {
+void drain(Registry& registry, grpc_door::Door& door, ops::Health& health) {
   if (const Status kept = registry.quiesce(); !kept.ok()) spdlog::error("while draining: {}", kept.message());
   health.stopServing();
   door.stopServing();
@@ -200,28 +221,31 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   WorkerPool pool(std::max(2U, std::thread::hardware_concurrency()));
   Expected<std::unique_ptr<Engine>> engine = startEngine(options.choice);
   if (!engine) return fail(engine.status());
-  Expected<std::unique_ptr<store::Store>> opened = openStore(options, pool, counters);
-  if (!opened) return fail(opened.status());
-  api::PersistentJournal journal(**opened);
-  Access access(journal, timers);
+  Expected<std::unique_ptr<store::CommitQueue>> queue = openStore(options, pool, counters);
+  if (!queue) return fail(queue.status());
+  const std::unique_ptr<Journal> journal = makeJournal(queue->get());
+  Access access(*journal, timers);
   if (const Status status = access.open(); !status.ok()) return fail(status);
   if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
-  const SessionServices services{options.limits, engine->get(), &pool,   &timers, &counters,
-                                 api::meshHash,  &journal,      &access, report};
+  const SessionServices services{.limits = options.limits,
+                                 .engine = engine->get(),
+                                 .pool = &pool,
+                                 .timers = &timers,
+                                 .counters = &counters,
+                                 .hasher = api::meshHash,
+                                 .journal = journal.get(),
+                                 .access = &access,
+                                 .onEvent = report};
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
-  api::Context context{&registry,      &pool,
-                       &timers,        &counters,
-                       options.limits, (*engine)->device(),
-                       kVersion,       std::chrono::system_clock::now(),
-                       &access};
-  Expected<std::unique_ptr<door::Door>> entrance =
-      door::Door::open(context, {options.listen, options.tls, options.reflection || !access.required()});
+  const api::Context context = callContext(registry, services);
+  Expected<std::unique_ptr<grpc_door::Door>> entrance = grpc_door::Door::open(
+      context, {.address = options.listen, .tls = options.tls, .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
-  door::Door& door = **entrance;
-  health.serve(journal);
-  const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // goes before what it tells of
-  if (endpoint) publish(*endpoint, context, services, **opened);
+  grpc_door::Door& door = **entrance;
+  health.serve(*journal);
+  const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // destroyed before the objects that it reads
+  if (endpoint) publish(*endpoint, context, services, queue->get());
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
   announce(options, access, door.port(), context.device);

@@ -6,6 +6,7 @@
 #include <map>
 #include <thread>
 #include <utility>
+
 #include "base/mutex.h"
 
 namespace lpv {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <thread>
 #include <vector>
+
 #include "base/mutex.h"
 
 namespace lpv {

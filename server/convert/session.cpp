@@ -233,6 +233,10 @@ pb::Durability toProto(Durability durability) {
   return durability == Durability::kDisk ? pb::DURABILITY_DISK : pb::DURABILITY_MEMORY;
 }
 
+// Tokens are kept under these numbers.
+static_assert(int(Role::kViewer) == pb::ROLE_VIEWER && int(Role::kEditor) == pb::ROLE_EDITOR &&
+              int(Role::kOwner) == pb::ROLE_OWNER);
+
 pb::Role toProto(Role role) {
   switch (role) {
     case Role::kViewer:

@@ -11,6 +11,7 @@
 #include <map>
 #include <string>
 #include <thread>
+
 #include "base/mutex.h"
 
 namespace lpv::gpu {
@@ -18,7 +19,7 @@ namespace lpv::gpu {
 namespace {
 
 constexpr int kMaxDevices = 32;
-constexpr unsigned kMostSoftwareWorkers = 16;  ///< that Mesa makes
+constexpr unsigned kMostSoftwareWorkers = 16;  ///< Mesa's limit
 #ifndef EGL_PLATFORM_SURFACELESS_MESA
 constexpr EGLenum EGL_PLATFORM_SURFACELESS_MESA = 0x31DD;
 #endif
@@ -93,7 +94,7 @@ void* openDisplay(const Device& device, std::string& reason) {
   if (const auto found = open.find(device.eglDevice); found != open.end()) return found->second;
   const EGLDisplay display = displayOf(device);
   if (display == EGL_NO_DISPLAY) {
-    reason = "EGL offers no display for it";
+    reason = "EGL has no display for this device";
     return nullptr;
   }
   if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) {

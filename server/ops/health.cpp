@@ -25,7 +25,7 @@ Status Health::live() const {
   if (stalled > kStuck) return unavailable("device: no tick has ended for " + std::to_string(stalled.count()) + " s");
   const std::chrono::seconds unswept = since(counters_.lastSweep);
   if (state_ == State::kServing && unswept > kStuck) {
-    return unavailable("sessions: the sweep over them is not through for " + std::to_string(unswept.count()) + " s");
+    return unavailable("sessions: the sweep over them has not finished for " + std::to_string(unswept.count()) + " s");
   }
   return {};
 }
@@ -41,7 +41,7 @@ Status Health::ready() const {
   if (const int failed = watch.failedInARow(); failed >= kFailedTicks) {
     return unavailable("device: the last " + std::to_string(failed) + " ticks failed: " + watch.lastFailure());
   }
-  if (const Status writable = journal_.load()->writable(); !writable.ok()) {
+  if (const Status writable = journal_.load()->available(); !writable.ok()) {
     return unavailable("state directory: " + writable.message());
   }
   return {};

@@ -18,10 +18,10 @@ using prometheus::MetricFamily;
 using prometheus::MetricType;
 using Labels = std::vector<ClientMetric::Label>;
 
-/// Families in the order in which they are written.
+/// Collects metric families in the order in which they are written.
 class Scrape {
  public:
-  /// Begins a family; what follows goes into it.
+  /// Begins a family; later values are added to it.
   void family(MetricType type, const char* name, const char* help) {
     MetricFamily& begun = families_.emplace_back();
     begun.name = name;
@@ -60,7 +60,7 @@ class Scrape {
     family(MetricType::Histogram, name, help);
     add(durations);
   }
-  /// One series per reason, from the first scrape on: an alert sees the first refusal.
+  /// One series per reason from the first scrape on, so that an alert sees the first refusal.
   void reasons(const char* name, const char* help, const ReasonCounter& counter) {
     family(MetricType::Counter, name, help);
     for (std::size_t i = 1; i < kReasons.size(); ++i) add(double(counter.count(i)), {{"reason", kReasons[i]}});
@@ -134,7 +134,7 @@ void addCalls(const Counters& c, Scrape& out) {
 
 void addStore(const MetricSources& s, Scrape& out) {
   out.gauge("lpv_store_writable", "1 while changes can be kept, else 0: edits are refused.",
-            s.journal->writable().ok() ? 1.0 : 0.0);
+            s.journal->available().ok() ? 1.0 : 0.0);
   out.gauge("lpv_store_queued_changes", "Changes that wait for the disk.", double(s.storeQueue()));
   out.histogram("lpv_store_commit_seconds", "A transaction of the state directory, fsync included.",
                 s.counters->storeCommitSeconds);

@@ -1,41 +1,36 @@
 #pragma once
 
 #include "session/journal.h"
-#include "store/store.h"
+#include "store/commit_queue.h"
 
 namespace lpv::api {
 
-/// A journal in a store: turns what sessions say into messages, on the store's thread, and back.
-class PersistentJournal final : public Journal {
+/// A journal in a store: turns what sessions say into changes of the store's tables, on the queue's thread, and back.
+class PersistentJournal : public Journal {
  public:
-  /// `store` outlives this.
-  explicit PersistentJournal(store::Store& store) : store_(store) {}
+  /// `queue` outlives this.
+  explicit PersistentJournal(store::CommitQueue& queue) : queue_(queue) {}
 
   Durability durability() const override;
-  Status writable() const override { return store_.writable(); }
+  Status available() const override { return queue_.available(); }
+  Status writable(const std::string& session) const override { return queue_.writable(session); }
   Position create(const SavedSession& state) override;
   Position append(const std::string& session, JournalStep step) override;
-  Position setEpoch(const std::string& session, std::uint64_t epoch) override {
-    return store_.setEpoch(session, epoch);
-  }
-  Position touch(const std::string& session, std::chrono::system_clock::time_point used) override {
-    return store_.touch(session, used);
-  }
-  Position remove(const std::string& session) override { return store_.remove(session); }
+  Position setEpoch(const std::string& session, std::uint64_t epoch) override;
+  Position touch(const std::string& session, std::chrono::system_clock::time_point used) override;
+  Position remove(const std::string& session) override;
   Position keepToken(const AccessToken& token) override;
-  Position dropToken(const std::string& tokenId) override { return store_.dropToken(tokenId); }
-  void whenDurable(Position position, std::function<void(const Status&)> kept) override {
-    store_.whenDurable(position, std::move(kept));
-  }
-  Status flush() override { return store_.flush(); }
-  Expected<std::vector<KeptSession>> kept() override;
-  Expected<std::vector<AccessToken>> tokens() override;
+  Position dropToken(const std::string& session, const std::string& tokenId) override;
+  void whenDurable(const std::string& session, Position position, std::function<void(const Status&)> kept) override;
+  Status flush() override { return queue_.flush(); }
+  Expected<std::vector<SessionHead>> heads() override { return queue_.heads(); }
+  Expected<std::vector<AccessToken>> tokens() override { return queue_.tokens(); }
   Expected<SavedSession> load(const std::string& session) override;
   Expected<SessionSummary> summary(const std::string& session) override;
-  std::uint64_t highestEpoch() override { return store_.highestEpoch(); }
+  std::uint64_t highestEpoch() override { return queue_.highestEpoch(); }
 
  private:
-  store::Store& store_;
+  store::CommitQueue& queue_;
 };
 
 }  // namespace lpv::api

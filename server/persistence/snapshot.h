@@ -4,7 +4,7 @@
 #include <map>
 
 #include "session/journal.h"
-#include "store/store.h"
+#include "store/backend.h"
 
 namespace lpv::api {
 

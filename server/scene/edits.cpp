@@ -17,7 +17,7 @@ Status checkColour(const char* field, const glm::dvec3& colour, double highest) 
   return {};
 }
 
-/// What an object or a group is called.
+/// Checks the name of an object or a group.
 Status checkWords(const char* field, const std::string& words, std::size_t least, std::size_t most) {
   if (words.size() < least || words.size() > most) {
     return invalid(field, std::string(field) + " has " + std::to_string(words.size()) + " bytes, allowed are " +

@@ -1,5 +1,5 @@
 #pragma once
-// What an edit can say, free of any wire. A door turns messages into these, a session's document applies them.
+// Edits as values of the domain. convert/ makes them from messages; a session's document applies them.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -20,14 +20,14 @@ struct MeshReference {
   MeshPtr mesh;
 };
 
-/// Transform fields that an edit names; unset ones stay (new objects: identity).
+/// Transform fields that an edit changes; unset ones keep their values (new objects: identity).
 struct TransformFields {
   std::optional<glm::dvec3> translation;
   std::optional<glm::dquat> rotation;
   std::optional<glm::dvec3> scale;
 };
 
-/// Fields of a light that an edit names. At most one of radiance and power.
+/// Fields of a light that an edit changes. At most one of radiance and power.
 struct LightFields {
   std::optional<MeshReference> mesh;
   TransformFields transform;
@@ -39,7 +39,7 @@ struct LightFields {
   std::optional<std::string> group;
 };
 
-/// Fields of a surface that an edit names.
+/// Fields of a surface that an edit changes.
 struct SurfaceFields {
   std::optional<MeshReference> mesh;
   TransformFields transform;
@@ -95,7 +95,7 @@ struct FitGrid {};
 using Operation = std::variant<CreateLight, UpdateLight, DeleteLight, CreateSurface, UpdateSurface, DeleteSurface,
                                SetVertices, PutCamera, DeleteCamera, FitGrid>;
 
-/// All or nothing, one revision, one undo step.
+/// Operations that are applied all or not at all, with one revision and one undo step.
 struct Edit {
   std::uint64_t sequence = 0;
   std::vector<Operation> operations;
@@ -109,7 +109,7 @@ Status checkName(const std::string& name);
 /// A light group: as a name, but 0..64 bytes.
 Status checkGroup(const std::string& group);
 
-/// Range checks of values an edit brings; references are the document's business.
+/// Checks the ranges of an edit's values; the document checks references.
 Status checkFields(const LightFields& fields);
 Status checkFields(const SurfaceFields& fields);
 

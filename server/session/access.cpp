@@ -41,8 +41,17 @@ std::string idOf(const std::string& token) {
 }  // namespace
 
 const char* roleName(Role role) {
-  constexpr const char* kNames[] = {"viewer", "editor", "owner", "admin"};
-  return kNames[int(role)];
+  switch (role) {
+    case Role::kViewer:
+      return "viewer";
+    case Role::kEditor:
+      return "editor";
+    case Role::kOwner:
+      return "owner";
+    case Role::kAdmin:
+      return "admin";
+  }
+  return "";
 }
 
 Access::Access(Journal& journal, Timers& timers) : journal_(journal), timers_(timers) { sweepLater(); }
@@ -129,7 +138,7 @@ Expected<Position> Access::revoke(const std::string& session, const std::string&
                     "token_id");
     }
     tokens_.erase(found);
-    gone = journal_.dropToken(tokenId);
+    gone = journal_.dropToken(session, tokenId);
     ended = takeWatchers(tokenId);
   }
   for (const auto& tell : ended) tell(revokedToken());
@@ -189,7 +198,7 @@ void Access::sweep() {
         for (auto& tell : takeWatchers(it->first)) ended.push_back(std::move(tell));
       }
       if (now >= it->second.expires + kExpiredKept) {
-        (void)journal_.dropToken(it->first);
+        (void)journal_.dropToken(it->second.session, it->first);
         it = tokens_.erase(it);
       } else {
         ++it;

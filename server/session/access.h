@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "base/timers.h"
 #include "session/journal.h"

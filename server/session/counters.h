@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "engine/stage.h"
 

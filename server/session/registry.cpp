@@ -39,11 +39,11 @@ Registry::~Registry() {
 }
 
 Status Registry::open() {
-  const Expected<std::vector<KeptSession>> kept = services_.journal->kept();
+  const Expected<std::vector<SessionHead>> kept = services_.journal->heads();
   if (!kept) return kept.status();
   const MutexLock lock(mutex_);
   epoch_ = std::max(epoch_, services_.journal->highestEpoch() + 1);
-  for (const KeptSession& session : *kept) {
+  for (const SessionHead& session : *kept) {
     durableSessions_[session.id] = session;
     if (!session.requestId.empty()) requests_[session.requestId] = {session.id, session.created};
   }
@@ -73,7 +73,7 @@ Status Registry::checkNew(const std::string& wantedId) const {
                     "session \"" + wantedId + "\" exists; choose another id or leave it empty", "session_id");
     }
   }
-  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->available(); !s.ok()) return s;
   return checkRoom();
 }
 
@@ -123,7 +123,7 @@ SessionPtr Registry::registerNew(const SessionPtr& session, const std::string& r
   if (!requestId.empty()) requests_[requestId] = {session->id(), now};
   const std::chrono::seconds ttl = session->journalCreation(requestId);
   if (session->durability() != Durability::kMemory)
-    durableSessions_[session->id()] = {session->id(), requestId, now, now, ttl};
+    durableSessions_[session->id()] = {session->id(), epoch_, requestId, now, now, ttl};
   return session;
 }
 
@@ -157,7 +157,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
   {
     const MutexLock lock(mutex_);
     inTransition_.erase(id);
-    // Nobody would freeze it any more.
+    // The server drains: nothing would drain this session any more.
     if (session && draining_)
       session = Status(Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another");
     if (session) (*session)->setLimits(limits_);  // they may have changed meanwhile
@@ -193,7 +193,7 @@ void Registry::remove(const std::string& id, std::function<void(const Status&)> 
 
 void Registry::removeIf(const std::string& id, const std::function<bool(const SessionPtr&)>& over,
                         std::function<void(const Status&)> done) {
-  if (Status s = services_.journal->writable(); !s.ok()) return done(s);
+  if (Status s = services_.journal->writable(id); !s.ok()) return done(s);
   SessionPtr session;
   Position gone = 0;
   {
@@ -223,7 +223,7 @@ void Registry::removeIf(const std::string& id, const std::function<bool(const Se
     if (services_.access) services_.access->forget(id);
   }
   transitionDone_.notifyAll();
-  services_.journal->whenDurable(gone, std::move(done));
+  services_.journal->whenDurable(id, gone, std::move(done));
 }
 
 std::vector<SessionPtr> Registry::all() const {
@@ -349,7 +349,7 @@ void Registry::report(SessionEvent incident, const std::string& id) const {
   if (services_.onEvent) services_.onEvent(incident, id, {});
 }
 
-/// Unless somebody uses it again. What is told is told when it is gone.
+/// Removes the session unless it is in use again; reports the event after removal.
 void Registry::removeIfUnused(const std::string& id, SessionEvent incident,
                               const std::function<bool(const SessionPtr&)>& over) {
   removeIf(id, over, [tell = services_.onEvent, incident, id](const Status& gone) {
@@ -358,8 +358,8 @@ void Registry::removeIfUnused(const std::string& id, SessionEvent incident,
 }
 
 void Registry::forgetKept(std::chrono::system_clock::time_point now) {
-  if (!services_.journal->writable().ok()) return;
-  const auto overdue = [this, now](const KeptSession& kept) {
+  if (!services_.journal->available().ok()) return;
+  const auto overdue = [this, now](const SessionHead& kept) {
     return kept.ttl.count() > 0 && now - kept.lastUsed > kept.ttl + retain_;
   };
   std::vector<std::string> over;

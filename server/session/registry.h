@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 #include <vector>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "session/session.h"
 
 namespace lpv {
@@ -54,9 +54,10 @@ class Registry {
   /// All of them, in order of id. What cannot be read now is left out.
   std::vector<SessionSummary> summaries();
 
-  /// Calls `kept` when the journal has everything up to `position`, or with why that is not known.
-  void whenDurable(Position position, std::function<void(const Status&)> kept) const {
-    services_.journal->whenDurable(position, std::move(kept));
+  /// Calls `kept` when the journal has everything up to `position`, a change of `session`, or with why that is not
+  /// known.
+  void whenDurable(const std::string& session, Position position, std::function<void(const Status&)> kept) const {
+    services_.journal->whenDurable(session, position, std::move(kept));
   }
   Durability durability() const { return services_.journal->durability(); }
 
@@ -96,7 +97,7 @@ class Registry {
   Limits limits_ LPV_GUARDED_BY(mutex_);
   ConditionVariable transitionDone_;
   std::map<std::string, SessionPtr> sessions_ LPV_GUARDED_BY(mutex_);
-  std::map<std::string, KeptSession> durableSessions_
+  std::map<std::string, SessionHead> durableSessions_
       LPV_GUARDED_BY(mutex_);  ///< with those in memory; empty where nothing is kept
   std::set<std::string> inTransition_
       LPV_GUARDED_BY(mutex_);  ///< being brought back, or removed: wait for transitionDone_

@@ -7,8 +7,8 @@ namespace lpv {
 Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const LightingSettings& options,
                  SessionPolicy policy, const SessionServices& services)
     : id_(std::move(id)),
-      key_(key),
       epoch_(epoch),
+      key_(key),
       services_(services),
       created_(std::chrono::system_clock::now()),
       limits_(services.limits),
@@ -19,14 +19,15 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Ligh
       history_(services.limits),
       presence_(services.limits),
       lastUsed_(created_),
-      keptUse_(created_) {
+      keptUse_(created_),
+      delivery_(*this, id_, key, epoch, services) {
   predictCosts();
 }
 
 Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const SessionServices& services)
     : id_(state.id),
-      key_(key),
       epoch_(epoch),
+      key_(key),
       services_(services),
       created_(state.created),
       limits_(services.limits),
@@ -36,7 +37,8 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state,
       members_(services.limits),
       history_(services.limits),
       presence_(services.limits),
-      lastUsed_(std::chrono::system_clock::now()) {
+      lastUsed_(std::chrono::system_clock::now()),
+      delivery_(*this, id_, key, epoch, services) {
   for (const ClientState& client : state.clients) members_.restore(client);
   predictCosts();
   // What was accepted once stays, where limits have become lower since too; new uploads meet them.
@@ -57,14 +59,16 @@ Limits Session::limits() const {
 }
 
 void Session::setLimits(const Limits& limits) {
-  const MutexLock lock(mutex_);
-  limits_ = limits;
-  document_.setLimits(limits);
-  blobs_.setLimits(limits);
-  members_.setLimits(limits);
-  history_.setLimits(limits);
-  presence_.setLimits(limits);
-  scheduleTick();
+  {
+    const MutexLock lock(mutex_);
+    limits_ = limits;
+    document_.setLimits(limits);
+    blobs_.setLimits(limits);
+    members_.setLimits(limits);
+    history_.setLimits(limits);
+    presence_.setLimits(limits);
+  }
+  delivery_.setLimits(limits);
 }
 
 Status Session::checkCost() const {
@@ -79,8 +83,10 @@ void Session::predictCosts() {
 Session::~Session() { services_.engine->forget(key_); }
 
 SessionSummary Session::summary() const {
-  const MutexLock lock(mutex_);
   SessionSummary out;
+  out.subscribers = delivery_.subscriberCount();
+  out.measured = delivery_.measured();
+  const MutexLock lock(mutex_);
   out.id = id_;
   out.displayName = policy_.displayName;
   out.options = document_.options();
@@ -93,11 +99,9 @@ SessionSummary Session::summary() const {
   out.surfaces = document_.surfaceCount();
   out.triangles = document_.triangleCount();
   out.clients = members_.count();
-  out.subscribers = subscribers_.size();
   out.blobs = blobs_.count();
   out.blobBytes = blobs_.bytes();
   out.lastUsed = lastUsed_;
-  out.measured = measured_;
   out.durability = durability();
   return out;
 }
@@ -117,7 +121,7 @@ Status Session::closedStatus(const char* field) const {
     return {Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another, or this one again later"};
   if (closed_ == Closing::kEvicted) {
     return {Code::kUnavailable, Reason::kEvicting,
-            "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
+            "session \"" + id_ + "\" was idle and is being evicted; repeat the call"};
   }
   return {Code::kNotFound, Reason::kSessionDeleted, "session \"" + id_ + "\" was deleted", field};
 }
@@ -126,7 +130,7 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
   const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   lastUsed_ = std::chrono::system_clock::now();
-  if (Status s = services_.journal->writable(); !s.ok()) return s;
+  if (Status s = services_.journal->writable(id_); !s.ok()) return s;
   const Expected<bool> existed = blobs_.add(blob, Clock::now());
   if (!existed || *existed) return existed;
   JournalStep step = nextStep();
@@ -146,10 +150,7 @@ MeshPtr Session::findMeshInUse(const BlobHash& hash) const {
   return document_.meshInUse(hash);
 }
 
-ScenePtr Session::scene() {
-  const MutexLock lock(mutex_);
-  return document_.snapshot();
-}
+ScenePtr Session::scene() { return moment().scene; }
 
 Changes Session::changesSince(std::optional<std::uint64_t> since,
                               std::map<std::string, std::uint64_t>* clientSequences) const {
@@ -176,7 +177,7 @@ std::vector<std::pair<std::string, Camera>> Session::cameras() const {
 std::uint64_t Session::watch(std::function<void()> changed, std::function<void(Closing)> closed,
                              const std::string& client) {
   const MutexLock lock(mutex_);
-  const std::uint64_t key = nextKey_++;
+  const std::uint64_t key = nextWatcher_++;
   if (closed_) {
     services_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
   } else {
@@ -209,23 +210,27 @@ void Session::touch() {
 }
 
 bool Session::expired(std::chrono::system_clock::time_point now) const {
+  if (delivery_.busy()) return false;
   const MutexLock lock(mutex_);
-  return policy_.ttl.count() > 0 && !busy() && now - lastUsed_ > policy_.ttl;
+  return policy_.ttl.count() > 0 && watchers_.empty() && now - lastUsed_ > policy_.ttl;
 }
 
-bool Session::busy() const { return !subscribers_.empty() || !watchers_.empty() || !calls_.empty(); }
-
 std::optional<std::chrono::system_clock::time_point> Session::evict(std::chrono::system_clock::time_point now) {
-  const MutexLock lock(mutex_);
-  if (closed_ || policy_.ttl.count() == 0 || busy() || now - lastUsed_ <= policy_.ttl) return std::nullopt;
-  closed_ = Closing::kEvicted;  // nobody is there to be told
-  return lastUsed_;
+  std::optional<std::chrono::system_clock::time_point> used;
+  delivery_.ifIdle([&] {
+    const MutexLock lock(mutex_);
+    if (closed_ || policy_.ttl.count() == 0 || !watchers_.empty() || now - lastUsed_ <= policy_.ttl) return;
+    closed_ = Closing::kEvicted;  // nobody is there to be told
+    used = lastUsed_;
+  });
+  return used;
 }
 
 std::optional<std::chrono::system_clock::time_point> Session::useToKeep(std::chrono::system_clock::time_point now) {
   constexpr std::chrono::minutes kEvery{1};
+  const bool read = delivery_.busy();
   const MutexLock lock(mutex_);
-  const std::chrono::system_clock::time_point used = busy() ? now : lastUsed_;
+  const std::chrono::system_clock::time_point used = read || !watchers_.empty() ? now : lastUsed_;
   if (used - keptUse_ < kEvery) return std::nullopt;
   keptUse_ = used;
   return used;
@@ -245,7 +250,7 @@ SavedSession Session::state() const {
 
 void Session::dropUnusedBlobs() {
   const MutexLock lock(mutex_);
-  if (closed_ || !services_.journal->writable().ok()) return;
+  if (closed_ || !services_.journal->writable(id_).ok()) return;
   std::set<BlobHash> used = document_.hashesInUse();
   history_.addHashesInUse(used);
   std::vector<BlobHash> dropped = blobs_.dropUnused(used, Clock::now());
@@ -262,26 +267,53 @@ void Session::quiesce(Closing why) {
 
 void Session::close(Closing why) {
   quiesce(why);
-  std::vector<std::shared_ptr<ResultSink>> sinks;
   std::map<std::uint64_t, Watcher> watchers;
-  std::list<std::shared_ptr<WaitingCall>> calls;
   Status gone;
   {
     const MutexLock lock(mutex_);
     if (std::exchange(closeTold_, true)) return;
     why = *closed_;
-    for (const auto& [id, subscriber] : subscribers_) {
-      if (auto sink = subscriber->sink.lock()) sinks.push_back(std::move(sink));
-    }
     watchers.swap(watchers_);
-    calls.swap(calls_);
     gone = closedStatus("session");
   }
-  for (const auto& sink : sinks) sink->close(why);
+  delivery_.close(why, gone);
   for (const auto& [key, watcher] : watchers) watcher.closed(why);
-  for (const auto& call : calls) {
-    if (call->done) call->done(gone);
+}
+
+SceneMoment Session::moment() {
+  const MutexLock copying(copyMutex_);
+  SceneMoment out;
+  SceneUpdate update;
+  {
+    const MutexLock lock(mutex_);
+    update = document_.takeUpdate();
+    out.lookup = document_.options().lookup;
+    out.clientSequences = members_.sequencesSince(0);
   }
+  copy_.apply(update);
+  out.scene = copy_.scene();
+  return out;
+}
+
+ScenePtr Session::viewScene() const {
+  const MutexLock lock(mutex_);
+  return document_.viewScene();
+}
+
+std::optional<Camera> Session::camera(const std::string& name) const {
+  const MutexLock lock(mutex_);
+  return document_.camera(name);
+}
+
+Status Session::accepting() const {
+  const MutexLock lock(mutex_);
+  return closed_ ? closedStatus("session") : Status();
+}
+
+void Session::markUsed(const std::string& client) {
+  const MutexLock lock(mutex_);
+  lastUsed_ = std::chrono::system_clock::now();
+  members_.markActive(client, Clock::now());
 }
 
 }  // namespace lpv

@@ -23,7 +23,7 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
     const MutexLock lock(mutex_);
     outcome = applyEdit(client, edit);
   }
-  countAndTell(outcome);
+  announce(outcome);
   return outcome;
 }
 
@@ -41,7 +41,7 @@ EditOutcome Session::recordRejected(const ClientIdentity& client, std::uint64_t 
     outcome.status = before.status().within("edit");
     return outcome;
   }
-  outcome.status = services_.journal->writable();
+  outcome.status = services_.journal->writable(id_);
   if (outcome.status.ok()) outcome.status = members_.admit(client.id, Clock::now());
   if (!outcome.status.ok()) return outcome;
   outcome.status = why;
@@ -62,7 +62,6 @@ EditOutcome Session::applyEdit(const ClientIdentity& client, const Edit& edit) {
     history_.recordWrites(client.id, edit, *names, document_);
   }
   recordOutcome(client, outcome);
-  if (names) scheduleTick();
   return outcome;
 }
 
@@ -93,7 +92,7 @@ void Session::whenDurable(std::function<void(const Status&)> kept) const {
     const MutexLock lock(mutex_);
     position = lastJournalled_;
   }
-  services_.journal->whenDurable(position, std::move(kept));
+  services_.journal->whenDurable(id_, position, std::move(kept));
 }
 
 void Session::confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
@@ -111,7 +110,7 @@ Status Session::changeSettings(const std::function<Expected<SessionSettings>(con
   {
     const MutexLock lock(mutex_);
     if (closed_) return closedStatus("name");
-    if (Status s = services_.journal->writable(); !s.ok()) return s;
+    if (Status s = services_.journal->writable(id_); !s.ok()) return s;
     const std::uint64_t before = document_.revision();
     const Expected<SessionSettings> changed = change({document_.options(), policy_});
     if (!changed) return changed.status();
@@ -122,16 +121,17 @@ Status Session::changeSettings(const std::function<Expected<SessionSettings>(con
     step.settings = *changed;
     journal(std::move(step));
     lastUsed_ = std::chrono::system_clock::now();
-    scheduleTick();
   }
+  delivery_.sceneChanged();
   tellWatchers();
   return {};
 }
 
-/// Of an edit, or of a step back or forth.
-void Session::countAndTell(const EditOutcome& outcome) {
+/// Counts an edit, an undo or a redo, and tells readers and watchers.
+void Session::announce(const EditOutcome& outcome) {
   if (outcome.status.ok()) {
     ++services_.counters->editsAccepted;
+    delivery_.sceneChanged();
     tellWatchers();
   } else {
     services_.counters->editsRejected.add(outcome.status);

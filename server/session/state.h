@@ -10,6 +10,7 @@
 #include "session/document/blobs.h"
 #include "session/document/document.h"
 #include "session/members/members.h"
+#include "store/saved.h"
 
 namespace lpv {
 
@@ -32,23 +33,6 @@ enum class Durability { kMemory, kDisk };
 struct MeasuredError {
   double error = 0.0;  ///< raw relative L2 of irradiance
   std::uint64_t revision = 0;
-};
-
-/// What a caller may do, in the sessions that its token is for. Each role may do what those before it may.
-enum class Role {
-  kViewer,  ///< read the scene and results, be a member
-  kEditor,  ///< edit, upload, change settings
-  kOwner,   ///< delete the session, make and revoke tokens
-  kAdmin,   ///< make sessions, list them all, read the server's statistics
-};
-
-/// An access token as it is kept.
-struct AccessToken {
-  std::string id;  ///< 16 hexadecimal digits; no secret
-  std::string session;
-  Role role = Role::kViewer;
-  std::string hash;  ///< SHA-256 of the whole token
-  std::chrono::system_clock::time_point expires;
 };
 
 /// A session in numbers.

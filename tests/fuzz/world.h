@@ -2,11 +2,13 @@
 // A server without doors, a GPU or a disk, for one input: a registry with one session, "room", that has a light "Lamp",
 // a surface "Wall", a camera "Front" and two members.
 
+#include <google/protobuf/message_lite.h>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "api/call/context.h"
-#include "persistence/persistent_journal.h"
+#include "session/memory_journal.h"
 #include "unit/session/small_engine.h"
 
 namespace lpv::fuzz {
@@ -21,8 +23,7 @@ struct Machinery {
   Counters counters;
   Timers timers;
   WorkerPool pool{0};  ///< its jobs run in settle()
-  store::MemoryStore memory;
-  api::PersistentJournal journal{memory};
+  MemoryJournal journal;
 
   /// Returns when everything that was posted, and what came of it, has run.
   void settle() { pool.runQueued(); }
@@ -45,6 +46,7 @@ class World {
 
  private:
   Access access_;
+  const std::shared_ptr<api::ResultCaches> caches_ = api::makeResultCaches();
   SessionServices services_;
   Registry registry_;
   ClientIdentity a_;

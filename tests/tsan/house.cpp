@@ -9,13 +9,14 @@ namespace lpv::test {
 
 House::House(const store::Folder& folder) {
   store::SqliteOptions sqlite;
-  sqlite.retry = std::chrono::milliseconds(5);
   sqlite.compactAfterRecords = 20;
-  sqlite.executor = [this](std::function<void()> call) { pool_.post(std::move(call)); };
-  sqlite.onCommit = [this](std::chrono::duration<double> took, bool) {
+  store::CommitQueueOptions queue;
+  queue.retry = std::chrono::milliseconds(5);
+  queue.executor = [this](std::function<void()> call) { pool_.post(std::move(call)); };
+  queue.onCommit = [this](std::chrono::duration<double> took, bool) {
     counters_.storeCommitSeconds.observe(took.count());
   };
-  store_ = store::openStore(folder, std::move(sqlite));
+  store_ = store::openStore(folder, std::move(sqlite), std::move(queue));
   journal_ = std::make_unique<api::PersistentJournal>(*store_);
   access_ = std::make_unique<Access>(*journal_, timers_);
   EXPECT_TRUE(access_->open().ok());

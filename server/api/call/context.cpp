@@ -21,13 +21,6 @@ Status allow(const Context& context, const std::string& id, Role needed) {
           "authorization"};
 }
 
-Status allowAdmin(const Context& context, const char* what) {
-  if (context.caller.role == Role::kAdmin) return {};
-  return {Code::kPermissionDenied,
-          std::string(what) + " needs the admin token, the access token's role is " + roleName(context.caller.role),
-          "authorization"};
-}
-
 Expected<MintedToken> ownerToken(const Context& context, const std::string& id) {
   if (!context.access->required()) return MintedToken();
   return context.access->mint(id, Role::kOwner, kDefaultTokenLife);
@@ -36,7 +29,7 @@ Expected<MintedToken> ownerToken(const Context& context, const std::string& id) 
 void whenBothKept(const Context& context, const SessionPtr& session, const MintedToken& token,
                   std::function<void(const Status&)> kept) {
   if (token.token.empty()) return session->whenDurable(std::move(kept));
-  context.registry->whenDurable(token.position, std::move(kept));
+  context.registry->whenDurable(session->id(), token.position, std::move(kept));
 }
 
 }  // namespace lpv::api

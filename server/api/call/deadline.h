@@ -4,8 +4,8 @@
 #include <functional>
 #include <memory>
 #include <utility>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "base/timers.h"
 
 namespace lpv::api {

@@ -94,9 +94,4 @@ std::shared_ptr<DeltaChain> VolumeChains::get(const SessionPtr& session, const V
   return live;
 }
 
-VolumeChains& deltaChains() {
-  static VolumeChains chains;
-  return chains;
-}
-
 }  // namespace lpv::api

@@ -9,9 +9,9 @@
 #include <memory>
 #include <optional>
 #include <tuple>
-#include "base/mutex.h"
 
-#include "session/delivery/results.h"
+#include "base/mutex.h"
+#include "session/delivery/result.h"
 #include "session/session.h"
 #include "wire/publish.h"
 #include "wire/volume_codec.h"
@@ -77,8 +77,5 @@ class VolumeChains {
   Mutex mutex_;
   std::map<Key, std::weak_ptr<DeltaChain>> chains_ LPV_GUARDED_BY(mutex_);
 };
-
-/// The process's.
-VolumeChains& deltaChains();
 
 }  // namespace lpv::api

@@ -6,9 +6,9 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include "base/mutex.h"
 
 #include "api/call/deadline.h"
+#include "base/mutex.h"
 #include "lpv/v1/scene.pb.h"
 #include "session/session.h"
 

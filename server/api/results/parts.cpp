@@ -33,11 +33,6 @@ EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRe
   return encoding;
 }
 
-VolumeEncodings& volumeEncodings() {
-  static VolumeEncodings encodings;
-  return encodings;
-}
-
 VolumeParts::VolumeParts(const Result& result, const VolumeEncodingRequest& order, EncodingPtr encoding)
     : result_(result), order_(order), encoding_(std::move(encoding)), bytes_(payloadBytes(encoding_->volume)) {}
 

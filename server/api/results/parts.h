@@ -4,12 +4,12 @@
 #include <list>
 #include <memory>
 #include <vector>
-#include "base/mutex.h"
 
 #include "api/results/delta_chain.h"
+#include "base/mutex.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
-#include "session/delivery/results.h"
+#include "session/delivery/result.h"
 
 namespace lpv::api {
 
@@ -30,9 +30,6 @@ class VolumeEncodings {
   Mutex mutex_;
   std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // newest first
 };
-
-/// The process's cache.
-VolumeEncodings& volumeEncodings();
 
 /// A finished result, ready to be pulled part by part.
 class VolumeParts {

@@ -5,12 +5,12 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include "base/mutex.h"
 
 #include "api/call/context.h"
 #include "api/results/heartbeat.h"
-#include "api/results/parts.h"
+#include "api/results/result_caches.h"
 #include "api/results/subscription.h"
+#include "base/mutex.h"
 
 namespace lpv::api {
 
@@ -59,7 +59,7 @@ class VolumeSubscription final : public SubscriptionStream<pb::VolumeEvent> {
   VolumeSubscription(const Context& context, SessionPtr session, const VolumeEncodingRequest& order)
       : SubscriptionStream(context, std::move(session)),
         order_(order),
-        chain_(deltaChains().get(this->session(), order, *context.counters)) {}
+        chain_(context.caches->chains.get(this->session(), order, *context.counters)) {}
   void offer(const Result& result) override;
   void prepare(const Result& result) override { (void)chain_->encode(result, order_); }
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <optional>
 #include <variant>
-#include "base/mutex.h"
 
+#include "base/mutex.h"
 #include "engine/engine.h"
 #include "gpu/context.h"
 #include "lpv/device/fair_queue.h"

@@ -99,7 +99,7 @@ Status Tables::makeSchema() {
   return status;
 }
 
-Status Tables::create(const Head& head, const pb::Snapshot& snapshot, const std::vector<Content>& contents) {
+Status Tables::create(const SessionHead& head, const pb::Snapshot& snapshot, const std::vector<Content>& contents) {
   Status status =
       database_->run("INSERT INTO sessions VALUES (?, ?, ?, ?, ?, ?)", head.id, std::int64_t(head.epoch),
                      head.requestId, seconds(head.created), seconds(head.lastUsed), std::int64_t(head.ttl.count()));
@@ -165,7 +165,7 @@ Status Tables::remove(const std::string& session) {
   return s;
 }
 
-Status Tables::keepToken(const Token& token) {
+Status Tables::keepToken(const AccessToken& token) {
   return database_->run("INSERT INTO tokens SELECT ?, ?, ?, ?, ? WHERE EXISTS (SELECT 1 FROM sessions WHERE id = ?2)",
                         token.id, token.session, std::int64_t(token.role), token.hash, seconds(token.expires));
 }
@@ -233,8 +233,8 @@ Expected<pb::Snapshot> Tables::folded(const std::string& session) {
   }
 }
 
-Expected<std::vector<Head>> Tables::heads() {
-  std::vector<Head> out;
+Expected<std::vector<SessionHead>> Tables::heads() {
+  std::vector<SessionHead> out;
   Statement rows = database_->query("SELECT id, epoch, request, created, used, ttl FROM sessions ORDER BY id");
   while (true) {
     const Expected<bool> row = rows.step();
@@ -245,22 +245,25 @@ Expected<std::vector<Head>> Tables::heads() {
   }
 }
 
-Expected<std::vector<Token>> Tables::tokens() {
-  std::vector<Token> out;
+Expected<std::vector<AccessToken>> Tables::tokens() {
+  std::vector<AccessToken> out;
   Statement rows = database_->query("SELECT id, session, role, hash, expires FROM tokens ORDER BY id");
   while (true) {
     const Expected<bool> row = rows.step();
     if (!row) return row.status();
     if (!*row) return out;
-    out.push_back(
-        {rows.bytes(0), rows.bytes(1), lpv::v1::Role(rows.integer(2)), rows.bytes(3), timeOf(rows.integer(4))});
+    const std::int64_t role = rows.integer(2);
+    if (role < std::int64_t(Role::kViewer) || role > std::int64_t(Role::kOwner)) {
+      return Status(Code::kDataLoss, "the state directory has a token of an unknown role: " + rows.bytes(0));
+    }
+    out.push_back({rows.bytes(0), rows.bytes(1), Role(role), rows.bytes(3), timeOf(rows.integer(4))});
   }
 }
 
 Expected<Loaded> Tables::load(const std::string& session, bool withContents) {
-  const Expected<std::vector<Head>> all = heads();
+  const Expected<std::vector<SessionHead>> all = heads();
   if (!all) return all.status();
-  const auto head = std::find_if(all->begin(), all->end(), [&](const Head& each) { return each.id == session; });
+  const auto head = std::find_if(all->begin(), all->end(), [&](const SessionHead& each) { return each.id == session; });
   if (head == all->end()) return noSession(session);
   Expected<pb::Snapshot> snapshot = folded(session);
   if (!snapshot) return snapshot.status();

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "store/backend.h"
 #include "store/sqlite/database.h"
-#include "store/store.h"
 
 namespace lpv::store {
 
@@ -27,20 +27,20 @@ class Tables {
   Status commit() { return database_->run("COMMIT"); }
   void rollback() { (void)database_->run("ROLLBACK").ok(); }
 
-  Status create(const Head& head, const pb::Snapshot& snapshot, const std::vector<Content>& contents);
+  Status create(const SessionHead& head, const pb::Snapshot& snapshot, const std::vector<Content>& contents);
   /// Counts what it writes into `size`.
   Status append(const std::string& session, const MakeLogRecord& step, LogSize* size);
   Status setEpoch(const std::string& session, std::uint64_t epoch);
   Status touch(const std::string& session, std::int64_t usedSeconds);
   Status remove(const std::string& session);
   /// Of a session that is there; else nothing is done.
-  Status keepToken(const Token& token);
+  Status keepToken(const AccessToken& token);
   Status dropToken(const std::string& tokenId);
   /// Folds the log into the snapshot and lets go of contents that nothing needs any more.
   Status compact(const std::string& session);
 
-  Expected<std::vector<Head>> heads();
-  Expected<std::vector<Token>> tokens();
+  Expected<std::vector<SessionHead>> heads();
+  Expected<std::vector<AccessToken>> tokens();
   Expected<Loaded> load(const std::string& session, bool withContents);
   Expected<std::map<std::string, LogSize>> logSizes();
   Expected<std::int64_t> highestEpoch();

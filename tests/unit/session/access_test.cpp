@@ -8,6 +8,7 @@
 
 #include "persistence/persistent_journal.h"
 #include "session/access.h"
+#include "session/memory_journal.h"
 #include "unit/store/store_rig.h"
 
 namespace lpv {
@@ -31,8 +32,7 @@ class AccessTest : public testing::Test {
   }
   Code refusalOf(const std::string& token) const { return access_.verify(token).status().code(); }
 
-  store::MemoryStore store_;
-  api::PersistentJournal journal_{store_};
+  MemoryJournal journal_;
   Timers timers_;
   Access access_{journal_, timers_};
 };
@@ -156,7 +156,7 @@ TEST(KeptTokens, ComeBackUnlessTheyOrTheirSessionsAreGone) {
     (void)access.mint("nobody", Role::kOwner, hours(1));
     ASSERT_TRUE(access.revoke("a", access.verify(revoked)->tokenId).ok());
     const Position gone = sqlite->remove("b");
-    ASSERT_TRUE(store::keptAt(*sqlite, gone).ok());
+    ASSERT_TRUE(store::keptAt(*sqlite, gone, "b").ok());
     timers.stop();
   }
   const auto sqlite = store::openStore(folder);

@@ -76,7 +76,7 @@ TEST(Reason, KnowsTheLimits) {
   const auto inbox = std::make_shared<test::Inbox>();
   Subscription subscription;
   subscription.volume = VolumeStage::kTransported;
-  for (const Status& status : {session->join().status(), session->subscribe(subscription, inbox).status(),
+  for (const Status& status : {session->join().status(), session->delivery().subscribe(subscription, inbox).status(),
                                session->apply({}, editOf({createLight("Lamp")})).status}) {
     EXPECT_THAT(kReasons[reasonOf(status)], testing::StartsWith("max_")) << status.message();
   }
@@ -88,7 +88,7 @@ class CountersTest : public testing::Test {
     EXPECT_TRUE(session_->apply({}, editOf({createLight("Lamp")})).status.ok());
     Subscription subscription;
     subscription.volume = VolumeStage::kTransported;
-    subscriber_ = *session_->subscribe(subscription, inbox_);
+    subscriber_ = *session_->delivery().subscribe(subscription, inbox_);
     rig_.settle();
   }
   ~CountersTest() override { rig_.settle(); }
@@ -103,7 +103,7 @@ class CountersTest : public testing::Test {
     call.volume = VolumeStage::kTransported;
     call.minRevision = session_->revision();
     call.done = [](const Expected<Result>&) {};
-    session_->ask(std::move(call));
+    session_->delivery().ask(std::move(call));
     rig_.settle();
   }
 
@@ -123,7 +123,7 @@ TEST_F(CountersTest, AReaderPassedByIsCountedOncePerTick) {
   edit();
   tickForACall();
   EXPECT_EQ(counters_.resultsCoalesced, 2);
-  session_->acknowledge(subscriber_, inbox_->last().meta.resultId);
+  session_->delivery().acknowledge(subscriber_, inbox_->last().meta.resultId);
   rig_.settle();
   ASSERT_EQ(inbox_->count(), 2U);
   EXPECT_EQ(counters_.resultsCoalesced, 2) << "it has the newest";
@@ -136,9 +136,9 @@ TEST_F(CountersTest, AnAcknowledgementHasItsLag) {
     return sum;
   };
   EXPECT_EQ(acknowledgements(), 0);
-  session_->acknowledge(subscriber_, inbox_->last().meta.resultId);
+  session_->delivery().acknowledge(subscriber_, inbox_->last().meta.resultId);
   EXPECT_EQ(acknowledgements(), 1);
-  session_->acknowledge(subscriber_, inbox_->last().meta.resultId);
+  session_->delivery().acknowledge(subscriber_, inbox_->last().meta.resultId);
   EXPECT_EQ(acknowledgements(), 1) << "the same again is none";
 }
 
@@ -163,7 +163,7 @@ TEST_F(CountersTest, TicksThatFailAreToldAndCounted) {
   WaitingCall call;
   call.volume = VolumeStage::kTransported;
   call.done = [](const Expected<Result>&) {};
-  other->ask(std::move(call));
+  other->delivery().ask(std::move(call));
   rig_.settle();
   EXPECT_EQ(told, "hall: GL says no");
   EXPECT_EQ(counters_.tickWatch.failures().count(std::size_t(Code::kInternal)), 1);

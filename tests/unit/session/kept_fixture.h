@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "convert/blob_content.h"
+#include "persistence/persistent_journal.h"
 #include "session/registry.h"
 #include "unit/session/session_rig.h"
 #include "unit/store/store_rig.h"
@@ -24,9 +25,10 @@ class KeptSessions : public testing::Test {
 
   void start(std::chrono::seconds retain = std::chrono::hours(1)) {
     store::SqliteOptions options;
-    options.retry = std::chrono::milliseconds(5);
     options.compactAfterRecords = 7;  // often: what comes back was folded and not
-    store_ = store::openStore(folder_, options);
+    store::CommitQueueOptions queue;
+    queue.retry = std::chrono::milliseconds(5);
+    store_ = store::openStore(folder_, options, queue);
     ASSERT_NE(store_, nullptr);
     journal_.emplace(*store_);
     SessionServices services = rig_.services;

@@ -298,7 +298,7 @@ TEST_F(KeptSessions, AFullDiskLeavesOutcomesUnknownNotFalse) {
     EXPECT_EQ(registry_->create("attic", LightingSettings(), {}, "").status().code(), Code::kUnavailable);
     EXPECT_EQ(find("hall")->revision(), 2U) << "it can be read";
   }
-  ASSERT_TRUE(eventually([this] { return journal_->writable().ok(); }));
+  ASSERT_TRUE(eventually([this] { return journal_->available().ok(); }));
   const EditOutcome known = confirmed(hall, hall->apply(me, editOf({light("Two")}, 2)));
   EXPECT_TRUE(known.status.ok());
   EXPECT_EQ(known.revision, 2U);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "persistence/persistent_journal.h"
+#include "session/memory_journal.h"
 #include "session/registry.h"
 
 namespace lpv::test {
@@ -88,8 +88,7 @@ class Rig {
   Counters counters;
   Timers timers;
   WorkerPool pool{1};
-  store::MemoryStore memory;
-  api::PersistentJournal journal{memory};
+  MemoryJournal journal;
   SessionServices services;
 };
 

@@ -62,7 +62,7 @@ class DamageTest : public testing::Test {
   Status opening() {
     SqliteOptions options;
     options.directory = folder_.path();
-    return SqliteStore::open(options).status();
+    return SqliteBackend::open(options).status();
   }
   Status loading(const std::string& id) { return openStore(folder_)->load(id, true).status(); }
 

@@ -15,10 +15,10 @@ using testing::HasSubstr;
 class FailureTest : public testing::Test {
  protected:
   FailureTest() {
-    SqliteOptions options;
+    CommitQueueOptions options;
     options.retry = std::chrono::milliseconds(5);
     options.onChange = [this](const Status& status) { ++(status.ok() ? recovered_ : failed_); };
-    store_ = openStore(folder_, options);
+    store_ = openStore(folder_, {}, options);
     EXPECT_TRUE(keptAt(*store_, createSession(*store_, "hall")).ok());
     EXPECT_TRUE(keptAt(*store_, store_->append("hall", lampStep(1))).ok());
   }
@@ -40,13 +40,13 @@ TEST_F(FailureTest, IsToldAsUnknownAndCaughtUpWithLater) {
     const Status status = keptAt(*store_, second);
     EXPECT_EQ(status.code(), Code::kUnavailable);
     EXPECT_THAT(status.message(), AllOf(HasSubstr(folder_.path()), HasSubstr("free space"), HasSubstr("repeat")));
-    EXPECT_EQ(store_->writable().code(), Code::kUnavailable);
+    EXPECT_EQ(store_->available().code(), Code::kUnavailable);
     // Was on its way when the disk failed; a session makes no others now.
     third = store_->append("hall", lampStep(3));
     EXPECT_EQ(keptAt(*store_, third).code(), Code::kUnavailable) << "at once, not when the disk is back";
     EXPECT_EQ(store_->load("hall", true).status().code(), Code::kUnavailable) << "it would be behind what readers saw";
   }
-  while (!store_->writable().ok()) std::this_thread::yield();
+  while (!store_->available().ok()) std::this_thread::yield();
   EXPECT_TRUE(keptAt(*store_, third).ok());
   EXPECT_EQ(failed_, 1);
   EXPECT_EQ(recovered_, 1);
@@ -72,7 +72,7 @@ TEST_F(FailureTest, WhatWasKeptBeforeIsThereWhenTheProcessEndsWithoutCatchingUp)
 TEST_F(FailureTest, AFolderThatCannotBeWrittenIsRefusedByName) {
   SqliteOptions options;
   options.directory = "/proc/lpv-no-such";
-  const Status status = SqliteStore::open(options).status();
+  const Status status = SqliteBackend::open(options).status();
   EXPECT_EQ(status.code(), Code::kUnavailable);
   EXPECT_THAT(status.message(), HasSubstr("--state-dir /proc/lpv-no-such"));
 }

@@ -1,5 +1,5 @@
 // What is kept, in how many transactions, and what is let go of.
-#include "store/sqlite/sqlite_store.h"
+#include "store/sqlite/sqlite_backend.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,10 +37,7 @@ class SqliteStoreTest : public testing::Test {
   std::unique_ptr<SqliteStore> store_ = openStore(folder_);
 };
 
-TEST_F(SqliteStoreTest, NamesItsDurability) {
-  EXPECT_EQ(store_->durability(), lpv::v1::DURABILITY_DISK);
-  EXPECT_EQ(MemoryStore().durability(), lpv::v1::DURABILITY_MEMORY);
-}
+TEST_F(SqliteStoreTest, NamesItsDurability) { EXPECT_EQ(store_->durability(), lpv::v1::DURABILITY_DISK); }
 
 TEST_F(SqliteStoreTest, WhatWasKeptIsThereAfterwards) {
   createSession(*store_, "hall", 17);
@@ -81,7 +78,7 @@ TEST_F(SqliteStoreTest, WhatWasQueuedWhileACommitRanGoesIntoOneTransaction) {
   reached.get_future().wait();  // the store's thread is inside a transaction
   std::atomic<int> told{0};
   for (std::uint64_t i = 2; i <= 100; ++i) {
-    store_->whenDurable(store_->append("hall", lampStep(i)),
+    store_->whenDurable("hall", store_->append("hall", lampStep(i)),
                         [&told](const Status& status) { told += status.ok() ? 1 : 1000; });
   }
   EXPECT_EQ(told, 0) << "nobody is told before it is kept";
@@ -121,9 +118,9 @@ TEST_F(SqliteStoreTest, NobodyIsToldOfALaterTransaction) {
     releaseThird.get_future().wait();
     return made(holds);
   });
-  store_->whenDurable(third, note(3));
-  store_->whenDurable(second, note(2));
-  store_->whenDurable(first, note(1));
+  store_->whenDurable("hall", third, note(3));
+  store_->whenDurable("hall", second, note(2));
+  store_->whenDurable("hall", first, note(1));
   {
     const std::lock_guard lock(mutex);
     EXPECT_THAT(order, ElementsAre(1)) << "the only one that is kept";
@@ -231,7 +228,7 @@ TEST_F(SqliteStoreTest, HeadsTellWhatIsNeededToForget) {
     return step;
   });
   keep(store_->touch("hall", std::chrono::system_clock::time_point(std::chrono::seconds(2'000'000))));
-  const Expected<std::vector<Head>> heads = store_->heads();
+  const Expected<std::vector<SessionHead>> heads = store_->heads();
   ASSERT_TRUE(heads.ok() && heads->size() == 2U);
   EXPECT_EQ((*heads)[0].id, "attic");
   EXPECT_EQ((*heads)[0].ttl, std::chrono::seconds(3600));
@@ -242,12 +239,12 @@ TEST_F(SqliteStoreTest, HeadsTellWhatIsNeededToForget) {
 TEST_F(SqliteStoreTest, AFolderHasOneStore) {
   SqliteOptions options;
   options.directory = folder_.path();
-  const Status second = SqliteStore::open(options).status();
+  const Status second = SqliteBackend::open(options).status();
   EXPECT_EQ(second.code(), Code::kFailedPrecondition);
   EXPECT_THAT(second.message(), HasSubstr(folder_.path()));
   EXPECT_THAT(second.message(), HasSubstr("in use by process " + std::to_string(getpid())));
   store_.reset();
-  EXPECT_TRUE(SqliteStore::open(options).ok());
+  EXPECT_TRUE(SqliteBackend::open(options).ok());
 }
 
 }  // namespace

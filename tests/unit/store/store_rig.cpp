@@ -26,15 +26,35 @@ FileLimit::FileLimit(std::uintmax_t bytes) {
 
 FileLimit::~FileLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
 
-std::unique_ptr<SqliteStore> openStore(const Folder& folder, SqliteOptions options) {
-  options.directory = folder.path();
-  Expected<std::unique_ptr<SqliteStore>> store = SqliteStore::open(std::move(options));
-  EXPECT_TRUE(store.ok()) << store.status().message();
-  return store ? std::move(*store) : nullptr;
+Position SqliteStore::create(const SessionHead& head, const FullSnapshot& whole) {
+  return takeOver(head.id, [=](Backend& tables) { return tables.create(head, whole); });
 }
 
-Position createSession(Store& store, const std::string& id, std::uint64_t epoch) {
-  Head head;
+Position SqliteStore::append(const std::string& session, MakeLogRecord make) {
+  return push(session, [session, make = std::move(make)](Backend& tables) { return tables.append(session, make); });
+}
+
+Position SqliteStore::setEpoch(const std::string& session, std::uint64_t epoch) {
+  return takeOver(session, [=](Backend& tables) { return tables.setEpoch(session, epoch); });
+}
+
+Position SqliteStore::touch(const std::string& session, std::chrono::system_clock::time_point used) {
+  return push(session, [=](Backend& tables) { return tables.touch(session, used); });
+}
+
+Position SqliteStore::remove(const std::string& session) {
+  return push(session, [=](Backend& tables) { return tables.remove(session); });
+}
+
+std::unique_ptr<SqliteStore> openStore(const Folder& folder, SqliteOptions options, CommitQueueOptions queue) {
+  options.directory = folder.path();
+  Expected<std::unique_ptr<SqliteBackend>> tables = SqliteBackend::open(std::move(options));
+  EXPECT_TRUE(tables.ok()) << tables.status().message();
+  return tables ? std::make_unique<SqliteStore>(std::move(*tables), std::move(queue)) : nullptr;
+}
+
+Position createSession(SqliteStore& store, const std::string& id, std::uint64_t epoch) {
+  SessionHead head;
   head.id = id;
   head.epoch = epoch;
   head.requestId = "request of " + id;
@@ -42,7 +62,7 @@ Position createSession(Store& store, const std::string& id, std::uint64_t epoch)
   head.ttl = std::chrono::seconds(3600);
   pb::Snapshot snapshot;
   (*snapshot.mutable_clients())["me"].set_secret_hash("hash of my secret");
-  return store.create(head, [snapshot] { return FullSnapshot{snapshot, {}}; });
+  return store.create(head, {snapshot, {}});
 }
 
 pb::Record lampRecord(std::uint64_t revision, const std::string& mesh) {
@@ -69,9 +89,9 @@ MakeLogRecord lampStep(std::uint64_t revision, const std::string& mesh, const st
   };
 }
 
-Status keptAt(Store& store, Position position) {
+Status keptAt(CommitQueue& store, Position position, const std::string& session) {
   std::promise<Status> promise;
-  store.whenDurable(position, [&promise](const Status& status) { promise.set_value(status); });
+  store.whenDurable(session, position, [&promise](const Status& status) { promise.set_value(status); });
   return promise.get_future().get();
 }
 

@@ -1,5 +1,5 @@
 // lpvd with a fault: edits are acknowledged before they are stored, and storing waits. The fault test has to find it.
-// It is lpvd's own main with another store under its feet; lpvd itself has no switch for it.
+// It is lpvd's own main with another journal under its feet; lpvd itself has no switch for it.
 
 #include <atomic>
 #include <chrono>
@@ -7,63 +7,36 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
-#include "store/sqlite/sqlite_store.h"
+#include "persistence/persistent_journal.h"
 
-namespace lpv::store {
+namespace lpv::api {
 
-/// A SqliteStore that says "kept" at once, but of a new session and of its first members: what gets lost shall be
+/// A PersistentJournal that says "kept" at once, but of a new session and of its first members: what gets lost shall be
 /// edits.
-class EarlyAckStore final : public Store {
+class EarlyAckJournal final : public PersistentJournal {
  public:
-  static Expected<std::unique_ptr<EarlyAckStore>> open(SqliteOptions options) {
-    Expected<std::unique_ptr<SqliteStore>> store = SqliteStore::open(std::move(options));
-    if (!store) return store.status();
-    return std::make_unique<EarlyAckStore>(std::move(*store));
-  }
-  explicit EarlyAckStore(std::unique_ptr<SqliteStore> store) : store_(std::move(store)) {}
+  explicit EarlyAckJournal(store::CommitQueue& queue) : PersistentJournal(queue), slow_(queue) {}
 
-  void whenDurable(Position position, Kept kept) override {
-    if (position <= created_ + kFirstSteps) return store_->whenDurable(position, std::move(kept));
+  void whenDurable(const std::string& session, Position position, std::function<void(const Status&)> kept) override {
+    if (position <= created_ + kFirstSteps) return PersistentJournal::whenDurable(session, position, std::move(kept));
     kept({});
   }
-  Position append(const std::string& session, MakeLogRecord step) override {
-    return store_->append(session, [last = last_, step = std::move(step)](const HasContent& holds) {
+  Position append(const std::string& session, JournalStep step) override {
+    slow_.push(session, [last = last_](store::Backend&) {
       waitOnce(*last);
-      return step(holds);
+      return store::Written(Status());
     });
+    return PersistentJournal::append(session, std::move(step));
   }
-
-  lpv::v1::Durability durability() const override { return store_->durability(); }
-  Status writable() const override { return store_->writable(); }
-  Position create(const Head& head, MakeFullSnapshot whole) override {
-    return created_ = store_->create(head, std::move(whole));
-  }
-  Position setEpoch(const std::string& session, std::uint64_t epoch) override {
-    return store_->setEpoch(session, epoch);
-  }
-  Position touch(const std::string& session, std::chrono::system_clock::time_point used) override {
-    return store_->touch(session, used);
-  }
-  Position remove(const std::string& session) override { return store_->remove(session); }
-  Position keepToken(const Token& token) override { return store_->keepToken(token); }
-  Position dropToken(const std::string& tokenId) override { return store_->dropToken(tokenId); }
-  Status flush() override { return store_->flush(); }
-  std::int64_t queued() const override { return store_->queued(); }
-  Expected<std::vector<Head>> heads() override { return store_->heads(); }
-  Expected<std::vector<Token>> tokens() override { return store_->tokens(); }
-  Expected<Loaded> load(const std::string& session, bool withContents) override {
-    return store_->load(session, withContents);
-  }
-  std::uint64_t highestEpoch() override { return store_->highestEpoch(); }
+  Position create(const SavedSession& state) override { return created_ = PersistentJournal::create(state); }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
 
-  static constexpr Position kFirstSteps = 8;
+  static constexpr Position kFirstSteps = 16;  ///< two a step: the wait and the step
 
-  /// On the store's thread, within a transaction: of the steps that go into one, the first waits.
+  /// On the queue's thread, within a transaction: of the steps that go into one, the first waits.
   static void waitOnce(Time& last) {
     constexpr std::chrono::milliseconds kWait{100};
     if (std::chrono::steady_clock::now() - last < kWait / 2) return;
@@ -71,12 +44,12 @@ class EarlyAckStore final : public Store {
     last = std::chrono::steady_clock::now();
   }
 
-  std::unique_ptr<SqliteStore> store_;
+  store::CommitQueue& slow_;
   std::atomic<Position> created_{0};
-  std::shared_ptr<Time> last_ = std::make_shared<Time>();  ///< the store's thread's
+  std::shared_ptr<Time> last_ = std::make_shared<Time>();  ///< the queue's thread's
 };
 
-}  // namespace lpv::store
+}  // namespace lpv::api
 
-#define SqliteStore EarlyAckStore
+#define PersistentJournal EarlyAckJournal
 #include "app/main.cpp"  // NOLINT(bugprone-suspicious-include): the same program
