@@ -3,6 +3,7 @@
 #include "api/services.h"
 #include "convert/session.h"
 #include "ops/process.h"
+#include "wire/message_size.h"
 
 namespace lpv::api {
 namespace {
@@ -51,7 +52,7 @@ void limitsToProto(const Limits& in, pb::Limits* out) {
   out->set_max_triangles(in.maxTriangles);
   out->set_max_texels(in.maxTexels);
   out->set_max_blob_bytes(in.maxBlobBytes);
-  out->set_max_message_bytes(int(kMaxMessageBytes));
+  out->set_max_message_bytes(int(wire::kMaxMessageBytes));
   out->set_max_operations_per_edit(in.maxOperationsPerEdit);
   out->set_max_edits_per_second(in.maxEditsPerSecond);
   out->set_max_tick_rate(in.maxTickRate);

@@ -1,5 +1,7 @@
 // From what is kept to sessions. A file may be anybody's: nothing in it is taken on trust.
 
+#include <google/protobuf/unknown_field_set.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -106,6 +108,20 @@ Expected<Versioned<Light>> lightFrom(const pb::Light& in, const Contents& conten
   return Versioned<Light>{light, in.status().revision()};
 }
 
+/// Surfaces kept before the field two_sided had the opposite, one_sided, as field 9, left out where it was false.
+bool wasOneSided(const pb::Surface& in) {
+  constexpr int kOneSided = 9;
+  const google::protobuf::UnknownFieldSet& fields = in.GetReflection()->GetUnknownFields(in);
+  bool oneSided = false;
+  for (int i = 0; i < fields.field_count(); ++i) {
+    const google::protobuf::UnknownField& field = fields.field(i);
+    if (field.number() == kOneSided && field.type() == google::protobuf::UnknownField::TYPE_VARINT) {
+      oneSided = field.varint() != 0;
+    }
+  }
+  return oneSided;
+}
+
 Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& contents) {
   auto surface = std::make_shared<Surface>();
   surface->name = in.name();
@@ -122,7 +138,7 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   checked.albedo = surface->albedo = fromProto(in.albedo());
   checked.roughness = surface->roughness = in.roughness();
   checked.metalness = surface->metalness = in.metalness();
-  surface->twoSided = !in.has_two_sided() || in.two_sided();
+  surface->twoSided = in.has_two_sided() ? in.two_sided() : !wasOneSided(in);
   Status status = checkName(in.name());
   if (status.ok()) status = checkFields(checked);
   if (!status.ok()) return outOfRange("surface", in.name(), status);

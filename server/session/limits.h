@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 
 namespace lpv {
@@ -38,10 +37,5 @@ struct Limits {
   std::chrono::seconds selfCheck{10};  ///< between two comparisons of a session's volume with the truth; 0: none
   std::chrono::minutes keepUnusedBlobs{10};  ///< an uploaded blob nobody refers to is dropped after this
 };
-
-/// No message exceeds this in either direction.
-inline constexpr std::size_t kMaxMessageBytes = 1024 * 1024;
-/// Bulk bytes in one message: leaves room for the envelope.
-inline constexpr std::size_t kMaxPartBytes = kMaxMessageBytes - 16 * 1024;
 
 }  // namespace lpv

@@ -19,10 +19,6 @@
 
 namespace lpv::client {
 
-/// Largest message in either direction, and the payload of an upload's part, which leaves room for its other fields.
-inline constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20U;
-inline constexpr std::size_t kPartBytes = kMaxMessageBytes - 4096;
-
 class Connection {
  public:
   Connection(ConnectOptions options, std::shared_ptr<grpc::Channel> channel);
