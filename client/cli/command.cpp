@@ -70,6 +70,7 @@ std::string describe(const Status& status) {
   if (!status.field().empty() && status.message().find(status.field()) == std::string::npos) {
     line += " (" + status.field() + ")";
   }
+  if (status.reason() != Reason::kNone) line += " [" + std::string(nameOf(status.reason())) + "]";
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   return line;

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <condition_variable>
 #include <cstdio>
 #include <iostream>
@@ -114,13 +115,23 @@ class Report {
     return JsonObject().raw("result", toJson(info)).number("bytes", double(bytes)).number("ageSeconds", age).str();
   }
 
+  /// "gather" of TICK_STAGE_GATHER; a stage that this version does not know is its number.
+  static std::string stageText(v1::TickStage stage) {
+    constexpr std::string_view kPrefix = "TICK_STAGE_";
+    std::string name = v1::TickStage_Name(stage);
+    if (name.size() <= kPrefix.size()) return std::to_string(int(stage));
+    name.erase(0, kPrefix.size());
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return name;
+  }
+
   std::string summaryLine(double seconds) {
     std::sort(ages_.begin(), ages_.end());
     std::string line = fixed(double(results_) / seconds, 1) + " /s  " + fixed(double(bytes_) / seconds / 1e6, 2) +
                        " MB/s  revision " + std::to_string(last_.revision());
     if (!ages_.empty()) line += "  age " + fixed(ages_[ages_.size() / 2] * 1e3, 1) + " ms ";
     for (const v1::StageTime& stage : last_.stage_times()) {
-      line += " " + stage.stage() + " " + fixed(stage.seconds() * 1e3, 1);
+      line += " " + stageText(stage.stage()) + " " + fixed(stage.seconds() * 1e3, 1);
     }
     return line;
   }

@@ -1,13 +1,13 @@
 #pragma once
-// How large messages may be, for server and clients alike.
+// Sizes of messages, which servers and clients have to agree on.
 
 #include <cstddef>
 
-namespace lpv {
+namespace lpv::wire {
 
-/// No message exceeds this in either direction, bytes.
-inline constexpr std::size_t kMaxMessageBytes = 1024 * 1024;
-/// Bulk bytes in one message: leaves room for the message around them.
+/// No message exceeds this in either direction.
+inline constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20U;
+/// Bulk bytes in one message: leaves room for its other fields.
 inline constexpr std::size_t kMaxPartBytes = kMaxMessageBytes - 16 * 1024;
 
-}  // namespace lpv
+}  // namespace lpv::wire

@@ -135,7 +135,7 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
         response->set_size(std::int64_t(bytes_->size()));
         first_ = false;
       }
-      const std::size_t count = std::min(kMaxPartBytes, bytes_->size() - offset_);
+      const std::size_t count = std::min(wire::kMaxPartBytes, bytes_->size() - offset_);
       response->set_data(bytes_->data() + offset_, count);
       offset_ += count;
       last = done_ = offset_ == bytes_->size();

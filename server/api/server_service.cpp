@@ -66,7 +66,7 @@ void set(pb::Limits* out, const google::protobuf::FieldDescriptor* field, std::c
 void limitsToProto(const Limits& in, pb::Limits* out) {
   forEachLimit([&](const auto& row) { set(out, pb::Limits::descriptor()->FindFieldByName(row.name), in.*row.value); });
   out->set_max_cells_per_axis(kMaxCellsPerAxis);
-  out->set_max_message_bytes(int(kMaxMessageBytes));
+  out->set_max_message_bytes(int(wire::kMaxMessageBytes));
   out->set_max_operations_per_edit(in.maxOperationsPerEdit);
   out->set_max_frame_edge(in.maxFrameEdge);
   out->set_max_probe_points(in.maxProbePoints);

@@ -97,7 +97,7 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   bool next(pb::ExportSessionResponse* response) override {
     const MutexLock lock(mutex_);
     if (offset_ >= bytes_.size()) return false;
-    const std::size_t count = std::min(kMaxPartBytes, bytes_.size() - offset_);
+    const std::size_t count = std::min(wire::kMaxPartBytes, bytes_.size() - offset_);
     response->set_data(bytes_.data() + offset_, count);
     offset_ += count;
     expectReader();

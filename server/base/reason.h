@@ -65,6 +65,9 @@ constexpr std::string_view nameOf(Reason reason) {
   return {};
 }
 
+/// Whether it is the limit of that name that was reached.
+constexpr bool isLimit(Reason reason) { return nameOf(reason).substr(0, 4) == "MAX_"; }
+
 /// kNone for a name that this version does not know.
 constexpr Reason reasonNamed(std::string_view name) {
   for (const ReasonName& row : kReasonNames) {

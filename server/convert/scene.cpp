@@ -248,6 +248,14 @@ constexpr const char* kErrorDomain = "lpv.v1";
 /// lpv.v1.ErrorInfo has the fields of google.rpc.ErrorInfo, and is read under that name by common libraries.
 constexpr const char* kErrorInfoType = "type.googleapis.com/google.rpc.ErrorInfo";
 
+std::string inLowerCase(std::string_view name) {
+  std::string out(name);
+  for (char& c : out) {
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  }
+  return out;
+}
+
 void toProto(const Status& status, pb::Status* out) {
   out->set_code(static_cast<int>(status.code()));
   out->set_message(status.message());
@@ -260,6 +268,8 @@ void toProto(const Status& status, pb::Status* out) {
   pb::ErrorInfo info;
   info.set_reason(std::string(nameOf(status.reason())));
   info.set_domain(kErrorDomain);
+  if (!status.field().empty()) (*info.mutable_metadata())["field"] = status.field();
+  if (isLimit(status.reason())) (*info.mutable_metadata())["limit"] = inLowerCase(nameOf(status.reason()));
   google::protobuf::Any* any = out->add_details();
   any->set_type_url(kErrorInfoType);
   any->set_value(info.SerializeAsString());

@@ -18,8 +18,8 @@ constexpr int kMaxStreamsPerConnection = 100;
 constexpr int kIdentityOnly = 1;
 
 void configure(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(int(kMaxMessageBytes));
-  builder.SetMaxSendMessageSize(int(kMaxMessageBytes));
+  builder.SetMaxReceiveMessageSize(int(wire::kMaxMessageBytes));
+  builder.SetMaxSendMessageSize(int(wire::kMaxMessageBytes));
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadataBytes);

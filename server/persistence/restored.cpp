@@ -108,16 +108,18 @@ Expected<Versioned<Light>> lightFrom(const pb::Light& in, const Contents& conten
   return Versioned<Light>{light, in.status().revision()};
 }
 
-/// Whether a surface was written before two_sided was: field 9 then said the opposite.
+/// Surfaces kept before the field two_sided had the opposite, one_sided, as field 9, left out where it was false.
 bool wasOneSided(const pb::Surface& in) {
   constexpr int kOneSided = 9;
-  const google::protobuf::UnknownFieldSet& unknown = in.GetReflection()->GetUnknownFields(in);
-  for (int i = 0; i < unknown.field_count(); ++i) {
-    const google::protobuf::UnknownField& field = unknown.field(i);
-    if (field.number() == kOneSided && field.type() == google::protobuf::UnknownField::TYPE_VARINT)
-      return field.varint() != 0;
+  const google::protobuf::UnknownFieldSet& fields = in.GetReflection()->GetUnknownFields(in);
+  bool oneSided = false;
+  for (int i = 0; i < fields.field_count(); ++i) {
+    const google::protobuf::UnknownField& field = fields.field(i);
+    if (field.number() == kOneSided && field.type() == google::protobuf::UnknownField::TYPE_VARINT) {
+      oneSided = field.varint() != 0;
+    }
   }
-  return false;
+  return oneSided;
 }
 
 Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& contents) {

@@ -1,7 +1,9 @@
 #include "bench/load_seen.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
+#include <string_view>
 
 namespace lpv::bench {
 namespace {
@@ -12,6 +14,14 @@ double median(std::vector<double>& values) {
   return values[values.size() / 2];
 }
 
+/// "gather" of TICK_STAGE_GATHER.
+std::string stageText(v1::TickStage stage) {
+  std::string name = v1::TickStage_Name(stage);
+  name.erase(0, std::min(name.size(), std::string_view("TICK_STAGE_").size()));
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return name;
+}
+
 }  // namespace
 
 void LoadSeen::acknowledged(std::uint64_t revision) { newest_ = std::max(newest_.load(), revision); }
@@ -19,7 +29,8 @@ void LoadSeen::acknowledged(std::uint64_t revision) { newest_ = std::max(newest_
 void LoadSeen::frame(const client::FrameResult& frame) {
   const std::lock_guard lock(mutex_);
   if (!anyFrame_) {
-    for (const v1::StageTime& time : frame.header.result().stage_times()) firstFrame_[time.stage()] = time.seconds();
+    for (const v1::StageTime& time : frame.header.result().stage_times())
+      firstFrame_[stageText(time.stage())] = time.seconds();
     anyFrame_ = true;
   }
   if (!counting_) return;
@@ -29,7 +40,7 @@ void LoadSeen::frame(const client::FrameResult& frame) {
   const std::uint64_t shown = frame.header.result().revision();
   behind_.push_back(newest > shown ? double(newest - shown) : 0.0);
   for (const v1::StageTime& time : frame.header.result().stage_times()) {
-    stages_[time.stage()].push_back(time.seconds());
+    stages_[stageText(time.stage())].push_back(time.seconds());
   }
 }
 

@@ -42,7 +42,6 @@ pb::VolumeHeader headerOf(FuzzedDataProvider& in) {
   header.mutable_grid()->mutable_dims()->set_x(smallOrAny(in, 1, 20));
   header.mutable_grid()->mutable_dims()->set_y(smallOrAny(in, 1, 9));
   header.mutable_grid()->mutable_dims()->set_z(smallOrAny(in, 1, 9));
-  header.set_sh_bands(smallOrAny(in, 2, 2));
   header.set_coefficients(smallOrAny(in, 4, 4));
   header.set_brick_edge(smallOrAny(in, 8, 8));
   header.set_format(pb::VolumeFormat(smallOrAny(in, 0, 4)));

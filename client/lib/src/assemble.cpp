@@ -16,8 +16,6 @@ constexpr std::size_t kMostHeld = 3;
 Status broken(const std::string& what) { return Status(Code::kInternal, "the server sent " + what); }
 
 Expected<wire::Format> formatOf(const v1::VolumeHeader& header) {
-  if (header.sh_bands() != 2)
-    return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands; this client reads 2");
   if (header.coefficients() != int(wire::kCellElements) / 3) {
     return broken("a volume of " + std::to_string(header.coefficients()) +
                   " coefficients per colour; this client reads 4");

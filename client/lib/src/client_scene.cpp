@@ -54,7 +54,7 @@ Expected<BlobHash> Client::uploadBlob(const std::string& session, v1::BlobKind k
   part.mutable_header()->set_size(std::int64_t(bytes.size()));
   std::size_t at = 0;
   do {
-    part.set_data(bytes.substr(at, kMaxPartBytes));
+    part.set_data(bytes.substr(at, wire::kMaxPartBytes));
     at += part.data().size();
     if (!writer->Write(part)) break;  // Finish says why
     part.clear_header();

@@ -122,7 +122,7 @@ Expected<v1::ImportSessionResponse> Client::importSession(const std::string& id,
   part.set_session_id(id);
   std::size_t at = 0;
   do {
-    part.set_data(file.substr(at, kMaxPartBytes));
+    part.set_data(file.substr(at, wire::kMaxPartBytes));
     at += part.data().size();
     if (!writer->Write(part)) break;  // Finish says why
     part.clear_session_id();

@@ -76,12 +76,12 @@ wire::VolumeStatePtr DeltaChain::find(std::uint64_t resultId) const {
 wire::EncodedVolume DeltaChain::make(const wire::VolumeState& target, const wire::VolumeState* base,
                                      const VolumeEncodingRequest& order) {
   ++counters_.volumesEncoded;
-  if (!order.region) return wire::encodeVolume(target, base, order.compression, kMaxPartBytes);
+  if (!order.region) return wire::encodeVolume(target, base, order.compression, wire::kMaxPartBytes);
   const std::vector<bool> chosen = wire::bricksWithin(target.shape.grid, *order.region);
   const wire::VolumeState part = wire::onlyBricks(target, chosen);
-  if (base == nullptr) return wire::encodeVolume(part, nullptr, order.compression, kMaxPartBytes);
+  if (base == nullptr) return wire::encodeVolume(part, nullptr, order.compression, wire::kMaxPartBytes);
   const wire::VolumeState partOfBase = wire::onlyBricks(*base, chosen);
-  return wire::encodeVolume(part, &partOfBase, order.compression, kMaxPartBytes);
+  return wire::encodeVolume(part, &partOfBase, order.compression, wire::kMaxPartBytes);
 }
 
 std::shared_ptr<DeltaChain> VolumeChains::get(const SessionPtr& session, const VolumeEncodingRequest& order,

@@ -1,7 +1,9 @@
 #include "api/results/parts.h"
 
+#include <algorithm>
+
 #include "convert/geometry.h"
-#include "session/limits.h"
+#include "engine/stage.h"
 #include "wire/message_size.h"
 #include "wire/publish.h"
 
@@ -26,8 +28,8 @@ EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRe
   }
   ++counters.volumesEncoded;
   auto encoding = std::make_shared<Encoding>();
-  encoding->volume =
-      wire::encodeVolume(*wire::publish(*volume, order.format, 0, nullptr), nullptr, order.compression, kMaxPartBytes);
+  encoding->volume = wire::encodeVolume(*wire::publish(*volume, order.format, 0, nullptr), nullptr, order.compression,
+                                        wire::kMaxPartBytes);
   std::erase_if(entries_, [](const Entry& entry) { return entry.volume.expired(); });
   entries_.push_front({volume, order.format, order.compression, encoding});
   if (entries_.size() > kCachedEncodings) entries_.pop_back();
@@ -43,7 +45,6 @@ void VolumeParts::fill(pb::VolumeHeader* header) const {
   header->mutable_result()->set_checksum(volume.checksum);
   toProto(result_.volume->grid, header->mutable_grid());
   header->set_stage(order_.stage == VolumeStage::kInjected ? pb::VOLUME_STAGE_INJECTED : pb::VOLUME_STAGE_TRANSPORTED);
-  header->set_sh_bands(2);
   header->set_coefficients(int(wire::kCellElements) / 3);
   header->set_format(toProto(order_.format));
   header->set_compression(toProto(order_.compression));
@@ -90,15 +91,21 @@ bool FrameParts::next(pb::FramePart* out) {
     header->set_exposure_ev(result_.frame->exposureEv);
     header->set_camera_sequence(result_.cameraSequence);
     header->set_size(std::int64_t(file_.size()));
-    header->set_part_count(int((file_.size() + kMaxPartBytes - 1) / kMaxPartBytes));
+    header->set_part_count(int((file_.size() + wire::kMaxPartBytes - 1) / wire::kMaxPartBytes));
   }
-  const std::size_t count = std::min(kMaxPartBytes, file_.size() - offset_);
+  const std::size_t count = std::min(wire::kMaxPartBytes, file_.size() - offset_);
   out->set_result_id(result_.meta.resultId);
   out->set_index(index_++);
   out->set_payload(file_.data() + offset_, count);
   offset_ += count;
   done_ = offset_ == file_.size();
   return true;
+}
+
+/// Of a name in kStageNames.
+pb::TickStage stageNamed(std::string_view name) {
+  const auto found = std::find(kStageNames.begin(), kStageNames.end(), name);
+  return found == kStageNames.end() ? pb::TICK_STAGE_UNSPECIFIED : pb::TickStage(found - kStageNames.begin() + 1);
 }
 
 void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
@@ -110,7 +117,7 @@ void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
   const TickReport& report = *meta.report;
   for (const StageTime& time : report.stages) {
     pb::StageTime* stage = out->add_stage_times();
-    stage->set_stage(time.stage);
+    stage->set_stage(stageNamed(time.stage));
     stage->set_seconds(time.seconds);
   }
   for (const std::string& feature : report.features) out->add_features(feature);

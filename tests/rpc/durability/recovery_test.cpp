@@ -83,7 +83,6 @@ class BrokenServer final : public pb::ResultService::Service {
     dims->set_y(8);
     dims->set_z(8);
     header->mutable_grid()->set_cell_size(0.5);
-    header->set_sh_bands(2);
     header->set_coefficients(4);
     header->set_format(pb::VOLUME_FORMAT_COMPACT);
     header->set_compression(pb::PAYLOAD_COMPRESSION_ZSTD);

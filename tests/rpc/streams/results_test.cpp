@@ -187,7 +187,6 @@ TEST_F(Results, VolumesComeInPartsBelowOneMebibyte) {
   EXPECT_EQ(v.bytes.size(), std::size_t(64 * 64 * 64 * 12 * 4));
   EXPECT_GE(v.parts, 13U);
   EXPECT_EQ(v.header.brick_edge(), 8);
-  EXPECT_EQ(v.header.sh_bands(), 2);
   EXPECT_EQ(v.header.coefficients(), 4);
   EXPECT_EQ(v.header.base_result_id(), 0U);
 }
