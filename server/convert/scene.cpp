@@ -5,14 +5,16 @@
 #include "convert/blob_content.h"
 #include "convert/geometry.h"
 #include "convert/session.h"
+#include "convert/wire_fields.h"
 
 namespace lpv::api {
 namespace {
 
 constexpr std::size_t kMaxUndoGroupBytes = 100;
-constexpr std::size_t kObjectsPerPart = 1000;  // an object is a few hundred bytes: a part stays far below 1 MiB
+constexpr std::size_t kObjectsPerPart = 1000; // an object is a few hundred bytes: a part stays far below 1 MiB
 
-/// Which fields of an object a message names: those of a mask, or those that are set in a new object.
+/// Which fields of an object a message names: those of a mask, or those that
+/// are set in a new object.
 class FieldSelection {
  public:
   FieldSelection() = default;
@@ -43,7 +45,8 @@ class FieldSelection {
   const google::protobuf::FieldMask* mask_ = nullptr;
 };
 
-/// A named field that a mask mentions but the message leaves out goes back to its default.
+/// A named field that a mask mentions but the message leaves out goes back to
+/// its default.
 Expected<TransformFields> transformFields(const pb::Transform& in, bool isSet, const FieldSelection& named) {
   const Expected<TransformFields> given = fromProto(in);
   if (!given) return given.status();
@@ -75,57 +78,55 @@ Status takeMesh(const Message& in, const FieldSelection& named, std::optional<Me
   return {};
 }
 
-const std::vector<std::string> kLightPaths = {"mesh",
-                                              "inline_mesh",
-                                              "transform",
-                                              "transform.translation",
-                                              "transform.rotation",
-                                              "transform.scale",
-                                              "radiance",
-                                              "power",
-                                              "texture",
-                                              "two_sided",
-                                              "enabled",
-                                              "group"};
-const std::vector<std::string> kSurfacePaths = {"mesh",
-                                                "inline_mesh",
-                                                "transform",
-                                                "transform.translation",
-                                                "transform.rotation",
-                                                "transform.scale",
-                                                "albedo",
-                                                "albedo_texture",
-                                                "roughness",
-                                                "metalness",
-                                                "one_sided"};
+/// A plain field that a mask names but the message leaves out goes back to its
+/// default where the message can tell, else to proto's; a Vec3 goes to 0.
+template <typename T>
+void takePlain(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
+  for (std::size_t i = 0; i < wireFields<T>().size(); ++i) {
+    const WireField place = wireFields<T>()[i];
+    const Field<T>& field = fieldTable<T>()[i];
+    if (!place || !named(field.path, saysField(in, place))) continue;
+    const bool cleared = hasOwnDefault(place) && !saysField(in, place);
+    field.give(*out, cleared ? field.get(T()) : readField(in, place));
+  }
+}
+
+/// The paths that an update mask of a T may have.
+template <typename T>
+std::vector<std::string> maskPaths() {
+  std::vector<std::string> out = {"inline_mesh", "transform"};
+  for (const Field<T>& field : fieldTable<T>()) {
+    out.emplace_back(field.path);
+    if (field.kind == FieldKind::kEmission) out.emplace_back("power");
+  }
+  return out;
+}
+
+/// Mesh and transform, and what takePlain takes.
+template <typename T>
+Status takeCommon(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
+  if (Status s = takeMesh(in, named, &out->mesh); !s.ok()) return s;
+  const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
+  if (!transform) return transform.status().within("transform");
+  out->transform = *transform;
+  takePlain<T>(in, named, out);
+  return {};
+}
 
 Expected<LightFields> lightFields(const pb::Light& in, const FieldSelection& named) {
   LightFields out;
-  if (Status s = takeMesh(in, named, &out.mesh); !s.ok()) return s;
-  const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
-  if (!transform) return transform.status().within("transform");
-  out.transform = *transform;
+  if (Status s = takeCommon<Light>(in, named, &out); !s.ok()) return s;
   if (named("radiance", in.has_radiance())) out.radiance = fromProto(in.radiance());
   if (named("power", in.has_power())) out.power = fromProto(in.power());
   if (out.radiance && out.power) return invalid("power", "radiance and power are both to change; give one");
   if (named("texture", !in.texture().empty())) out.texture = in.texture();
-  if (named("two_sided", in.two_sided())) out.twoSided = in.two_sided();
-  if (named("enabled", in.has_enabled())) out.enabled = in.has_enabled() ? in.enabled() : true;
-  if (named("group", !in.group().empty())) out.group = in.group();
   return out;
 }
 
 Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const FieldSelection& named) {
   SurfaceFields out;
-  if (Status s = takeMesh(in, named, &out.mesh); !s.ok()) return s;
-  const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
-  if (!transform) return transform.status().within("transform");
-  out.transform = *transform;
-  if (named("albedo", in.has_albedo())) out.albedo = fromProto(in.albedo());
+  if (Status s = takeCommon<Surface>(in, named, &out); !s.ok()) return s;
   if (named("albedo_texture", !in.albedo_texture().empty())) out.albedoTexture = in.albedo_texture();
-  if (named("roughness", in.has_roughness())) out.roughness = in.has_roughness() ? in.roughness() : 1.0;
-  if (named("metalness", in.metalness() != 0.0)) out.metalness = in.metalness();
-  if (named("one_sided", in.one_sided())) out.twoSided = !in.one_sided();
   return out;
 }
 
@@ -152,7 +153,7 @@ Expected<Operation> operationFromProto(const pb::Operation& op) {
     case pb::Operation::kUpdateLight: {
       const pb::UpdateLight& update = op.update_light();
       const FieldSelection named(update.update_mask());
-      if (Status s = named.check(kLightPaths); !s.ok()) return s.within("update_light");
+      if (Status s = named.check(maskPaths<Light>()); !s.ok()) return s.within("update_light");
       return operationOf<UpdateLight>("update_light.light", update.light().name(), lightFields(update.light(), named));
     }
     case pb::Operation::kDeleteLight:
@@ -163,7 +164,7 @@ Expected<Operation> operationFromProto(const pb::Operation& op) {
     case pb::Operation::kUpdateSurface: {
       const pb::UpdateSurface& update = op.update_surface();
       const FieldSelection named(update.update_mask());
-      if (Status s = named.check(kSurfacePaths); !s.ok()) return s.within("update_surface");
+      if (Status s = named.check(maskPaths<Surface>()); !s.ok()) return s.within("update_surface");
       return operationOf<UpdateSurface>("update_surface.surface", update.surface().name(),
                                         surfaceFields(update.surface(), named));
     }
@@ -189,7 +190,7 @@ Expected<Operation> operationFromProto(const pb::Operation& op) {
   return invalid("", "the operation is not set, or newer than this server");
 }
 
-}  // namespace
+} // namespace
 
 Expected<Edit> fromProto(const pb::Edit& in, const Limits& limits) {
   if (in.operations_size() < 1 || in.operations_size() > limits.maxOperationsPerEdit) {
@@ -223,9 +224,7 @@ void toProto(const Versioned<Light>& in, pb::Light* out) {
     toProto(light.radiance, out->mutable_radiance());
   }
   if (light.texture) out->set_texture(light.texture->hash);
-  out->set_two_sided(light.twoSided);
-  out->set_enabled(light.enabled);
-  out->set_group(light.group);
+  writePlain(light, out);
   out->mutable_status()->set_triangle_count(std::int64_t(light.mesh->triangles.size()));
   out->mutable_status()->set_revision(in.revision);
 }
@@ -235,11 +234,8 @@ void toProto(const Versioned<Surface>& in, pb::Surface* out) {
   out->set_name(surface.name);
   out->set_mesh(surface.mesh->hash);
   toProto(surface.transform, out->mutable_transform());
-  toProto(surface.albedo, out->mutable_albedo());
   if (surface.albedoTexture) out->set_albedo_texture(surface.albedoTexture->hash);
-  out->set_roughness(surface.roughness);
-  out->set_metalness(surface.metalness);
-  out->set_one_sided(!surface.twoSided);
+  writePlain(surface, out);
   out->set_revision(in.revision);
   out->set_triangle_count(std::int64_t(surface.mesh->triangles.size()));
 }
@@ -271,7 +267,8 @@ void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* ou
 
 namespace {
 
-/// Deals objects out over messages: `current()` is a message with room for one more.
+/// Deals objects out over messages: `current()` is a message with room for one
+/// more.
 template <typename Part, typename NewPart>
 class MessageSplitter {
  public:
@@ -306,7 +303,7 @@ void appendObjects(const Changes& changes, Dealt& parts) {
   for (const auto& [name, camera] : changes.cameras) toProto(name, camera, parts.current()->add_cameras());
 }
 
-}  // namespace
+} // namespace
 
 std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_t epoch, std::uint64_t since,
                                             const std::map<std::string, std::uint64_t>& clientSequences) {
@@ -341,4 +338,4 @@ std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_
   return parts.take();
 }
 
-}  // namespace lpv::api
+} // namespace lpv::api

@@ -1,4 +1,5 @@
-// From what is kept to sessions. A file may be anybody's: nothing in it is taken on trust.
+// From what is kept to sessions. A file may be anybody's: nothing in it is
+// taken on trust.
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "convert/geometry.h"
 #include "convert/scene.h"
 #include "convert/session.h"
+#include "convert/wire_fields.h"
 #include "persistence/snapshot.h"
 
 namespace lpv::api {
@@ -90,19 +92,17 @@ Expected<Versioned<Light>> lightFrom(const pb::Light& in, const Contents& conten
   const Expected<Transform> transform = transformOf(in.transform());
   if (!transform) return outOfRange("light", in.name(), transform.status());
   light->transform = *transform;
-  LightFields checked;
+  LightFields given;
   if (in.has_power()) {
-    light->power = checked.power = fromProto(in.power());
+    given.power = fromProto(in.power());
   } else {
-    light->radiance = fromProto(in.radiance());
-    checked.radiance = light->radiance;
+    given.radiance = fromProto(in.radiance());
   }
-  checked.group = light->group = in.group();
-  light->twoSided = in.two_sided();
-  light->enabled = in.enabled();
+  givePlain<Light>(in, &given);
   Status status = checkName(in.name());
-  if (status.ok()) status = checkFields(checked);
+  if (status.ok()) status = checkFields(given);
   if (!status.ok()) return outOfRange("light", in.name(), status);
+  assignValues(*light, given);
   return Versioned<Light>{light, in.status().revision()};
 }
 
@@ -118,14 +118,12 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   const Expected<Transform> transform = transformOf(in.transform());
   if (!transform) return outOfRange("surface", in.name(), transform.status());
   surface->transform = *transform;
-  SurfaceFields checked;
-  checked.albedo = surface->albedo = fromProto(in.albedo());
-  checked.roughness = surface->roughness = in.roughness();
-  checked.metalness = surface->metalness = in.metalness();
-  surface->twoSided = !in.one_sided();
+  SurfaceFields given;
+  givePlain<Surface>(in, &given);
   Status status = checkName(in.name());
-  if (status.ok()) status = checkFields(checked);
+  if (status.ok()) status = checkFields(given);
   if (!status.ok()) return outOfRange("surface", in.name(), status);
+  assignValues(*surface, given);
   return Versioned<Surface>{surface, in.revision()};
 }
 
@@ -228,7 +226,8 @@ Status checkRevisions(const DocumentState& document) {
   return status;
 }
 
-/// Textures have no bytes but those of their upload: what an object wears is kept as one, whatever a file says.
+/// Textures have no bytes but those of their upload: what an object wears is
+/// kept as one, whatever a file says.
 void addTextures(const Contents& contents, SavedSession* out) {
   std::set<BlobHash> there;
   for (const BlobPtr& blob : out->uploads) there.insert(blob->hash);
@@ -258,7 +257,7 @@ Status fill(const store::Loaded& loaded, SavedSession* out) {
   return {};
 }
 
-}  // namespace
+} // namespace
 
 Expected<SavedSession> fromStore(const store::Loaded& loaded) {
   SavedSession out;
@@ -287,7 +286,8 @@ Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
   out.lights = loaded.snapshot.lights().size();
   out.surfaces = loaded.snapshot.surfaces().size();
   const auto count = [&out](std::int64_t triangles) {
-    // As many as indices can name: a file may say anything, and the sum has to be one.
+    // As many as indices can name: a file may say anything, and the sum has to
+    // be one.
     out.triangles += std::clamp<std::int64_t>(triangles, 0, std::numeric_limits<std::uint32_t>::max());
   };
   for (const auto& [name, light] : loaded.snapshot.lights()) count(light.status().triangle_count());
@@ -297,4 +297,4 @@ Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
   return out;
 }
 
-}  // namespace lpv::api
+} // namespace lpv::api

@@ -1,54 +1,18 @@
 #pragma once
-// What an edit can say, free of any wire. A door turns messages into these, a session's document applies them.
+// What an edit can say, free of any wire. A door turns messages into these, a
+// session's document applies them.
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "base/status.h"
-#include "scene/scene.h"
+#include "scene/fields.h"
 
 namespace lpv {
-
-/// A mesh named by hash, or carried inline (then `mesh` is set and finished).
-struct MeshReference {
-  BlobHash hash;
-  MeshPtr mesh;
-};
-
-/// Transform fields that an edit names; unset ones stay (new objects: identity).
-struct TransformFields {
-  std::optional<glm::dvec3> translation;
-  std::optional<glm::dquat> rotation;
-  std::optional<glm::dvec3> scale;
-};
-
-/// Fields of a light that an edit names. At most one of radiance and power.
-struct LightFields {
-  std::optional<MeshReference> mesh;
-  TransformFields transform;
-  std::optional<glm::dvec3> radiance;
-  std::optional<glm::dvec3> power;
-  std::optional<BlobHash> texture;  ///< "" removes it
-  std::optional<bool> twoSided;
-  std::optional<bool> enabled;
-  std::optional<std::string> group;
-};
-
-/// Fields of a surface that an edit names.
-struct SurfaceFields {
-  std::optional<MeshReference> mesh;
-  TransformFields transform;
-  std::optional<glm::dvec3> albedo;
-  std::optional<BlobHash> albedoTexture;  ///< "" removes it
-  std::optional<double> roughness;
-  std::optional<double> metalness;
-  std::optional<bool> twoSided;
-};
 
 struct CreateLight {
   std::string name;
@@ -73,12 +37,13 @@ struct DeleteSurface {
   std::string name;
 };
 
-/// New vertices for a light's or surface's mesh, triangles unchanged. `base` and `deformed` are filled beforehand,
-/// outside any lock, by prepareVertices; the document uses them where `base` is still the object's mesh.
+/// New vertices for a light's or surface's mesh, triangles unchanged. `base`
+/// and `deformed` are filled beforehand, outside any lock, by prepareVertices;
+/// the document uses them where `base` is still the object's mesh.
 struct SetVertices {
   std::string object;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;  ///< empty: recomputed where the mesh has normals
+  std::vector<glm::vec3> normals; ///< empty: recomputed where the mesh has normals
   MeshPtr base;
   MeshPtr deformed;
 };
@@ -106,14 +71,5 @@ struct Edit {
 /// 1..200 bytes, no control characters, no '/'.
 inline constexpr std::size_t kMaxNameBytes = 200;
 Status checkName(const std::string& name);
-/// A light group: as a name, but 0..64 bytes.
-Status checkGroup(const std::string& group);
 
-/// Range checks of values an edit brings; references are the document's business.
-Status checkFields(const LightFields& fields);
-Status checkFields(const SurfaceFields& fields);
-
-/// The transform with the named fields replaced, checked.
-Expected<Transform> withFields(const Transform& transform, const TransformFields& fields);
-
-}  // namespace lpv
+} // namespace lpv

@@ -34,51 +34,40 @@ Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, con
                 field);
 }
 
-Status assign(Light& light, const LightFields& f, const Blobs& blobs) {
-  if (Status s = checkFields(f); !s.ok()) return s;
-  if (f.mesh) {
-    Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
-    if (!mesh) return mesh.status();
-    light.mesh = *mesh;
-  }
-  if (f.texture) {
-    Expected<TexturePtr> texture = resolveTexture("texture", *f.texture, blobs);
-    if (!texture) return texture.status();
-    light.texture = *texture;
-  }
-  Expected<Transform> transform = withFields(light.transform, f.transform);
-  if (!transform) return transform.status().within("transform");
-  light.transform = *transform;
-  if (f.radiance) {
-    light.radiance = *f.radiance;
-    light.power.reset();
-  }
-  if (f.power) light.power = f.power;
-  light.twoSided = f.twoSided.value_or(light.twoSided);
-  light.enabled = f.enabled.value_or(light.enabled);
-  light.group = f.group.value_or(light.group);
-  return {};
-}
+/// The texture of a T, and how an edit names it.
+template <typename T>
+struct TextureOf;
+template <>
+struct TextureOf<Light> {
+  static constexpr auto kMember = &Light::texture;
+  static constexpr auto kGiven = &LightFields::texture;
+  static constexpr const char* kPath = "texture";
+};
+template <>
+struct TextureOf<Surface> {
+  static constexpr auto kMember = &Surface::albedoTexture;
+  static constexpr auto kGiven = &SurfaceFields::albedoTexture;
+  static constexpr const char* kPath = "albedo_texture";
+};
 
-Status assign(Surface& surface, const SurfaceFields& f, const Blobs& blobs) {
+template <typename T>
+Status assign(T& object, const FieldsOf<T>& f, const Blobs& blobs) {
   if (Status s = checkFields(f); !s.ok()) return s;
   if (f.mesh) {
     Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
     if (!mesh) return mesh.status();
-    surface.mesh = *mesh;
+    object.mesh = *mesh;
   }
-  if (f.albedoTexture) {
-    Expected<TexturePtr> texture = resolveTexture("albedo_texture", *f.albedoTexture, blobs);
+  using Texture = TextureOf<T>;
+  if (const std::optional<BlobHash>& hash = f.*Texture::kGiven) {
+    Expected<TexturePtr> texture = resolveTexture(Texture::kPath, *hash, blobs);
     if (!texture) return texture.status();
-    surface.albedoTexture = *texture;
+    object.*Texture::kMember = *texture;
   }
-  Expected<Transform> transform = withFields(surface.transform, f.transform);
+  Expected<Transform> transform = withFields(object.transform, f.transform);
   if (!transform) return transform.status().within("transform");
-  surface.transform = *transform;
-  surface.albedo = f.albedo.value_or(surface.albedo);
-  surface.roughness = f.roughness.value_or(surface.roughness);
-  surface.metalness = f.metalness.value_or(surface.metalness);
-  surface.twoSided = f.twoSided.value_or(surface.twoSided);
+  object.transform = *transform;
+  assignValues(object, f);
   return {};
 }
 
@@ -114,7 +103,7 @@ void remember(const Map& objects, const std::string& name, Before& before) {
   }
 }
 
-}  // namespace
+} // namespace
 
 template <typename T>
 void Document::put(const std::string& name, std::shared_ptr<const T> object, Rollback& rollback) {
@@ -197,7 +186,8 @@ Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Ro
   const MeshPtr current = meshOf(op.object);
   if (!current) return noSuch("light or surface", op.object, "object").within("set_vertices");
   MeshPtr deformed = op.deformed;
-  // The mesh was exchanged, or made by this very edit, after the preparation; or that failed, and says here why.
+  // The mesh was exchanged, or made by this very edit, after the preparation;
+  // or that failed, and says here why.
   if (op.base != current || !deformed) {
     SetVertices again = op;
     if (Status s = prepareVertices(again, current, hasher_); !s.ok()) return s.within("set_vertices");
@@ -278,7 +268,9 @@ std::string Document::freeName(const std::string& wanted) const {
 Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& hasher) {
   op.base = base;
   op.deformed.reset();
-  if (!base) return {};  // the document says that the object is not there, or finds it made by the same edit
+  if (!base)
+    return {}; // the document says that the object is not there, or finds it
+               // made by the same edit
   Expected<Mesh> mesh = withVertices(*base, op.positions, op.normals);
   if (!mesh) return mesh.status();
   mesh->hash = hasher(*mesh);
@@ -286,4 +278,4 @@ Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& h
   return {};
 }
 
-}  // namespace lpv
+} // namespace lpv
