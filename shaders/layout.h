@@ -10,28 +10,36 @@
 namespace lpv::layout {
 using uint = std::uint32_t;
 using glm::dmat4;
-using glm::dvec4;
-using glm::ivec4;
+using glm::ivec2;
+using glm::ivec3;
 using glm::mat4;
+using glm::uvec3;
 using glm::uvec4;
+using glm::vec2;
+using glm::vec3;
 using glm::vec4;
+#define LPV_FUNCTION inline constexpr
+#define LPV_VEC3 alignas(16)  // std140: a vector of three begins at a multiple of 16 bytes; a scalar may follow in its last 4
 #else
 #define LPV_CONST const
+#define LPV_FUNCTION
+#define LPV_VEC3
 #endif
 
 // --- storage buffers
-LPV_CONST int kAccumulators = 2;   // uint, words per cell as shaders/voxelize/deposit.glsl has them
-LPV_CONST int kVoxelCells = 3;     // one light's cells: kVoxelHeaderWords, then uvec2 (cell, lobes or pairs) each
-LPV_CONST int kLargeTriangles = 4; // kListHeaderWords, then work items
+LPV_CONST int kAccumulators = 2;   // uint: the accumulators of every cell, or the entries of a table of VPLs
+LPV_CONST int kVoxelCells = 3;     // one light's cells: VoxelHeader, then uvec2 (cell, lobes or pairs) each; with a table its used
+                                   // entries, uvec2 (entry, unused)
+LPV_CONST int kLargeTriangles = 4; // ListHeader, then uint per work item
 LPV_CONST int kCounters = 5;       // Counters
 LPV_CONST int kFieldOut = 6;       // vec4 per halo cell and channel
 LPV_CONST int kFieldSum = 7;       // vec4 per halo cell and channel (clamped form only)
-LPV_CONST int kProduct = 8;        // float, 12 per cell: 3 colours x 4 coefficients
+LPV_CONST int kProduct = 8;        // float, kProductFloats per cell
 LPV_CONST int kExposure = 9;       // vec4: the exposure; then one per group of its reduction
 LPV_CONST int kRecordedPairs = 10; // tests only: uvec2 (triangle, cell)
 LPV_CONST int kTestIn = 11;        // tests only
 LPV_CONST int kTestOut = 12;       // tests only
-LPV_CONST int kVoxelMoments = 13;  // vec4, one per set of the light's cells (shaders/voxelize/deposit.glsl)
+LPV_CONST int kVoxelMoments = 13;  // vec4 (C, C x direction), one or, with a texture, kColours per cell of the light
 LPV_CONST int kLobeCounts = 14;    // float per cell: N of eq. 1, all lights together; negative once divided by
 LPV_CONST int kUvs = 15;           // float, 2 per vertex
 LPV_CONST int kDirections = 16;    // float, 3 per vertex, object space
@@ -39,8 +47,8 @@ LPV_CONST int kRowIntegrals =
     17;  // double, 3 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 LPV_CONST int kTreeNodes = 18;  // uvec4 per node of every level of a light's tree (shaders/voxelize/vpl_tree.glsl)
 LPV_CONST int kTreeRecords = 19;  // vec4, LPV_RECORD per record of a light's tree (shaders/transport/vpls.glsl)
-LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: x | y << 8 | z << 16, in blocks
-LPV_CONST int kCursors = 21;  // uvec2 per block: where its walk through the tree stands before its even, odd turns
+LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
+LPV_CONST int kCursors = 21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 
 // --- uniform blocks
@@ -96,30 +104,81 @@ LPV_CONST int kSmallVaryingColumns = 32;  // the same with texture or directions
 LPV_CONST int kColumnsPerThread = 16;  // of a split one without, about
 LPV_CONST int kMaxSlices = 8;  // work items of one split triangle
 LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends a thread's loops after 2^16
-                                        // rounds in all, without a word
+                                        // rounds in all, without reporting it
 LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
 LPV_CONST int kFluxBits = 50;  // FLUX: the light's whole area is 2^50 in fixed point, its sums 64 bits wide
 LPV_CONST int kSetTriangles = 32;  // COUNT of a light with so few: a cell keeps which of them came to it
 LPV_CONST int kSamplesPerThread = 32;  // dense sampling
 
-// A list whose length also is an indirect dispatch: one group per work item.
-LPV_CONST int kListHeaderWords = 4;  // groups x, y, z, count; the entries follow
-// The same for one light's cells (or VPLs), kCellGroup of them a group.
-LPV_CONST int kVoxelHeaderWords = 8;  // groups x, y, z, count, triangles of zero area; VPLs that found no room, records
-                                      // of the tree, cells that hold VPLs; the entries follow
+// --- accumulators of one cell: uint words. The first counts the VPLs that came (COUNT: lobes, N of eq. 1; FLUX: pairs);
+// sums in fixed point follow, in COUNT a word each, in FLUX kWideWords each.
+LPV_CONST int kColours = 3;
+LPV_CONST int kMomentParts = 4;  // C, then C x direction (x, y, z)
+LPV_CONST int kWideWords = 2;  // a sum of 64 bits: low word, high word
+LPV_CONST int kFirstSum = 1;  // word of a cell where its sums begin
+LPV_CONST int kSetWords = 1;  // COUNT of at most kSetTriangles triangles: which of them came, a bit each, and no sums
+LPV_CONST int kCountWords = kFirstSum + 3;  // sum of lobe directions; N itself is the zeroth moment
+LPV_CONST int kTexturedCountWords = kFirstSum + kMomentParts * kColours;
+LPV_CONST int kFluxWords = kFirstSum + kWideWords * kMomentParts;
+LPV_CONST int kTexturedFluxWords = kFirstSum + kWideWords * kMomentParts * kColours;
+
+// --- an entry of the table of VPLs: uint words. Sums of kWideWords each; the offset is from the cell's lower corner.
+LPV_CONST int kVplKey = 0;  // 0: free; else (cell of the light's box << kBinBits | bin) + 1
+LPV_CONST int kBinBits = 6;  // kNormalBins fit
+LPV_CONST int kVplArea = 1;
+LPV_CONST int kVplDirection = kVplArea + kWideWords;  // area x direction, 3 sums
+LPV_CONST int kVplOffset = kVplDirection + 3 * kWideWords;  // weight x offset, 3 sums; without texture the weight is the area
+LPV_CONST int kPlainVplWords = kVplOffset + 3 * kWideWords;
+LPV_CONST int kVplColour = kPlainVplWords;  // area x colour, 3 sums
+LPV_CONST int kVplWeight = kVplColour + kColours * kWideWords;  // area x brightest channel
+LPV_CONST int kTexturedVplWords = kVplWeight + kWideWords;
+
+// --- the volume product
+LPV_CONST int kCoefficients = 4;  // 2-band SH
+LPV_CONST int kProductFloats = kColours * kCoefficients;  // of a cell: [colour][coefficient]
+
+// --- values of defines that choose a mode
+// LPV_LOOKUP: lpv::Lookup
+#define LPV_LOOKUP_SH2 0      // trilinear, SH2
+#define LPV_LOOKUP_CAP 1      // trilinear, CAP
+#define LPV_LOOKUP_NEAREST 2  // nearest cell, SH2
+// LPV_NEAR_FIELD: where receivers evaluate the lights themselves
+#define LPV_NEAR_FIELD_NOWHERE 0
+#define LPV_NEAR_FIELD_OUTSIDE 1   // outside the grid
+#define LPV_NEAR_FIELD_EMITTERS 2  // and near emitters
+#define LPV_NEAR_FIELD_EVERYWHERE 3
+
+/// A block of receivers as kReceiverBlocks lists it; numbers of blocks along x, y and z below 2^kBlockBits.
+LPV_CONST int kBlockBits = 8;
+LPV_FUNCTION uint packedBlock(uint x, uint y, uint z) { return x | (y << kBlockBits) | (z << (2 * kBlockBits)); }
+
+/// What a list begins with whose length is also an indirect dispatch: one group per work item.
+struct ListHeader {
+  uint groupsX, groupsY, groupsZ;
+  uint count;  // entries that follow
+};
+
+/// The same for one light's cells (or VPLs), kCellGroup of them a group.
+struct VoxelHeader {
+  uint groupsX, groupsY, groupsZ;
+  uint count;  // entries that follow
+  uint degenerate;  // triangles of zero area
+  uint lost;  // VPLs that found no room in the table
+  uint treeEntries;  // headers and VPLs of the tree
+  uint litCells;  // cells that hold VPLs
+};
 
 // --- VPLs and their tree (MATHS.md 3b)
 LPV_CONST int kNormalBins = 54;  // per cell: 3 x 3 on each face of a cube
 LPV_CONST int kMaxLevels = 9;  // of a tree: blocks of 1, 2, 4 .. 256 cells
 LPV_CONST int kPlainRecordTexels = 4;  // vec4 of a record (shaders/transport/vpls.glsl) ...
 LPV_CONST int kTexturedRecordTexels = 5;  // ... and of one with a colour
-LPV_CONST float kSteadiness = 2.5;  // second order counts 1 / (1 + (2.5 x)^4), x: extent over squared distance
 LPV_CONST int kMostProbes = 64;  // places of the table that a VPL is looked for in
 LPV_CONST float kFarFromVpls = 1e4;  // cells: nothing near
 LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,
 LPV_CONST float kNearFieldEnd = 3.0;  // from here on at the volume (MATHS.md 3c)
 LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
-                                   // 2^16 rounds in all, without a word
+                                   // 2^16 rounds in all, without reporting it
 
 struct Counters {
   uint degenerate;  // light triangles of zero area
@@ -131,84 +190,132 @@ struct Counters {
 struct VoxelizeParams {
   dmat4 gridFromObject;  // grid space: cell units from the grid's minimum corner
   dmat4 areaFromObject;  // times the object-space cross product of two edges: area x outward normal, cell^2
-  dvec4 scale;  // x: fixed-point units of a moment of 1; y: 1 / the brightest texel
-  ivec4 dims;  // cells x, y, z
-  uvec4 triangles;  // x first, y how many; z: samples of each, w: threads of each (dense sampling)
-  ivec4 texture;  // width, height, mip levels
-  vec4 textureMean;  // rgb mean of all texels
-  ivec4 boxLower;  // VPLs: first cell of the light's box
-  ivec4 boxSize;  // VPLs: its cells along x, y, z; w: entries of the table, a power of two
-  vec4 normals[kSetTriangles];  // sets of triangles: unit, outward, grid space
+  double momentUnits;  // fixed-point units of a moment of 1
+  double colourScale;  // 1 / the brightest texel
+  LPV_VEC3 ivec3 dims;  // cells x, y, z
+  uint firstTriangle;
+  uint triangleCount;
+  uint samplesPerTriangle;  // dense sampling
+  uint threadsPerTriangle;  // dense sampling
+  int textureLevels;  // of the mip chain
+  LPV_VEC3 vec3 textureMean;  // rgb mean of all texels, as a share of the brightest
+  LPV_VEC3 ivec3 boxLower;  // VPLs: first cell of the light's box
+  LPV_VEC3 ivec3 boxSize;  // VPLs: its cells along x, y, z
+  uint tableEntries;  // of the table of VPLs, a power of two
+  ivec2 textureSize;  // width, height
+  LPV_VEC3 vec4 normals[kSetTriangles];  // sets of triangles: unit, outward, grid space; w: 0
+  vec4 pad0;  // with doubles a block's size is a multiple of 32 bytes
 };
 
 struct TreeParams {
-  ivec4 lower;  // first cell of the light's box; w: levels
-  ivec4 upper;  // one past its last cell; w: the level of this pass
-  uvec4 offsets[3];  // nodes before each level
-  vec4 scale;  // x: area that a moment of 1 stands for, cell^2; y: threads before this dispatch's first
-  dvec4 unit;  // x: what one fixed-point unit stands for, as a share of it
+  LPV_VEC3 ivec3 lower;  // first cell of the light's box
+  int levels;
+  LPV_VEC3 ivec3 upper;  // one past its last cell
+  int level;  // of this pass
+  uvec4 nodesBefore[(kMaxLevels + 3) / 4];  // nodes of the levels below level l, in [l / 4][l % 4]
+  double shareOfUnit;  // what one fixed-point unit stands for, as a share of areaScale
+  float areaScale;  // area that a moment of 1 stands for, cell^2
+  uint firstThread;  // threads of the pass before this dispatch's first
 };
 
 struct GatherParams {
-  ivec4 dims;  // cells; w: blocks before this piece's first
-  vec4 weight;  // per channel: radiance of a colour of 1, in units of the channel's palette radiance
-  vec4 rule;  // x: k of the distance rule
-  ivec4 tree;  // x: records; z: first channel of the light's group; w: which turn of a walk through a
-               // large tree this is, from 0
+  LPV_VEC3 ivec3 dims;  // cells
+  uint firstBlock;  // blocks before this piece's first
+  LPV_VEC3 vec3 weight;  // per channel: radiance of a colour of 1, in units of the channel's palette radiance
+  float openingRatio;  // k of MATHS.md 3b.3
+  int entryCount;  // of the light's tree
+  int firstChannel;  // of the light's group
+  int turn;  // of a walk through a large tree: dispatches of this piece before this one
 };
 
 struct InjectParams {
-  ivec4 dims;  // cells; w: the light's group
-  vec4 weight;  // per channel: intensity of a moment of 1, W/sr per unit of the channel's palette radiance
-  vec4 lobe;  // x: sides that emit (band 0), y: 1 for one side, 0 for two (band 1 cancels)
-  ivec4 boxLower;  // VPLs: first cell of the light's box
-  ivec4 boxSize;  // VPLs: its cells along x, y, z
+  LPV_VEC3 ivec3 dims;  // cells
+  int group;  // the light's
+  LPV_VEC3 vec3 weight;  // per channel: intensity of a moment of 1, W/sr per unit of the channel's palette radiance
+  float sides;  // that emit: 1 or 2; the factor of band 0
+  float band1Factor;  // 1 for one side, 0 for two, where band 1 cancels
+  LPV_VEC3 ivec3 boxLower;  // VPLs: first cell of the light's box
+  LPV_VEC3 ivec3 boxSize;  // VPLs: its cells along x, y, z
 };
 
 struct PropagateParams {
-  ivec4 dims;
-  ivec4 lower;  // first cell of the box to compute
-  ivec4 upper;  // one past the last cell; w: groups along y of one channel
+  LPV_VEC3 ivec3 dims;  // cells
+  LPV_VEC3 ivec3 lower;  // first cell of the box to compute
+  LPV_VEC3 ivec3 upper;  // one past the last cell
+  int groupsPerChannel;  // along y
 };
 
 struct VolumeParams {
-  ivec4 dims;  // w: first z of this piece
-  vec4 palette[3];  // rgb radiance of each channel
-  vec4 factors;  // x: factor of band 0, y: factor of band 1
-  ivec4 group;  // x: which group of lights, y: its first channel
+  LPV_VEC3 ivec3 dims;  // cells
+  int firstSlice;  // z of this piece's first slice
+  vec4 palette[kColours];  // rgb radiance of each channel; w: 0
+  float band0Factor;
+  float band1Factor;
+  int group;  // of lights
+  int firstChannel;  // of the group
+};
+
+struct ExposureParams {
+  float factor;  // 2^ev, applied to what automatic exposure finds too
+  float key;  // of automatic exposure
+  uint firstGroup;  // groups of pixels before this dispatch's first
+  uint pad0;
 };
 
 struct FrameParams {
   mat4 clipFromEye;  // reversed depth: near 1, far 0; eye space is world space moved to the eye
-  vec4 rayOrigin;  // grid space: from the eye to the top left corner of the picture plane at view depth 1
-  vec4 rayRight;  // grid space: across the whole picture
-  vec4 rayDown;  // grid space: down the whole picture
-  vec4 eye;  // grid space
-  vec4 depth;  // view depth = x / (stored depth + y), metres; z, w: 1 / size of the picture in pixels
-  vec4 palette;  // rgb radiance of the one channel of a monochrome volume
-  vec4 exposure;  // x: 2^ev, applied to what automatic exposure finds too; y: key of automatic exposure;
-                  // z: groups of pixels before this dispatch's first
-  ivec4 dims;  // cells; w: pixels of the picture
+  LPV_VEC3 vec3 rayOrigin;  // grid space: from the eye to the top left corner of the picture plane at view depth 1
+  float depthScale;  // view depth = depthScale / (stored depth + depthOffset), metres
+  LPV_VEC3 vec3 rayRight;  // grid space: across the whole picture
+  float depthOffset;
+  LPV_VEC3 vec3 rayDown;  // grid space: down the whole picture
+  LPV_VEC3 vec3 eye;  // grid space
+  LPV_VEC3 vec3 palette;  // rgb radiance of the one channel of a monochrome volume
+  LPV_VEC3 ivec3 dims;  // cells
+  int pixels;  // of the picture
+  vec2 pixelSize;  // as a share of the picture's width and height
+  LPV_VEC3 ExposureParams exposure;
 };
 
 struct DrawParams {
   mat4 eyeFromObject;
   mat4 normalFromObject;  // inverse transpose of the linear part
-  vec4 colour;  // albedo, or radiance of the front
-  vec4 backColour;  // radiance of the back
+  LPV_VEC3 vec3 colour;  // albedo, or radiance of the front
+  LPV_VEC3 vec3 backColour;  // radiance of the back
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Counters) == 16);
-static_assert(sizeof(VoxelizeParams) == 896 && offsetof(VoxelizeParams, dims) == 288);
-static_assert(sizeof(TreeParams) == 128 && offsetof(TreeParams, unit) == 96);
-static_assert(sizeof(GatherParams) == 64);
+// Offsets are those of std140 and std430: vectors of three at multiples of 16, doubles at multiples of 8.
+static_assert(sizeof(Counters) == 16 && sizeof(ListHeader) == 16 && sizeof(VoxelHeader) == 32);
+static_assert(kCountWords == 4 && kTexturedCountWords == 13 && kFluxWords == 9 && kTexturedFluxWords == 25);
+static_assert(kPlainVplWords == 15 && kTexturedVplWords == 23 && kNormalBins <= 1 << kBinBits);
+static_assert(offsetof(VoxelizeParams, momentUnits) == 256 && offsetof(VoxelizeParams, dims) == 272);
+static_assert(offsetof(VoxelizeParams, firstTriangle) == 284 && offsetof(VoxelizeParams, textureLevels) == 300);
+static_assert(offsetof(VoxelizeParams, textureMean) == 304 && offsetof(VoxelizeParams, tableEntries) == 348);
+static_assert(offsetof(VoxelizeParams, boxLower) == 320 && offsetof(VoxelizeParams, boxSize) == 336);
+static_assert(offsetof(VoxelizeParams, textureSize) == 352 && offsetof(VoxelizeParams, normals) == 368);
+static_assert(sizeof(VoxelizeParams) == 896);
+static_assert(offsetof(TreeParams, levels) == 12 && offsetof(TreeParams, level) == 28);
+static_assert(offsetof(TreeParams, nodesBefore) == 32 && offsetof(TreeParams, shareOfUnit) == 80);
+static_assert(offsetof(TreeParams, firstThread) == 92 && sizeof(TreeParams) == 96);
+static_assert(offsetof(GatherParams, firstBlock) == 12 && offsetof(GatherParams, openingRatio) == 28);
+static_assert(offsetof(GatherParams, turn) == 40 && sizeof(GatherParams) == 48);
 static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4
+static_assert(offsetof(InjectParams, group) == 12 && offsetof(InjectParams, sides) == 28);
+static_assert(offsetof(InjectParams, band1Factor) == 32 && offsetof(InjectParams, boxLower) == 48);
 static_assert(sizeof(InjectParams) == 80);
-static_assert(sizeof(PropagateParams) == 48);
-static_assert(sizeof(VolumeParams) == 96 && offsetof(VolumeParams, factors) == 64);
-static_assert(sizeof(FrameParams) == 192 && offsetof(FrameParams, dims) == 176);
-static_assert(sizeof(DrawParams) == 160 && offsetof(DrawParams, colour) == 128);
+static_assert(offsetof(PropagateParams, groupsPerChannel) == 44 && sizeof(PropagateParams) == 48);
+static_assert(offsetof(VolumeParams, palette) == 16 && offsetof(VolumeParams, band0Factor) == 64);
+static_assert(offsetof(VolumeParams, firstChannel) == 76 && sizeof(VolumeParams) == 80);
+static_assert(offsetof(FrameParams, depthScale) == 76 && offsetof(FrameParams, depthOffset) == 92);
+static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye) == 112);
+static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
+static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
+static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
+static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
+static_assert(sizeof(DrawParams) == 160);
 }  // namespace lpv::layout
 #undef LPV_CONST
+#undef LPV_FUNCTION
+#undef LPV_VEC3
 #endif

@@ -120,7 +120,7 @@ void requireSomeFlag(CLI::App& command) {
     for (const CLI::Option* option : command.get_options()) {
       if (!option->get_positional() && option->count() > 0) return;
     }
-    throw CLI::ValidationError(command.get_name(), "says nothing to change");
+    throw CLI::ValidationError(command.get_name(), "name at least one flag: nothing would change");
   });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What every command of lpvctl shares: the global flags, the connection, the result's way to stdout, the exit code.
+// What all commands of lpvctl share: global flags, the connection, exit codes, warnings.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -11,14 +11,14 @@
 
 namespace lpv::cli {
 
-/// Exit codes of the contract.
+/// Exit codes; scripts rely on them.
 enum class Exit : int {
   kOk = 0,
-  kRefused = 1,        ///< the server, or a file, said no
+  kRefused = 1,        ///< the server refused the call, or a file could not be read or written
   kUsage = 2,
-  kUnreachable = 3,    ///< nobody answers, or not in time
+  kUnreachable = 3,    ///< no server answers, or not within the timeout
   kNotAuthorised = 4,
-  kInterrupted = 130,  ///< Ctrl-C, as shells count it
+  kInterrupted = 130,  ///< Ctrl-C: 128 + SIGINT, as in shells
 };
 
 Exit exitFor(const Status& status);
@@ -37,15 +37,15 @@ struct Globals {
   double timeoutSeconds = 60.0;
 };
 
-/// A running command's surroundings.
+/// What a running command works with.
 class Context {
  public:
   explicit Context(Globals globals) : globals_(std::move(globals)) {}
 
   bool json() const { return globals_.json; }
-  /// Prepares the connection; its calls end when the process is interrupted.
+  /// Prepares a connection whose calls are cancelled by Ctrl-C.
   Expected<client::Client> connect() const;
-  /// A connection that an interruption does not end: for cleaning up.
+  /// A connection that Ctrl-C does not cancel, for cleaning up afterwards; calls time out after 5 s.
   Expected<client::Client> connectForCleanup() const;
 
  private:
@@ -58,9 +58,9 @@ using Action = std::function<Status(Context&)>;
 /// Collects the commands while they are declared and remembers which one was chosen.
 class Commands {
  public:
-  /// A group: a word before the command ("session").
+  /// Declares a group of commands ("session").
   static CLI::App& group(CLI::App& parent, const std::string& name, const std::string& about);
-  /// A command. `action` runs after the whole command line has been understood.
+  /// Declares a command. `action` runs after the whole command line has been parsed.
   CLI::App& add(CLI::App& parent, const std::string& name, const std::string& about, Action action);
   const Action& chosen() const { return chosen_; }
 
@@ -68,16 +68,16 @@ class Commands {
   Action chosen_;
 };
 
-/// Adds the positional session id, the first word of most commands.
+/// Adds the positional session id, the first argument of most commands.
 void addSession(CLI::App& command, std::string& session);
 
-/// A usage error unless at least one of the command's flags is given.
+/// Makes it a usage error to give none of the command's flags.
 void requireSomeFlag(CLI::App& command);
 
-/// "lpvctl: warning: ..." on stderr.
+/// Prints "lpvctl: warning: ..." on stderr.
 void warn(const std::string& message);
 
-// The commands, a group per file.
+// The commands; one function per file.
 void addSessionCommands(CLI::App& app, Commands& commands);
 void addSceneCommands(CLI::App& app, Commands& commands);
 void addLightCommands(CLI::App& app, Commands& commands);

@@ -15,7 +15,7 @@ Expected<v1::FrameFormat> frameFormatOf(const std::string& path) {
   if (extension == "png") return v1::FRAME_FORMAT_PNG;
   if (extension == "jpg" || extension == "jpeg") return v1::FRAME_FORMAT_JPEG;
   if (extension == "exr") return v1::FRAME_FORMAT_EXR;
-  return invalid("output", path + ": pictures of kind '" + extension + "' are not made; png, jpg and exr are");
+  return invalid("output", path + ": cannot write images of type '" + extension + "'; use png, jpg or exr");
 }
 
 Expected<client::FrameResult> getFrame(client::Client& client, const std::string& session, const FrameFlags& flags,
@@ -42,9 +42,9 @@ void addFrameCommands(CLI::App& app, Commands& commands) {
     std::string out;
     FrameFlags frame;
   };
-  CLI::App& group = Commands::group(app, "frame", "Pictures: get");
+  CLI::App& group = Commands::group(app, "frame", "Frames: get");
   auto given = std::make_shared<Options>();
-  CLI::App& get = commands.add(group, "get", "Saves a picture of the scene", [given](Context& context) {
+  CLI::App& get = commands.add(group, "get", "Render one frame and save it", [given](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     std::optional<v1::Camera> camera;
@@ -55,7 +55,7 @@ void addFrameCommands(CLI::App& app, Commands& commands) {
     return frame.status();
   });
   addSession(get, given->id);
-  get.add_option("-o,--output", given->out, "png, jpg, or exr: linear radiance, no tone curve")
+  get.add_option("-o,--output", given->out, "File to write: png or jpg; exr stores linear radiance without tone curve")
       ->required()
       ->type_name("OUT");
   given->frame.addTo(get);

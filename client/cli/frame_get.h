@@ -1,5 +1,5 @@
 #pragma once
-// One picture to a file: for `frame get` and `render`.
+// Renders one frame into a file, for `frame get` and `render`.
 
 #include <optional>
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace lpv::cli {
 
-/// By the file's extension; INVALID_ARGUMENT for others than png, jpg, jpeg, exr.
+/// Image format by the file's extension. INVALID_ARGUMENT unless it is png, jpg, jpeg or exr.
 Expected<v1::FrameFormat> frameFormatOf(const std::string& path);
 
-/// Asks for the picture and writes it. Without a camera here and a name in the flags the server chooses one.
+/// Requests the frame and writes it. The server's default view is used when neither `camera` nor the flags name one.
 Expected<client::FrameResult> getFrame(client::Client& client, const std::string& session, const FrameFlags& flags,
                                        const std::optional<v1::Camera>& camera, const std::string& path);
 

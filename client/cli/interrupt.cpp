@@ -23,13 +23,13 @@ sigset_t interruptSignals() {
   return set;
 }
 
-/// Runs on a thread of its own, where everything is allowed that a signal handler may not do.
+/// Runs on its own thread instead of in a signal handler, so that it may lock mutexes and cancel calls.
 void waitForInterrupt() {
   const sigset_t set = interruptSignals();
   int number = 0;
   if (sigwait(&set, &number) != 0) return;
   wasInterrupted = true;
-  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // this thread takes the second one, which ends the process
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // a second signal is delivered here and ends the process
   const std::lock_guard lock(clientsMutex);
   for (client::Client& c : clients) c.cancel();
 }

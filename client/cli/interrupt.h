@@ -1,14 +1,14 @@
 #pragma once
-// Ctrl-C and SIGTERM: the first ends the calls in flight so that a command can clean up, the second ends the process.
+// Ctrl-C and SIGTERM: the first cancels calls in flight so that a command can clean up; the second ends the process.
 
 #include "lpv/client.h"
 
 namespace lpv::cli {
 
-/// To be called before any thread is started.
+/// Starts handling the signals. Call it before starting any thread.
 void watchInterrupts();
 
-/// `client`'s calls end when the process is interrupted.
+/// Registers `client`: its calls are cancelled when the process is interrupted.
 void cancelOnInterrupt(const client::Client& client);
 
 bool interrupted();

@@ -21,11 +21,17 @@ struct LightFlags : ObjectFlags {
   std::optional<bool> twoSided;
 
   void addTo(CLI::App& app) {
-    auto* radiant = addColour(app, "--radiance", radiance, "W/(sr m^2), linear Rec.709 (1,1,1)");
-    addColour(app, "--power", power, "W per colour over the whole light, instead")->excludes(radiant);
-    app.add_option("--texture", texture, "Image that multiplies the radiance")->type_name("IMG|none");
-    app.add_option("--directions", directions, "Emission directions, x,y,z per vertex and line")->type_name("FILE");
-    app.add_option("--group", group, "Light group: a volume layer of its own")->type_name("G");
+    auto* radiant =
+        addColour(app, "--radiance", radiance, "Radiance, W/(sr m^2), linear Rec.709 (default of add: 1,1,1)");
+    addColour(app, "--power", power, "Power of the whole light, W per colour, instead of radiance")->excludes(radiant);
+    app.add_option("--texture", texture, "Image that multiplies the radiance (default of add: none)")
+        ->type_name("IMG|none");
+    app.add_option("--directions", directions,
+                   "Emission directions, one line x,y,z per vertex (default: the mesh's normals)")
+        ->type_name("FILE");
+    app.add_option("--group", group,
+                   "Light group; each group has its own volume layer (default of add: the unnamed group)")
+        ->type_name("G");
     transform.addTo(app);
     addUpFlag(app, import);
   }
@@ -46,7 +52,7 @@ ObjectKind lightKind() {
   return kind;
 }
 
-/// Writes what was given; uploads files. Returns the paths written.
+/// Uploads the files that were given, writes the given fields into `light` and returns their paths.
 Expected<std::vector<std::string>> writeLight(const LightFlags& flags, client::Client& client, v1::Light& light) {
   const Expected<UploadedFiles> files = uploadFiles(client, flags, flags.directions);
   if (!files) return files.status();
@@ -63,7 +69,7 @@ Expected<std::vector<std::string>> writeLight(const LightFlags& flags, client::C
 
 Expected<v1::Operation> newLight(const LightFlags& flags, client::Client& client) {
   const v1::Operation moved = client::moveLight("", flags.transform.move());
-  v1::Light light = moved.update_light().light();  // with the given parts of the transform
+  v1::Light light = moved.update_light().light();  // has the parts of the transform that were given
   light.set_name(nameFor(flags));
   const auto written = writeLight(flags, client, light);
   if (!written) return written.status();
@@ -84,7 +90,7 @@ void addLightAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   CLI::App& app =
       declareAdd(group, commands, kind, given, [given](client::Client& client) { return newLight(*given, client); });
   app.add_flag_callback(
-      "--two-sided", [given] { given->twoSided = true; }, "Emits from both sides");
+      "--two-sided", [given] { given->twoSided = true; }, "Emit from both sides (default: the front only)");
   given->addTo(app);
 }
 
@@ -92,8 +98,8 @@ void addLightSet(CLI::App& group, Commands& commands, const ObjectKind& kind) {
   auto given = std::make_shared<LightFlags>();
   CLI::App& app = declareSet(group, commands, kind, given,
                              [given](client::Client& client) { return changedLight(*given, client); });
-  addSwitch(app, "--enabled", given->enabled, "Whether it shines");
-  addSwitch(app, "--two-sided", given->twoSided, "Whether it emits from both sides");
+  addSwitch(app, "--enabled", given->enabled, "Switch the light on or off");
+  addSwitch(app, "--two-sided", given->twoSided, "Emit from both sides or from the front only");
   given->addTo(app);
   requireSomeFlag(app);
 }

@@ -13,13 +13,15 @@ namespace {
 
 void addGlobals(CLI::App& app, Globals& globals) {
   globals.server = "localhost:50051";
-  app.add_option("--server", globals.server, "Server to talk to")->envname("LPV_SERVER")->type_name("HOST:PORT");
-  app.add_flag("--json", globals.json, "Results as JSON: one object, or one per line for list and watch");
-  app.add_option("--token-file", globals.tokenFile, "File with the access token (else LPV_TOKEN)")->type_name("FILE");
-  app.add_option("--ca", globals.ca, "TLS: certificates that vouch for the server, PEM")->type_name("FILE");
-  app.add_option("--cert", globals.cert, "TLS: this client's certificate, PEM")->type_name("FILE");
-  app.add_option("--key", globals.key, "TLS: its private key, PEM")->type_name("FILE");
-  app.add_option("--timeout", globals.timeoutSeconds, "Longest wait for one answer")
+  app.add_option("--server", globals.server, "Address of the server")->envname("LPV_SERVER")->type_name("HOST:PORT");
+  app.add_flag("--json", globals.json, "Print results as JSON: one object, or one per line for list and watch");
+  app.add_option("--token-file", globals.tokenFile,
+                 "File that holds the access token (default: the variable LPV_TOKEN)")
+      ->type_name("FILE");
+  app.add_option("--ca", globals.ca, "TLS: PEM file of root certificates (default: the system's)")->type_name("FILE");
+  app.add_option("--cert", globals.cert, "TLS: PEM file of this client's certificate")->type_name("FILE");
+  app.add_option("--key", globals.key, "TLS: PEM file of this client's private key")->type_name("FILE");
+  app.add_option("--timeout", globals.timeoutSeconds, "Longest wait for one answer (default: 60)")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.001, 86400.0));
 }
@@ -43,7 +45,7 @@ int usage(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);  // --help
   std::string line = error.what();
   line = line.substr(0, line.find('\n'));
-  std::cerr << "lpvctl: " << line << " (lpvctl --help says what there is)\n";
+  std::cerr << "lpvctl: " << line << " (see lpvctl --help)\n";
   return int(Exit::kUsage);
 }
 
@@ -53,7 +55,7 @@ int run(const Globals& globals, const Action& action) {
   try {
     status = action(context);
   } catch (const std::bad_alloc&) {
-    status = Status(Code::kResourceExhausted, "this machine has not enough memory for that");
+    status = Status(Code::kResourceExhausted, "not enough memory on this machine");
   }
   if (status.ok()) return int(Exit::kOk);
   if (interrupted()) status = Status(Code::kCancelled, "interrupted");
@@ -65,9 +67,10 @@ int run(const Globals& globals, const Action& action) {
 }  // namespace lpv::cli
 
 int main(int argc, char** argv) {
-  setenv("GRPC_VERBOSITY", "NONE", 0);  // stderr is for one line of ours
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // keep gRPC's log off stderr, which gets one line of our own
   lpv::cli::watchInterrupts();
-  CLI::App app("Lights a scene over the network: sessions, scenes, lights, pictures. Talks to lpvd.", "lpvctl");
+  CLI::App app("Command line of lpvd: create sessions, load scenes, move lights, watch and save what they light.",
+               "lpvctl");
   app.require_subcommand(1);
   app.fallthrough();
   lpv::cli::Globals globals;

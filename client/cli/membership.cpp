@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder for what programs keep of a user; nothing where the environment does not tell.
+/// The user's folder for program state; empty if the environment names neither XDG_STATE_HOME nor HOME.
 std::optional<fs::path> stateHome() {
   if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state == '/') return fs::path(state);
   if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') return fs::path(home) / ".local/state";
@@ -31,7 +31,7 @@ std::string asFileName(std::string words) {
   return words;
 }
 
-/// Where the identity for a session is kept.
+/// File that stores the identity for a session.
 std::optional<fs::path> fileFor(const client::Client& client, const std::string& session) {
   const std::optional<fs::path> home = stateHome();
   if (!home) return std::nullopt;
@@ -49,7 +49,7 @@ v1::ClientIdentity readIdentity(const fs::path& path) {
   return out;
 }
 
-/// Beside the file first, so that another run reads all of it or nothing.
+/// Writes a temporary file and renames it, so that another run reads a complete identity or none.
 bool writeIdentity(const fs::path& path, const v1::ClientIdentity& identity) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
@@ -65,7 +65,7 @@ bool writeIdentity(const fs::path& path, const v1::ClientIdentity& identity) {
   return !error;
 }
 
-/// Sequences need to rise from run to run, not to be dense: microseconds do.
+/// Sequence of an edit: microseconds since 1970. Sequences must rise from run to run but need not be consecutive.
 std::uint64_t sequenceNow() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::uint64_t(std::chrono::duration_cast<std::chrono::microseconds>(now).count());
@@ -75,12 +75,12 @@ client::Editor editorFor(const client::Client& client, const std::string& sessio
   return client::Editor::resume(client, session, std::move(identity), sequenceNow());
 }
 
-/// Joins and keeps the identity, or nobody.
+/// Joins the session and stores the identity. Without a stored identity edits are made anonymously.
 client::Editor newMember(const client::Client& client, const std::string& session, const fs::path& path) {
   Expected<client::Editor> joined = client::Editor::join(client, session, "");
   if (!joined) return editorFor(client, session, {});
   if (writeIdentity(path, joined->identity())) return editorFor(client, session, joined->identity());
-  warn(path.string() + " cannot be written: what is done now cannot be undone by lpvctl undo");
+  warn(path.string() + " cannot be written, so lpvctl undo cannot undo this edit");
   (void)joined->leave();
   return editorFor(client, session, {});
 }

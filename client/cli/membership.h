@@ -1,6 +1,7 @@
 #pragma once
-// lpvctl as a member of sessions. Every run is a process of its own, but what one did the next can undo: the identity
-// that a session issued is kept in $XDG_STATE_HOME/lpvctl (~/.local/state/lpvctl), readable by the user alone.
+// lpvctl as a member of sessions. Each run is a separate process; so that one run can undo what an earlier one did, the
+// identity that a session issued is stored in $XDG_STATE_HOME/lpvctl (~/.local/state/lpvctl), readable by the user
+// only.
 
 #include <functional>
 #include <string>
@@ -9,8 +10,9 @@
 
 namespace lpv::cli {
 
-/// Calls `act` as the member that this user's lpvctl is in the session; joins where it is none yet, or the session does
-/// not know it any more. Where it cannot join, or not keep the identity, it acts as nobody: edits work, undo does not.
+/// Calls `act` with the stored identity of this user in the session. Joins first if there is none, or if the session
+/// does not know it any more. If joining or storing the identity fails, `act` runs without one: edits work, undo does
+/// not.
 Status asMember(const client::Client& client, const std::string& session,
                 const std::function<Status(client::Editor&)>& act);
 

@@ -7,7 +7,7 @@
 
 namespace lpv::cli {
 
-/// A little-endian float32 array in C order; `values` holds the product of `shape` many.
+/// The bytes of a little-endian float32 array in C order. `values` has as many items as the product of `shape`.
 std::string npyFile(const std::vector<std::size_t>& shape, const std::vector<float>& values);
 
 }  // namespace lpv::cli

@@ -16,12 +16,12 @@
 namespace lpv::cli {
 namespace {
 
-/// Attempts at a change relative to a state that others may be changing.
+/// Attempts of a relative move: each is repeated if another member moved the object in between.
 constexpr int kRelativeAttempts = 20;
 
 Expected<std::vector<glm::vec3>> readDirections(const std::string& path) {
   std::ifstream file(path);
-  if (!file) return invalid("directions", path + ": cannot be opened");
+  if (!file) return invalid("directions", path + ": the file cannot be opened");
   std::vector<glm::vec3> out;
   std::size_t number = 0;
   for (std::string line; std::getline(file, line);) {
@@ -32,14 +32,14 @@ Expected<std::vector<glm::vec3>> readDirections(const std::string& path) {
     glm::vec3 d(0.0F);
     std::string rest;
     if (!(words >> d.x >> d.y >> d.z) || words >> rest) {
-      return invalid("directions", path + ": line " + std::to_string(number) + " is not x,y,z");
+      return invalid("directions", path + ": line " + std::to_string(number) + " must be three numbers x,y,z");
     }
     out.push_back(d);
   }
   return out;
 }
 
-/// Reads a mesh file and uploads it.
+/// Reads a mesh file and uploads the mesh.
 Expected<std::string> uploadMeshFile(client::Client& client, const std::string& session, const std::string& path,
                                      const ImportOptions& options, const std::string& directionsPath) {
   ImportOptions as = options;
@@ -59,7 +59,7 @@ Expected<std::string> uploadMeshFile(client::Client& client, const std::string& 
   return client::upload(client, session, *mesh, [&](auto done, auto total) { bar.show(done, total); });
 }
 
-/// Reads an image and uploads it; "none" gives "".
+/// Reads an image and uploads the texture; "none" gives "".
 Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path) {
   if (path == "none") return std::string();
   const Expected<Texture> texture = readImage(path);
@@ -77,7 +77,9 @@ Status moveRelative(Context& context, client::Client& client, const ObjectKind& 
     const auto object = std::find_if(listing->items.begin(), listing->items.end(),
                                      [&](const ObjectKind::Placed& placed) { return placed.name == name; });
     if (object == listing->items.end()) {
-      return Status(Code::kNotFound, "there is no " + kind.word + " '" + name + "'", "name");
+      return Status(
+          Code::kNotFound,
+          "the session has no " + kind.word + " '" + name + "'; lpvctl " + kind.word + " list shows the names", "name");
     }
     v1::Edit edit = client::editOf({kind.move(name, flags.relativeTo(object->transform))});
     edit.set_expected_revision(listing->revision);
@@ -121,18 +123,21 @@ void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
     bool relative = false;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(
-      group, "move", "Places a " + kind.word + "; what is not given stays", [given, kind](Context& context) -> Status {
-        Expected<client::Client> client = context.connect();
-        if (!client) return client.status();
-        if (given->relative) return moveRelative(context, *client, kind, given->id, given->name, given->transform);
-        const v1::Edit edit = client::editOf({kind.move(given->name, given->transform.move())});
-        return applyAndPrint(context, *client, given->id, edit, false);
-      });
+  CLI::App& app =
+      commands.add(group, "move", "Move, turn or scale a " + kind.word + "; other parts keep their values",
+                   [given, kind](Context& context) -> Status {
+                     Expected<client::Client> client = context.connect();
+                     if (!client) return client.status();
+                     if (given->relative)
+                       return moveRelative(context, *client, kind, given->id, given->name, given->transform);
+                     const v1::Edit edit = client::editOf({kind.move(given->name, given->transform.move())});
+                     return applyAndPrint(context, *client, given->id, edit, false);
+                   });
   addSession(app, given->id);
   app.add_option("name", given->name, "Name of the " + kind.word)->required()->type_name("NAME");
   given->transform.addTo(app);
-  app.add_flag("--relative", given->relative, "Add to what is: sum, turn about the world's axes, multiply");
+  app.add_flag("--relative", given->relative,
+               "Relative move: add the translation, turn about the world's axes, multiply the scale");
   app.parse_complete_callback([given] {
     if (!given->transform.any()) throw CLI::ValidationError("move", "needs --translate, --rotate or --scale");
   });
@@ -144,7 +149,7 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
     std::vector<std::string> names;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "remove", "Takes a " + kind.word + " out", [given, kind](Context& context) {
+  CLI::App& app = commands.add(group, "remove", "Remove a " + kind.word, [given, kind](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     std::vector<v1::Operation> operations;
@@ -152,26 +157,28 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
     return applyAndPrint(context, *client, given->id, client::editOf(std::move(operations)), false);
   });
   addSession(app, given->id);
-  app.add_option("names", given->names, "Names; all or none are removed")->required()->type_name("NAME");
+  app.add_option("names", given->names, "Names of the " + kind.word + "s; all are removed, or none if one is refused")
+      ->required()
+      ->type_name("NAME");
 }
 
 CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
-  CLI::App& app = commands.add(group, "add", "Makes a mesh file a " + kind.word + " and prints its name",
+  CLI::App& app = commands.add(group, "add", "Add a mesh file as a " + kind.word + " and print its name",
                                applying(flags, std::move(operation), true));
   addSession(app, flags->id);
-  app.add_option("mesh", flags->mesh, "glb, gltf, obj, ply or stl")->required()->type_name("MESHFILE");
-  app.add_option("--name", flags->name, "Name (the file's)")->type_name("NAME");
+  app.add_option("mesh", flags->mesh, "Mesh file: glb, gltf, obj, ply or stl")->required()->type_name("MESHFILE");
+  app.add_option("--name", flags->name, "Name (default: the file's name)")->type_name("NAME");
   return app;
 }
 
 CLI::App& declareSet(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
-  CLI::App& app =
-      commands.add(group, "set", "Changes what is given, nothing else", applying(flags, std::move(operation), false));
+  CLI::App& app = commands.add(group, "set", "Change the given properties of a " + kind.word,
+                               applying(flags, std::move(operation), false));
   addSession(app, flags->id);
   app.add_option("name", flags->name, "Name of the " + kind.word)->required()->type_name("NAME");
-  app.add_option("--mesh", flags->mesh, "Another mesh")->type_name("MESHFILE");
+  app.add_option("--mesh", flags->mesh, "New mesh")->type_name("MESHFILE");
   return app;
 }
 

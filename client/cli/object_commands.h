@@ -1,5 +1,5 @@
 #pragma once
-// What lights and surfaces have in common on the command line.
+// What the commands for lights and for surfaces share.
 
 #include <functional>
 #include <memory>
@@ -14,10 +14,10 @@
 
 namespace lpv::cli {
 
-/// How to find and change one kind of object.
+/// How one kind of object is listed, moved and removed.
 struct ObjectKind {
   std::string word;  ///< "light"
-  /// Transforms by name, at a revision.
+  /// Lists names and transforms with the revision they were read at.
   struct Placed {
     std::string name;
     Transform transform;
@@ -27,11 +27,11 @@ struct ObjectKind {
   std::function<v1::Operation(const std::string& name)> remove;
 };
 
-/// One edit; the acknowledgement is printed with --json, else its first name where `printName`.
+/// Applies one edit. Prints the acknowledgement with --json, else the first object's name if `printName`.
 Status applyAndPrint(Context& context, client::Client& client, const std::string& session, const v1::Edit& edit,
                      bool printName);
 
-/// `move` and `remove`.
+/// Declares the commands `move` and `remove`.
 void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind);
 void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind);
 
@@ -47,26 +47,27 @@ struct ObjectFlags {
 
 using MakeOperation = std::function<Expected<v1::Operation>(client::Client&)>;
 
-/// `add` and `set`, with the flags that make them; the caller adds those of its kind. `operation` uploads what is given
-/// and says what to do.
+/// Declare the commands `add` and `set` with the flags that both kinds share; the caller adds the flags of its kind.
+/// `operation` uploads the files that were given and returns the operation.
 CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation);
 CLI::App& declareSet(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation);
 
-/// The name given to a new object, else its file's.
+/// The name for a new object: the one given, else the file's.
 std::string nameFor(const ObjectFlags& flags);
 
-/// Hashes of the files that were given, on the server now. "" for the texture "none", which takes a texture away.
+/// Hashes of the uploaded files. "" for the texture "none", which removes the object's texture.
 struct UploadedFiles {
   std::optional<std::string> mesh;
   std::optional<std::string> texture;
 };
-/// `directions`: a file of emission directions, one per vertex in the mesh file's order; may be empty.
+/// Uploads the files that were given. `directions`: file of emission directions, one per vertex in the mesh file's
+/// order; "": none.
 Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& flags,
                                     const std::string& directions = {});
 
-/// Writes what is given into a message and keeps the paths, for an update's mask.
+/// Writes the given fields into a message and collects their paths for the update mask.
 class MaskBuilder {
  public:
   template <typename T, typename Write>
@@ -81,12 +82,12 @@ class MaskBuilder {
   std::vector<std::string> paths_;
 };
 
-/// `list`: `list` asks for the objects, `row` makes a line of a table of one.
+/// Declares the command `list`. `list` requests the objects, `row` formats one as a line of the table.
 template <typename List, typename Row>
 void addList(CLI::App& group, Commands& commands, const ObjectKind& kind, List list, Row row) {
   auto id = std::make_shared<std::string>();
   CLI::App& app =
-      commands.add(group, "list", "Lists the " + kind.word + "s", [id, list, row](Context& context) -> Status {
+      commands.add(group, "list", "List the " + kind.word + "s", [id, list, row](Context& context) -> Status {
         Expected<client::Client> client = context.connect();
         if (!client) return client.status();
         const auto listing = list(*client, *id);

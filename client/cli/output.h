@@ -1,5 +1,5 @@
 #pragma once
-// Results to stdout: messages as proto JSON, other facts as small JSON objects.
+// Prints results to stdout: messages as proto JSON, other results as small JSON objects, tables for people.
 
 #include <google/protobuf/message.h>
 
@@ -9,10 +9,10 @@
 
 namespace lpv::cli {
 
-/// A message as JSON in one line, all plain fields present.
+/// A message as proto JSON in one line; fields with default values are printed too.
 std::string toJson(const google::protobuf::Message& message);
 
-/// A JSON object, fields in the order added. Numbers that are not finite become null.
+/// Writes a JSON object with its fields in the order added. Numbers that are not finite become null.
 class JsonObject {
  public:
   JsonObject& text(const std::string& key, const std::string& value);
@@ -20,7 +20,7 @@ class JsonObject {
   JsonObject& flag(const std::string& key, bool value);
   JsonObject& numbers(const std::string& key, const std::vector<double>& values);
   JsonObject& vec3(const std::string& key, const glm::dvec3& value);
-  /// `json` is JSON already.
+  /// Adds a value that already is JSON.
   JsonObject& raw(const std::string& key, const std::string& json);
   std::string str() const { return "{" + body_ + "}"; }
 
@@ -28,19 +28,19 @@ class JsonObject {
   std::string body_;
 };
 
-/// "[a,b]" from JSON values.
+/// A JSON array of values that already are JSON.
 std::string jsonArray(const std::vector<std::string>& values);
 
-/// A line on stdout, at once.
+/// Prints a line on stdout and flushes.
 void print(const std::string& line);
 
 /// The shortest text that reads back as the same double.
 std::string numberText(double value);
 
-/// Six digits, for people.
+/// At most six significant digits.
 std::string shortText(double value);
 
-/// Columns padded to their widest cell, two spaces between.
+/// Prints rows with each column padded to its widest cell, two spaces between columns.
 void printTable(const std::vector<std::vector<std::string>>& rows);
 
 }  // namespace lpv::cli

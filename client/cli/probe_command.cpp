@@ -21,12 +21,12 @@ struct ProbeOptions {
   bool volumeOnly = false;
 };
 
-/// Lines x,y,z,nx,ny,nz; a first line of words is a heading, empty lines and lines with # are skipped.
+/// Reads lines x,y,z,nx,ny,nz. A first line of words is skipped as a heading, as are empty lines and lines with #.
 Expected<std::vector<client::SurfacePoint>> readPoints(const std::string& path) {
   std::ifstream opened;
   if (path != "-") opened.open(path);
   std::istream& file = path == "-" ? std::cin : opened;
-  if (!file) return invalid("points", path + ": cannot be opened");
+  if (!file) return invalid("points", path + ": the file cannot be opened");
   std::vector<client::SurfacePoint> points;
   std::size_t number = 0;
   for (std::string line; std::getline(file, line);) {
@@ -35,10 +35,10 @@ Expected<std::vector<client::SurfacePoint>> readPoints(const std::string& path) 
     if (line.empty() || line[0] == '#') continue;
     const auto n = parseNumbers(line, {6});
     if (!n && number == 1) continue;
-    if (!n) return invalid("points", path + ": line " + std::to_string(number) + " is not x,y,z,nx,ny,nz");
+    if (!n) return invalid("points", path + ": line " + std::to_string(number) + " must be six numbers x,y,z,nx,ny,nz");
     points.push_back({{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}});
   }
-  if (points.empty()) return invalid("points", path + ": holds no point");
+  if (points.empty()) return invalid("points", path + ": the file has no points");
   return points;
 }
 
@@ -48,7 +48,7 @@ std::string joined(const std::vector<double>& numbers, char separator) {
   return out;
 }
 
-/// Points where the volume cannot tell read nan.
+/// One line of the CSV. Points outside the volume get nan.
 std::string csvLine(const client::SurfacePoint& p, const Irradiance& answer) {
   std::string line = joined({p.position.x, p.position.y, p.position.z, p.normal.x, p.normal.y, p.normal.z}, ',') + ",";
   return line + (answer.valid ? joined({answer.rgb.x, answer.rgb.y, answer.rgb.z}, ',') : "nan,nan,nan");
@@ -92,7 +92,7 @@ Status probe(Context& context, const ProbeOptions& options) {
     return {};
   }
   const Irradiance& answer = result->irradiance[0];
-  if (!answer.valid) return Status(Code::kOutOfRange, "the point is outside the session's grid", "at");
+  if (!answer.valid) return Status(Code::kOutOfRange, "the point lies outside the session's grid", "at");
   print(joined({answer.rgb.x, answer.rgb.y, answer.rgb.z}, ' '));
   return {};
 }
@@ -101,19 +101,19 @@ Status probe(Context& context, const ProbeOptions& options) {
 
 void addProbeCommand(CLI::App& app, Commands& commands) {
   auto given = std::make_shared<ProbeOptions>();
-  CLI::App& command = commands.add(app, "probe", "Irradiance r g b at points, W/m^2",
+  CLI::App& command = commands.add(app, "probe", "Print the irradiance at points: r g b, W/m^2",
                                    [given](Context& context) { return probe(context, *given); });
   addSession(command, given->id);
-  auto* at = addVec3(command, "--at", given->at, "Position, metres");
-  auto* normal = addVec3(command, "--normal", given->normal, "The surface's normal there")->needs(at);
+  auto* at = addVec3(command, "--at", given->at, "Position of one point, metres");
+  auto* normal = addVec3(command, "--normal", given->normal, "Normal of the surface at that point")->needs(at);
   at->needs(normal);
-  command.add_option("--points", given->points, "Lines x,y,z,nx,ny,nz; - reads stdin")
+  command.add_option("--points", given->points, "File of points, one line x,y,z,nx,ny,nz each; - reads stdin")
       ->type_name("FILE.csv")
       ->excludes(at);
-  command.add_flag("--volume-only", given->volumeOnly, "The plain lookup without near field");
+  command.add_flag("--volume-only", given->volumeOnly, "Look the volume up only, without the near field");
   command.parse_complete_callback([given] {
     if (!given->at && given->points.empty())
-      throw CLI::ValidationError("probe", "needs --at and --normal, or --points");
+      throw CLI::ValidationError("probe", "give either --at and --normal, or --points");
   });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Progress of something long: a bar on a terminal's stderr, nothing in a pipe.
+// Progress bar on stderr if that is a terminal; nothing otherwise.
 
 #include <chrono>
 #include <cstdint>
@@ -10,12 +10,12 @@ namespace lpv::cli {
 class ProgressBar {
  public:
   explicit ProgressBar(std::string title);
-  /// Takes the bar away.
+  /// Erases the bar.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Redraws at most ten times a second. `total` 0: no known end.
+  /// Redraws the bar, at most ten times a second. `total` 0: the end is not known.
   void show(std::uint64_t done, std::uint64_t total);
 
  private:
@@ -25,10 +25,10 @@ class ProgressBar {
   std::chrono::steady_clock::time_point last_;
 };
 
-/// Whether stderr is a terminal.
+/// True if stderr is a terminal.
 bool onTerminal();
 
-/// A line on the terminal's stderr that the next one overwrites; "" takes it away.
+/// Writes a line on stderr that the next one overwrites; "" erases it.
 void statusLine(const std::string& text);
 
 }  // namespace lpv::cli

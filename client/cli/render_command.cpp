@@ -1,4 +1,4 @@
-// render: a temporary session, one picture, nothing left behind.
+// render: creates a temporary session, saves one frame, deletes the session.
 
 #include <memory>
 #include <utility>
@@ -16,10 +16,10 @@
 namespace lpv::cli {
 namespace {
 
-/// Propagation steps of a still, should PROPAGATE be asked for. Light spreads slowly from cell to cell; a live session
-/// takes as many as it can afford.
+/// Propagation iterations with PROPAGATE. More than a live session can afford: light spreads one cell per iteration,
+/// and a single frame may take its time.
 constexpr int kIterations = 512;
-/// Should this process be killed, the server forgets the session by itself.
+/// ttl of the session: if this process is killed, the server removes the session.
 constexpr std::int64_t kLifeSeconds = 600;
 
 struct RenderOptions {
@@ -30,7 +30,7 @@ struct RenderOptions {
   FrameFlags frame;
 };
 
-/// Deletes the session when it goes, also after an error or Ctrl-C.
+/// Deletes the session in its destructor, also after an error or Ctrl-C.
 class TemporarySession {
  public:
   TemporarySession(const Context& context, std::string name) : context_(context), name_(std::move(name)) {}
@@ -47,7 +47,7 @@ class TemporarySession {
   std::string name_;
 };
 
-/// Nothing where the server is to choose.
+/// The camera of the flags, else of the file; empty: the server's default view.
 std::optional<v1::Camera> cameraFor(const RenderOptions& options, const ImportedScene& scene) {
   if (options.frame.hasCamera()) return options.frame.camera();
   if (!options.frame.cameraName.empty() || scene.cameras.empty()) return {};
@@ -59,7 +59,7 @@ Status render(Context& context, const RenderOptions& options) {
   const Expected<ImportedScene> scene = importScene(options.file, options.import);
   if (!scene) return scene.status();
   for (const std::string& warning : scene->warnings) warn(warning);
-  if (scene->lights.empty()) warn("the file has no emissive material: the picture will be black");
+  if (scene->lights.empty()) warn("the file has no emissive material: the frame will be black");
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
 
@@ -92,11 +92,12 @@ Status render(Context& context, const RenderOptions& options) {
 
 void addRenderCommand(CLI::App& app, Commands& commands) {
   auto given = std::make_shared<RenderOptions>();
-  CLI::App& command = commands.add(
-      app, "render", "One picture of a file, in a session of its own (quality accurate unless said otherwise)",
-      [given](Context& context) { return render(context, *given); });
-  command.add_option("file", given->file, "glb, gltf, obj, ply or stl")->required()->type_name("FILE");
-  command.add_option("-o,--output", given->out, "png, jpg, or exr: linear radiance, no tone curve")
+  CLI::App& command =
+      commands.add(app, "render", "Render one frame of a scene file in a temporary session (default quality: accurate)",
+                   [given](Context& context) { return render(context, *given); });
+  command.add_option("file", given->file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
+  command
+      .add_option("-o,--output", given->out, "File to write: png or jpg; exr stores linear radiance without tone curve")
       ->required()
       ->type_name("OUT");
   addImportFlags(command, given->import);

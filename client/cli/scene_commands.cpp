@@ -54,23 +54,24 @@ void addSceneLoad(CLI::App& group, Commands& commands) {
     ImportOptions import;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "load", "Adds a file's lights, surfaces and cameras", [given](Context& context) {
-    Expected<ImportedScene> scene = importScene(given->file, given->import);
-    if (!scene) return scene.status();
-    for (const std::string& warning : scene->warnings) warn(warning);
-    Expected<client::Client> client = context.connect();
-    if (!client) return client.status();
-    return asMember(*client, given->id, [&](client::Editor& editor) -> Status {
-      const Expected<UploadedScene> made = uploadScene(editor, *scene);
-      if (!made) return made.status();
-      if (made->lights.empty())
-        warn("the file has no emissive material, so nothing lights it yet: see lpvctl light add");
-      printMade(context, *scene, *made);
-      return {};
-    });
-  });
+  CLI::App& app =
+      commands.add(group, "load", "Add the lights, surfaces and cameras of a scene file", [given](Context& context) {
+        Expected<ImportedScene> scene = importScene(given->file, given->import);
+        if (!scene) return scene.status();
+        for (const std::string& warning : scene->warnings) warn(warning);
+        Expected<client::Client> client = context.connect();
+        if (!client) return client.status();
+        return asMember(*client, given->id, [&](client::Editor& editor) -> Status {
+          const Expected<UploadedScene> made = uploadScene(editor, *scene);
+          if (!made) return made.status();
+          if (made->lights.empty())
+            warn("the file has no emissive material and adds no light; add one with lpvctl light add");
+          printMade(context, *scene, *made);
+          return {};
+        });
+      });
   addSession(app, given->id);
-  app.add_option("file", given->file, "glb, gltf, obj, ply or stl")->required()->type_name("FILE");
+  app.add_option("file", given->file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
   addImportFlags(app, given->import);
 }
 
@@ -107,7 +108,7 @@ Status listScene(Context& context, const std::string& id) {
 
 void addSceneList(CLI::App& group, Commands& commands) {
   auto id = std::make_shared<std::string>();
-  CLI::App& app = commands.add(group, "list", "Lists lights, surfaces and cameras",
+  CLI::App& app = commands.add(group, "list", "List the lights, surfaces and cameras",
                                [id](Context& context) { return listScene(context, *id); });
   addSession(app, *id);
 }

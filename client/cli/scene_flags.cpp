@@ -34,27 +34,26 @@ void addUpFlag(CLI::App& app, ImportOptions& options) {
   app.add_option_function<std::string>(
          "--up",
          [&options](const std::string& axis) {
-           if (axis != "y" && axis != "z")
-             throw CLI::ValidationError("--up", "is '" + axis + "', possible are y and z");
+           if (axis != "y" && axis != "z") throw CLI::ValidationError("--up", "is '" + axis + "'; allowed are y and z");
            options.zUp = axis == "z";
          },
-         "Axis of the file that points up (y)")
+         "Axis of the file that points up (default: y)")
       ->type_name("y|z");
 }
 
 void addImportFlags(CLI::App& app, ImportOptions& options) {
-  app.add_option("--scale", options.scale, "Metres per unit of the file (1)")
+  app.add_option("--scale", options.scale, "Metres per unit of the file (default: 1)")
       ->type_name("S")
       ->check(CLI::Range(1e-9, 1e9));
   addUpFlag(app, options);
   app.add_flag("--ignore-emissive-textures", options.ignoreEmissiveTextures,
-               "Lights emit the mean colour of their texture");
+               "Let lights emit the mean colour of their emissive texture (default: the texture)");
 }
 
 void TransformFlags::addTo(CLI::App& app) {
-  addVec3(app, "--translate", translate, "Position, metres");
-  addVec3(app, "--rotate", rotate, "Degrees about X, then the turned Y, then the turned Z");
-  addScale(app, "--scale", scale, "Size");
+  addVec3(app, "--translate", translate, "Translation, metres");
+  addVec3(app, "--rotate", rotate, "Rotation, degrees: intrinsic X, then Y, then Z");
+  addScale(app, "--scale", scale, "Scale factor, one or one per axis");
 }
 
 client::Move TransformFlags::move() const {
@@ -74,22 +73,24 @@ client::Move TransformFlags::relativeTo(const Transform& now) const {
 }
 
 void FrameFlags::addCameraTo(CLI::App& app) {
-  auto* named = app.add_option("--camera", cameraName, "A camera of the session")->type_name("NAME");
-  auto* from = addVec3(app, "--eye", eye, "Where the camera is, metres")->excludes(named);
-  auto* to = addVec3(app, "--target", target, "What it looks at, metres")->needs(from);
+  auto* named =
+      app.add_option("--camera", cameraName, "Use this camera of the session (default: a view that the server chooses)")
+          ->type_name("NAME");
+  auto* from = addVec3(app, "--eye", eye, "Position of the camera, metres")->excludes(named);
+  auto* to = addVec3(app, "--target", target, "Point the camera looks at, metres")->needs(from);
   from->needs(to);
-  addVec3(app, "--up-vector", up, "Up in the picture (0,1,0)")->needs(from);
-  app.add_option("--fov", fov, "Vertical field of view, degrees (50)")->type_name("DEGREES")->needs(from);
+  addVec3(app, "--up-vector", up, "Up direction (default: 0,1,0)")->needs(from);
+  app.add_option("--fov", fov, "Vertical field of view, degrees (default: 50)")->type_name("DEGREES")->needs(from);
 }
 
 void FrameFlags::addSizeTo(CLI::App& app) {
-  addParsed<glm::ivec2>(app, "--size", size, "WxH", parseSize, "Pixels (640x360)");
+  addParsed<glm::ivec2>(app, "--size", size, "WxH", parseSize, "Size, pixels (default: 640x360)");
 }
 
 void FrameFlags::addTo(CLI::App& app) {
   addCameraTo(app);
   addSizeTo(app);
-  addParsed<v1::Exposure>(app, "--exposure", exposure, "EV|auto", parseExposure, "Stops (auto)");
+  addParsed<v1::Exposure>(app, "--exposure", exposure, "EV|auto", parseExposure, "Exposure in stops (default: auto)");
 }
 
 v1::Camera FrameFlags::camera() const {

@@ -1,5 +1,5 @@
 #pragma once
-// Flags that several commands share: how files are read, where objects are, which camera looks.
+// Flags that several commands share: how files are read, transforms of objects, the camera and size of frames.
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace lpv::cli {
 
-/// --scale, --up and --ignore-emissive-textures.
+/// Adds --scale, --up and --ignore-emissive-textures.
 void addImportFlags(CLI::App& app, ImportOptions& options);
-/// --up alone, for meshes that have --scale as an object's scale.
+/// Adds --up only, for commands in which --scale is the object's scale.
 void addUpFlag(CLI::App& app, ImportOptions& options);
 
-/// --translate, --rotate, --scale.
+/// The flags --translate, --rotate and --scale.
 struct TransformFlags {
   std::optional<glm::dvec3> translate;  ///< metres
   std::optional<glm::dvec3> rotate;     ///< degrees: intrinsic X, then Y, then Z
@@ -26,12 +26,12 @@ struct TransformFlags {
   void addTo(CLI::App& app);
   bool any() const { return translate || rotate || scale; }
   client::Move move() const;
-  /// The move from `now` where the flags add: translations are summed, rotations turn about the world's axes, scales
-  /// multiply.
+  /// The absolute move that --relative means from `now`: translations are added, rotations turn about the world's axes,
+  /// scales are multiplied.
   client::Move relativeTo(const Transform& now) const;
 };
 
-/// --eye --target --up-vector --fov, --camera, --size, --exposure.
+/// The flags --eye, --target, --up-vector, --fov, --camera, --size and --exposure.
 struct FrameFlags {
   std::optional<glm::dvec3> eye;
   std::optional<glm::dvec3> target;
@@ -44,19 +44,19 @@ struct FrameFlags {
   void addTo(CLI::App& app);
   void addCameraTo(CLI::App& app);
   void addSizeTo(CLI::App& app);
-  /// Whether a camera was described (not named).
+  /// True if --eye and --target were given.
   bool hasCamera() const { return eye.has_value(); }
-  /// The camera described; unset fields keep the server's defaults.
+  /// The camera given by --eye and its companions; unset fields take the server's defaults.
   v1::Camera camera() const;
-  /// Pixels; 640x360 unless given.
+  /// Size in pixels; 640x360 by default.
   glm::ivec2 pixels() const { return size.value_or(glm::ivec2(640, 360)); }
 };
 
-/// "v" or "r,g,b".
+/// Adds an option whose value is "v" or "r,g,b".
 CLI::Option* addColour(CLI::App& app, const std::string& name, std::optional<glm::dvec3>& value,
                        const std::string& about);
 
-/// Writes a file so that it appears complete or not at all.
+/// Writes a temporary file and renames it, so that `path` is either complete or unchanged.
 Status writeFile(const std::string& path, const std::string& bytes);
 
 }  // namespace lpv::cli

@@ -13,9 +13,9 @@ namespace lpv::cli {
 namespace {
 
 constexpr int kMaxOperations = 1000;
-constexpr std::size_t kMaxEditBytes = 900000;  // of the 1 MiB a message may have
+constexpr std::size_t kMaxEditBytes = 900000;  // a message may have 1 MiB
 
-/// Blobs of all meshes and textures, each made once.
+/// The blobs of all meshes and textures; each is serialised once.
 class SceneBlobs {
  public:
   explicit SceneBlobs(const ImportedScene& scene) {
@@ -94,7 +94,7 @@ std::vector<v1::Edit> editsFor(const ImportedScene& scene, const SceneBlobs& blo
   return edits;
 }
 
-/// Notes the names that an accepted edit gave its objects.
+/// Adds the names that the session gave to the objects of an accepted edit.
 void collect(const v1::Edit& edit, const v1::EditAck& ack, UploadedScene& made) {
   made.revision = ack.revision();
   for (int i = 0; i < edit.operations_size() && i < ack.names_size(); ++i) {
@@ -105,7 +105,7 @@ void collect(const v1::Edit& edit, const v1::EditAck& ack, UploadedScene& made) 
   }
 }
 
-void takeBack(client::Editor& editor, const UploadedScene& made, const std::string& step) {
+void removeCreated(client::Editor& editor, const UploadedScene& made, const std::string& step) {
   std::vector<v1::Operation> operations;
   for (const std::string& name : made.lights) operations.push_back(client::deleteLight(name));
   for (const std::string& name : made.surfaces) operations.push_back(client::deleteSurface(name));
@@ -119,7 +119,7 @@ void takeBack(client::Editor& editor, const UploadedScene& made, const std::stri
   }
 }
 
-/// All of them are one undo step.
+/// Applies the edits as one undo step. If one is refused, deletes what the edits before it created.
 Expected<UploadedScene> applyAll(client::Editor& editor, std::vector<v1::Edit> edits) {
   const std::string step = "load " + std::to_string(editor.sequence());
   UploadedScene made;
@@ -127,7 +127,7 @@ Expected<UploadedScene> applyAll(client::Editor& editor, std::vector<v1::Edit> e
     edit.set_undo_group(step);
     const Expected<v1::EditAck> ack = editor.apply(edit);
     if (!ack) {
-      takeBack(editor, made, step);
+      removeCreated(editor, made, step);
       return ack.status();
     }
     collect(edit, *ack, made);

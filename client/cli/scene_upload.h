@@ -1,5 +1,5 @@
 #pragma once
-// An imported scene to a session: blobs first, then edits, the last of which fits the grid.
+// Uploads an imported scene to a session: blobs first, then edits, the last of which fits the grid.
 
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace lpv::cli {
 
-/// What was made, by the names the session gave.
+/// Names that the session gave to what was created.
 struct UploadedScene {
   std::vector<std::string> lights;
   std::vector<std::string> surfaces;
@@ -17,7 +17,7 @@ struct UploadedScene {
   std::uint64_t revision = 0;
 };
 
-/// All or nothing: where an edit is refused, what earlier ones made is removed again. One undo step.
+/// Uploads everything as one undo step. If an edit is refused, what the earlier ones created is removed again.
 Expected<UploadedScene> uploadScene(client::Editor& editor, const ImportedScene& scene);
 
 }  // namespace lpv::cli

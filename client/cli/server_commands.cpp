@@ -40,10 +40,11 @@ Status showHealth(Context& context) {
   if (!healthy) return healthy.status();
   const std::string word = *healthy ? "SERVING" : "NOT_SERVING";
   print(context.json() ? JsonObject().text("status", word).str() : word);
-  return *healthy ? Status() : Status(Code::kFailedPrecondition, "the server is up and takes no work");
+  return *healthy ? Status()
+                  : Status(Code::kFailedPrecondition, "the server answers but takes no work: it is draining");
 }
 
-/// The client's version always; the server's where one answers.
+/// Prints the client's version, and the server's if one answers.
 Status showVersion(Context& context) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
@@ -65,9 +66,9 @@ Status showVersion(Context& context) {
 }  // namespace
 
 void addServerCommands(CLI::App& app, Commands& commands) {
-  commands.add(app, "stats", "Numbers of the server", showStats);
-  commands.add(app, "health", "Whether the server serves; exit code 0 when it does", showHealth);
-  commands.add(app, "version", "Versions of this program and of the server, where one answers", showVersion);
+  commands.add(app, "stats", "Print counters of the server", showStats);
+  commands.add(app, "health", "Print whether the server serves; exit code 0 if it does", showHealth);
+  commands.add(app, "version", "Print the versions of lpvctl and, if it answers, of the server", showVersion);
 }
 
 }  // namespace lpv::cli

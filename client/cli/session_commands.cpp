@@ -41,7 +41,7 @@ void printSession(const Context& context, const v1::Session& session) {
               {"settings", toJson(session.settings())}});
 }
 
-/// Written for its owner's eyes only; nothing where no file was asked for.
+/// Writes the token to a file that only its owner can read. Does nothing for an empty path.
 Status saveToken(const std::string& path, const std::string& token) {
   if (path.empty()) return {};
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -52,7 +52,8 @@ Status saveToken(const std::string& path, const std::string& token) {
 }
 
 void addSaveToken(CLI::App& app, std::string& file) {
-  app.add_option("--save-token", file, "Where to write the owner's access token")->type_name("FILE");
+  app.add_option("--save-token", file, "File to write the owner's access token to (default: it is not saved)")
+      ->type_name("FILE");
 }
 
 void addCreate(CLI::App& group, Commands& commands) {
@@ -62,7 +63,7 @@ void addCreate(CLI::App& group, Commands& commands) {
     std::string tokenFile;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "create", "Makes a session and prints its id", [given](Context& context) {
+  CLI::App& app = commands.add(group, "create", "Create a session and print its id", [given](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     v1::CreateSessionRequest request;
@@ -80,7 +81,7 @@ void addCreate(CLI::App& group, Commands& commands) {
 }
 
 void addList(CLI::App& group, Commands& commands) {
-  commands.add(group, "list", "Lists the sessions", [](Context& context) {
+  commands.add(group, "list", "List the sessions", [](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     const auto sessions = client->sessions();
@@ -100,7 +101,7 @@ void addList(CLI::App& group, Commands& commands) {
 
 void addShow(CLI::App& group, Commands& commands) {
   auto id = std::make_shared<std::string>();
-  CLI::App& app = commands.add(group, "show", "Shows a session", [id](Context& context) {
+  CLI::App& app = commands.add(group, "show", "Show a session and its settings", [id](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     const auto session = client->session(*id);
@@ -116,10 +117,11 @@ void declareSet(CLI::App& group, Commands& commands) {
     SessionFlags flags;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "set", "Changes what is given, nothing else", [given](Context& context) {
+  CLI::App& app = commands.add(group, "set", "Change the given settings of a session", [given](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
-    const auto now = client->session(given->id);  // the grid is one field: its other parts stay
+    const auto now =
+        client->session(given->id);  // the grid is one field of the mask, so its other parts are sent unchanged
     if (!now) return now.status();
     v1::Session wanted;
     wanted.set_name(now->name());
@@ -136,7 +138,7 @@ void declareSet(CLI::App& group, Commands& commands) {
 
 void addDelete(CLI::App& group, Commands& commands) {
   auto id = std::make_shared<std::string>();
-  CLI::App& app = commands.add(group, "delete", "Ends a session for everybody", [id](Context& context) {
+  CLI::App& app = commands.add(group, "delete", "Delete a session for all its clients", [id](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     Status status = client->deleteSession(*id);
@@ -148,7 +150,7 @@ void addDelete(CLI::App& group, Commands& commands) {
 
 void addFit(CLI::App& group, Commands& commands) {
   auto id = std::make_shared<std::string>();
-  CLI::App& app = commands.add(group, "fit", "Fits the grid to the content", [id](Context& context) {
+  CLI::App& app = commands.add(group, "fit", "Fit the grid to the content", [id](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     const auto session = client->fitSession(*id);
@@ -165,7 +167,7 @@ void addShare(CLI::App& group, Commands& commands) {
     std::optional<double> ttl;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "share", "Makes an access token and prints it", [given](Context& context) {
+  CLI::App& app = commands.add(group, "share", "Create an access token and print it", [given](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     v1::CreateTokenRequest request;
@@ -179,9 +181,10 @@ void addShare(CLI::App& group, Commands& commands) {
   addSession(app, given->id);
   addChoice<v1::Role>(app, "--role", given->role,
                       {{"viewer", v1::ROLE_VIEWER}, {"editor", v1::ROLE_EDITOR}, {"owner", v1::ROLE_OWNER}},
-                      "What the token allows")
+                      "Role that the token grants")
       ->required();
-  addParsed<double>(app, "--ttl", given->ttl, "T", parseDuration, "Life of the token: 90s, 10m, 1h, 2d");
+  addParsed<double>(app, "--ttl", given->ttl, "T", parseDuration,
+                    "Lifetime of the token: 90s, 10m, 1h, 2d (default: 30d)");
 }
 
 void addRevoke(CLI::App& group, Commands& commands) {
@@ -190,14 +193,14 @@ void addRevoke(CLI::App& group, Commands& commands) {
     std::string token;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app =
-      commands.add(group, "revoke", "Ends an access token and what it has opened", [given](Context& context) {
-        Expected<client::Client> client = context.connect();
-        if (!client) return client.status();
-        return client->revokeToken(client::sessionName(given->id), given->token);
-      });
+  CLI::App& app = commands.add(group, "revoke", "Revoke an access token and end the streams opened with it",
+                               [given](Context& context) {
+                                 Expected<client::Client> client = context.connect();
+                                 if (!client) return client.status();
+                                 return client->revokeToken(client::sessionName(given->id), given->token);
+                               });
   addSession(app, given->id);
-  app.add_option("token", given->token, "The token's id: session share --json prints it; the 16 digits after lpv_")
+  app.add_option("token", given->token, "Id of the token, printed by session share --json: the 16 digits after lpv_")
       ->required()
       ->type_name("TOKEN_ID");
 }
@@ -208,7 +211,7 @@ void addSave(CLI::App& group, Commands& commands) {
     std::string file;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "save", "Writes a session's content to a file", [given](Context& context) {
+  CLI::App& app = commands.add(group, "save", "Save a session's content to a file", [given](Context& context) {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     const std::string partial = given->file + ".part";
@@ -240,19 +243,21 @@ void addLoad(CLI::App& group, Commands& commands) {
     std::string tokenFile;
   };
   auto given = std::make_shared<Options>();
-  CLI::App& app = commands.add(group, "load", "Makes a session from a saved file, prints its id", [given](Context& c) {
-    std::ifstream file(given->file, std::ios::binary);
-    if (!file) return invalid("file", given->file + ": cannot be opened");
-    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    Expected<client::Client> client = c.connect();
-    if (!client) return client.status();
-    ProgressBar bar("uploading");
-    const auto made = client->importSession(given->id, bytes, [&](auto done, auto total) { bar.show(done, total); });
-    if (!made) return made.status();
-    if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
-    print(c.json() ? toJson(*made) : client::sessionId(made->session().name()));
-    return Status();
-  });
+  CLI::App& app =
+      commands.add(group, "load", "Create a session from a saved file and print its id", [given](Context& c) {
+        std::ifstream file(given->file, std::ios::binary);
+        if (!file) return invalid("file", given->file + ": the file cannot be opened");
+        const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+        Expected<client::Client> client = c.connect();
+        if (!client) return client.status();
+        ProgressBar bar("uploading");
+        const auto made =
+            client->importSession(given->id, bytes, [&](auto done, auto total) { bar.show(done, total); });
+        if (!made) return made.status();
+        if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
+        print(c.json() ? toJson(*made) : client::sessionId(made->session().name()));
+        return Status();
+      });
   app.add_option("file", given->file, "File to read")->required()->type_name("FILE");
   app.add_option("--id", given->id, "Wanted id (the server chooses)")->type_name("ID");
   addSaveToken(app, given->tokenFile);

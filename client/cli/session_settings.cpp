@@ -74,41 +74,49 @@ struct SessionFlags::Given {
   std::optional<std::string> displayName;
 
   void addGridTo(CLI::App& app) {
-    auto* size = addParsed<GridSize>(app, "--grid", grid, "N|auto", parseGrid, "Cells along the longest edge (32)");
-    addParsed<glm::ivec3>(app, "--dims", dims, "X,Y,Z", parseDims, "Cells along each axis")->excludes(size);
+    auto* size =
+        addParsed<GridSize>(app, "--grid", grid, "N|auto", parseGrid, "Cells along the longest edge (default: 32)");
+    addParsed<glm::ivec3>(app, "--dims", dims, "X,Y,Z", parseDims, "Cells along each axis, instead of --grid")
+        ->excludes(size);
     addParsed<std::vector<double>>(app, "--bounds", bounds, "x0,y0,z0,x1,y1,z1", parseBox,
-                                   "World box of the grid, metres (fitted to the content)");
+                                   "World box of the grid, metres (default: fitted to the content)");
   }
 
   void addTransportTo(CLI::App& app) {
     addChoice<v1::Injection>(app, "--injection", injection,
                              {{"count", v1::INJECTION_COUNT}, {"flux", v1::INJECTION_FLUX}},
-                             "How light enters cells (count with propagate, else flux)");
-    addParsed<Method>(app, "--method", method, "compute|raster|dense:N", parseMethod, "How triangles find their cells");
+                             "How light enters cells (default: count with propagate, else flux)");
+    addParsed<Method>(app, "--method", method, "compute|raster|dense:N", parseMethod,
+                      "How triangles are voxelized (default: compute)");
     addChoice<v1::Transport>(
         app, "--transport", transport,
         {{"propagate", v1::TRANSPORT_PROPAGATE}, {"gather", v1::TRANSPORT_GATHER}, {"direct", v1::TRANSPORT_DIRECT}},
-        "How light travels (gather)");
+        "How light travels (default: gather)");
     addChoice<v1::Quality>(app, "--quality", quality, {{"fast", v1::QUALITY_FAST}, {"accurate", v1::QUALITY_ACCURATE}},
-                           "Of gathering (fast)");
-    app.add_option("--iterations", iterations, "Propagation steps (the grid's longest edge)")->type_name("N");
-    addSwitch(app, "--clamp-faces", clampFaces, "Propagation: clamp face intensities at 0");
-    app.add_option("--k", k, "Distance rule of gathering, 1..64 (1.5 fast, 3 accurate)")->type_name("K");
+                           "Quality of gathering and near field (default: fast)");
+    app.add_option("--iterations", iterations, "Propagation iterations (default: cells along the longest edge)")
+        ->type_name("N");
+    addSwitch(app, "--clamp-faces", clampFaces, "Propagation: clamp face intensities at 0 (default: off)");
+    app.add_option("--k", k, "Opening ratio of gathering, 1..64 (default: 1.5 for fast, 3 for accurate)")
+        ->type_name("K");
     addChoice<v1::Lookup>(app, "--lookup", lookup,
                           {{"cap", v1::LOOKUP_CAP}, {"sh2", v1::LOOKUP_SH2}, {"nearest", v1::LOOKUP_NEAREST}},
-                          "How irradiance is read from the volume (sh2 with propagate, else cap)");
-    app.add_option("--max-error", maxError, "Wanted relative error of irradiance: the server picks what reaches it")
+                          "How irradiance is read from the volume (default: sh2 with propagate, else cap)");
+    app.add_option(
+           "--max-error", maxError,
+           "Relative error of irradiance to reach; the server picks the opening ratio, and the grid with --grid auto")
         ->type_name("E");
   }
 
   void addSceneTo(CLI::App& app) {
     addChoice<v1::Visibility>(app, "--visibility", visibility,
                               {{"auto", v1::VISIBILITY_AUTO}, {"on", v1::VISIBILITY_ON}, {"off", v1::VISIBILITY_OFF}},
-                              "Whether surfaces cast shadows");
-    app.add_option("--bounces", bounces, "Indirect bounces (0)")->type_name("N");
-    app.add_option("--haze", haze, "Extinction per metre (0)")->type_name("D");
-    addParsed<double>(app, "--ttl", ttl, "T", parseDuration, "Life without calls: 90s, 10m, 1h, 2d; 0 = for ever (1h)");
-    app.add_option("--display-name", displayName, "A name for people")->type_name("TEXT");
+                              "Whether surfaces cast shadows (default: auto)");
+    app.add_option("--bounces", bounces, "Indirect bounces (default: 0)")->type_name("N");
+    app.add_option("--haze", haze, "Extinction of haze per metre (default: 0)")->type_name("D");
+    addParsed<double>(app, "--ttl", ttl, "T", parseDuration,
+                      "Remove the session after this time without calls: 90s, 10m, 1h, 2d; 0: never (default: 1h)");
+    app.add_option("--display-name", displayName, "Name shown to people (default: none)")->type_name("TEXT");
   }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The flags of `session create`, `session set` and `render` that say what a session wants.
+// The flags of `session create`, `session set` and `render` for a session's settings.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -12,14 +12,14 @@
 
 namespace lpv::cli {
 
-/// Reads itself from the command line; what was not given stays unset.
+/// Settings given on the command line; those not given stay unset.
 class SessionFlags {
  public:
   SessionFlags();
   ~SessionFlags();
   void addTo(CLI::App& app);
 
-  /// Writes what was given into `settings` and returns the paths written ("settings.iterations").
+  /// Writes the given settings into `settings` and returns their paths ("settings.iterations").
   std::vector<std::string> apply(v1::SessionSettings& settings) const;
 
  private:

@@ -19,11 +19,12 @@ struct SurfaceFlags : ObjectFlags {
   std::optional<bool> oneSided;
 
   void addTo(CLI::App& app) {
-    addColour(app, "--albedo", albedo, "Linear reflectance, 0..1 (0.8)");
-    app.add_option("--texture", texture, "Image that multiplies the albedo")->type_name("IMG|none");
-    app.add_option("--roughness", roughness, "0..1 (1)")->type_name("R");
-    app.add_option("--metalness", metalness, "0..1 (0)")->type_name("M");
-    addSwitch(app, "--one-sided", oneSided, "Whether only its front is seen and lit");
+    addColour(app, "--albedo", albedo, "Linear reflectance, 0..1 (default of add: 0.8)");
+    app.add_option("--texture", texture, "Image that multiplies the albedo (default of add: none)")
+        ->type_name("IMG|none");
+    app.add_option("--roughness", roughness, "Roughness, 0..1 (default of add: 1)")->type_name("R");
+    app.add_option("--metalness", metalness, "Metalness, 0..1 (default of add: 0)")->type_name("M");
+    addSwitch(app, "--one-sided", oneSided, "Show and light the front only (default of add: off)");
     transform.addTo(app);
     addUpFlag(app, import);
   }
@@ -44,7 +45,7 @@ ObjectKind surfaceKind() {
   return kind;
 }
 
-/// Writes what was given; uploads files. Returns the paths written.
+/// Uploads the files that were given, writes the given fields into `surface` and returns their paths.
 Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, client::Client& client,
                                                 v1::Surface& surface) {
   const Expected<UploadedFiles> files = uploadFiles(client, flags);
@@ -61,7 +62,7 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
 
 Expected<v1::Operation> newSurface(const SurfaceFlags& flags, client::Client& client) {
   const v1::Operation moved = client::moveSurface("", flags.transform.move());
-  v1::Surface surface = moved.update_surface().surface();  // with the given parts of the transform
+  v1::Surface surface = moved.update_surface().surface();  // has the parts of the transform that were given
   surface.set_name(nameFor(flags));
   const auto written = writeSurface(flags, client, surface);
   if (!written) return written.status();

@@ -7,7 +7,7 @@
 namespace lpv::cli {
 namespace {
 
-/// The number that the whole text is.
+/// The number in `text`; empty unless all of the text is one number.
 std::optional<double> parseNumber(const std::string& text) {
   double value = 0.0;
   const char* first = text.data() + (text.size() > 1 && text[0] == '+' ? 1 : 0);

@@ -22,7 +22,7 @@ struct VolumeOptions {
   bool layers = false;
 };
 
-/// (nz, ny, nx, 3, 4) of one layer or of the sum, (g, nz, ny, nx, 3, 4) of all.
+/// Shape of the array: (nz, ny, nx, 3, 4) of one layer or of the sum, (g, nz, ny, nx, 3, 4) with --layers.
 struct Array {
   std::vector<std::size_t> shape;
   std::vector<float> values;
@@ -51,7 +51,7 @@ Expected<Array> arrayOf(const Volume& volume, const VolumeOptions& options) {
     return out;
   }
   if (*options.layer < 0 || std::size_t(*options.layer) >= volume.layers.size()) {
-    return invalid("layer", "there is no layer " + std::to_string(*options.layer) + "; the volume has " +
+    return invalid("layer", "layer " + std::to_string(*options.layer) + " does not exist; the volume has " +
                                 std::to_string(volume.layers.size()));
   }
   out.values = volume.layers[std::size_t(*options.layer)].coefficients;
@@ -118,23 +118,23 @@ Status showVolume(Context& context, const VolumeOptions& options) {
 void addStage(CLI::App& app, VolumeOptions& options) {
   addChoice<v1::VolumeStage>(app, "--stage", options.stage,
                              {{"injected", v1::VOLUME_STAGE_INJECTED}, {"transported", v1::VOLUME_STAGE_TRANSPORTED}},
-                             "Before or after transport (transported)");
+                             "Light before or after transport (default: transported)");
 }
 
 void addGet(CLI::App& group, Commands& commands) {
   auto given = std::make_shared<VolumeOptions>();
-  CLI::App& get = commands.add(group, "get", "Saves the volume as NumPy float32 (nz,ny,nx,3,4)",
+  CLI::App& get = commands.add(group, "get", "Save the volume as NumPy float32 (nz,ny,nx,3,4), summed over layers",
                                [given](Context& context) { return getVolume(context, *given); });
   addSession(get, given->id);
   get.add_option("-o,--output", given->out, "File to write")->required()->type_name("OUT.npy");
   addStage(get, *given);
-  auto* one = get.add_option("--layer", given->layer, "One layer instead of the sum")->type_name("K");
-  get.add_flag("--layers", given->layers, "All layers: (g,nz,ny,nx,3,4)")->excludes(one);
+  auto* one = get.add_option("--layer", given->layer, "Save one layer instead of the sum")->type_name("K");
+  get.add_flag("--layers", given->layers, "Save all layers: (g,nz,ny,nx,3,4)")->excludes(one);
 }
 
 void addInfo(CLI::App& group, Commands& commands) {
   auto given = std::make_shared<VolumeOptions>();
-  CLI::App& info = commands.add(group, "info", "Says what the volume holds: its grid, a layer for each light group",
+  CLI::App& info = commands.add(group, "info", "Print the volume's grid and layers, one per light group",
                                 [given](Context& context) { return showVolume(context, *given); });
   addSession(info, given->id);
   addStage(info, *given);
@@ -143,7 +143,7 @@ void addInfo(CLI::App& group, Commands& commands) {
 }  // namespace
 
 void addVolumeCommands(CLI::App& app, Commands& commands) {
-  CLI::App& group = Commands::group(app, "volume", "The light field: get, info");
+  CLI::App& group = Commands::group(app, "volume", "Volumes: get, info");
   addGet(group, commands);
   addInfo(group, commands);
 }

@@ -1,4 +1,4 @@
-// watch: results as they come, with their rate, age, size and stage times.
+// watch: follows a stream of frames or volumes and prints rate, age, size and stage times.
 
 #include <unistd.h>
 
@@ -36,7 +36,7 @@ struct WatchOptions {
   FrameFlags frame;
 };
 
-/// Time since the server finished the result, by the two machines' clocks.
+/// Seconds since the server finished the result; needs synchronised clocks.
 double ageOf(const v1::ResultInfo& info) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return double(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - info.server_time_ns()) * 1e-9;
@@ -48,7 +48,7 @@ std::string fixed(double value, int digits) {
   return text;
 }
 
-/// Counts results and prints them: each with --json, once a second otherwise.
+/// Counts results. With --json prints each, otherwise one line per second.
 class Report {
  public:
   explicit Report(bool json) : json_(json), terminal_(isatty(STDOUT_FILENO) != 0), began_(Clock::now()) {}
@@ -69,13 +69,13 @@ class Report {
     changed_.notify_all();
   }
 
-  /// True when the stream has ended.
+  /// True once the stream has ended.
   bool wait(std::chrono::milliseconds time) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, time, [this] { return ended_; });
   }
 
-  /// One line about the last interval.
+  /// Prints one line about the last interval.
   void second() {
     const std::lock_guard lock(mutex_);
     const double seconds = std::chrono::duration<double>(Clock::now() - lineBegan_).count();
@@ -100,11 +100,11 @@ class Report {
       print(std::to_string(stats.results) + " results in " + fixed(seconds, 1) + " s, " +
             fixed(double(stats.results) / seconds, 1) + " /s, " + fixed(double(stats.bytes) / 1e6, 2) + " MB, " +
             std::to_string(stats.discarded) + " discarded, " + std::to_string(stats.faults) + " faulty, " +
-            std::to_string(stats.reopened) + " times reopened");
+            std::to_string(stats.reopened) + " times reconnected");
     }
     if (ended_ && !interrupted()) return status_;
     if (stats.results == 0 && !interrupted()) {
-      return Status(Code::kDeadlineExceeded, "no result came in " + fixed(seconds, 1) + " s");
+      return Status(Code::kDeadlineExceeded, "no result arrived within " + fixed(seconds, 1) + " s");
     }
     return {};
   }
@@ -139,7 +139,7 @@ class Report {
   Status status_;
 };
 
-/// Runs until the time is over, the stream has ended, or the user has had enough.
+/// Runs until the time is over, the stream has ended, or Ctrl-C.
 template <typename Watcher>
 Status follow(const WatchOptions& options, Report& report, Watcher& watcher) {
   const Clock::time_point end = options.seconds > 0.0
@@ -159,7 +159,7 @@ Status follow(const WatchOptions& options, Report& report, Watcher& watcher) {
 client::WatchHooks hooksFor(Report& report) {
   client::WatchHooks hooks;
   hooks.ended = [&report](const Status& status) { report.end(status); };
-  hooks.reopening = [](const Status& status) { warn("opening the stream again: " + describe(status)); };
+  hooks.reopening = [](const Status& status) { warn("the stream broke, reconnecting: " + describe(status)); };
   hooks.notice = [](const v1::Notice& notice) {
     warn("notice " + v1::Notice::Kind_Name(notice.kind()) + ": " + notice.message());
   };
@@ -216,15 +216,16 @@ void addVolumeFlags(CLI::App& command, WatchOptions& options, CLI::Option* volum
                               {{"half", v1::VOLUME_FORMAT_HALF_FLOAT},
                                {"float", v1::VOLUME_FORMAT_FLOAT},
                                {"compact", v1::VOLUME_FORMAT_COMPACT}},
-                              "Of the volume (half); compact takes a twentieth of its bytes")
+                              "Format of the volume (default: half); compact needs about a twentieth of the bytes")
       ->needs(volume);
   addParsed<std::vector<double>>(
       command, "--region", options.region, "x0,y0,z0,x1,y1,z1",
-      [](const std::string& text) { return parseNumbers(text, {6}); }, "Only that box of the world, metres")
+      [](const std::string& text) { return parseNumbers(text, {6}); },
+      "Watch this box of the world only, metres (default: the whole grid)")
       ->needs(volume);
   command
       .add_option("--tolerance", options.tolerance,
-                  "How far bricks may be off before they are sent again: 0 exact .. 3 coarsest")
+                  "Error class up to which a brick is not sent again, 0 (exact) .. 3 (coarsest)")
       ->needs(volume)
       ->check(CLI::Range(0, 3))
       ->type_name("K")
@@ -235,17 +236,19 @@ void addVolumeFlags(CLI::App& command, WatchOptions& options, CLI::Option* volum
 
 void addWatchCommand(CLI::App& app, Commands& commands) {
   auto given = std::make_shared<WatchOptions>();
-  CLI::App& command = commands.add(app, "watch", "Follows a session: rate, age, bytes, stage times",
+  CLI::App& command = commands.add(app, "watch", "Watch a session's results: rate, age, bytes, stage times",
                                    [given](Context& context) { return watch(context, *given); });
   addSession(command, given->id);
-  auto* frames = command.add_flag("--frames", given->frames, "Pictures (what is watched without a flag)");
-  auto* volume = command.add_flag("--volume", given->volume, "The volume")->excludes(frames);
+  auto* frames = command.add_flag("--frames", given->frames, "Watch frames (the default)");
+  auto* volume = command.add_flag("--volume", given->volume, "Watch the volume instead of frames")->excludes(frames);
   addVolumeFlags(command, *given, volume);
-  command.add_option("--seconds", given->seconds, "Ends after as long (never)")->type_name("S");
-  command.add_option("--rate", given->rate, "Results per second at most (the server's)")->type_name("HZ");
+  command.add_option("--seconds", given->seconds, "Stop after S seconds (default: run until interrupted)")
+      ->type_name("S");
+  command.add_option("--rate", given->rate, "Receive at most HZ results per second (default: the server's limit)")
+      ->type_name("HZ");
   command
       .add_option("--adapt", given->adapt,
-                  "Smaller, coarser pictures where the line is too narrow for so many a second")
+                  "Make frames smaller and coarser while fewer than HZ per second get through (default: never)")
       ->type_name("HZ")
       ->excludes(volume);
   given->frame.addTo(command);

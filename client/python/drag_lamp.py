@@ -32,7 +32,7 @@ from lpv.v1 import blob_pb2, geometry_pb2, result_pb2, result_pb2_grpc, scene_pb
 
 EDITS_PER_SECOND = 60.0
 RETRY_SECONDS = 0.2
-# A machine that vanishes closes nothing: without pings a stream would be opened again on its dead connection.
+# A machine that vanishes does not close its connections. Pings detect that; streams would reconnect on a dead one.
 KEEPALIVE = [("grpc.keepalive_time_ms", 10000), ("grpc.keepalive_timeout_ms", 5000)]
 
 
@@ -95,7 +95,7 @@ class Drag(threading.Thread):
             raise TimeoutError(f"{len(self.unacknowledged)} edits were not acknowledged in {timeout} s")
 
     def requests(self, alive):
-        """All that is not acknowledged from the start, then what comes."""
+        """Yields all unacknowledged edits from the start, then new ones as they come."""
         yield scene_pb2.StreamEditsRequest(session=self.session, client=self.client)
         sent = 0
         while True:
@@ -117,7 +117,7 @@ class Drag(threading.Thread):
     def acknowledged(self, ack):
         with self.changed:
             if ack.status.code == grpc.StatusCode.UNAVAILABLE.value[0]:
-                return  # outcome unknown: stays, and is sent again
+                return  # outcome unknown: keep it and send it again
             self.unacknowledged.pop(ack.sequence, None)
             self.revision = max(self.revision, ack.revision)
             if ack.status.code:
@@ -254,9 +254,10 @@ def irradiance(channel, session, revision, points):
 
 def main():
     parser = argparse.ArgumentParser(description="Drags a lamp through a room on an lpvd.")
-    parser.add_argument("--server", default="localhost:50051", help="HOST:PORT")
-    parser.add_argument("--seconds", type=float, default=2.0, help="how long the drag takes")
-    parser.add_argument("--patience", type=float, default=30.0, help="seconds to wait for what is still to come")
+    parser.add_argument("--server", default="localhost:50051", help="HOST:PORT (default: localhost:50051)")
+    parser.add_argument("--seconds", type=float, default=2.0, help="duration of the drag (default: 2)")
+    parser.add_argument("--patience", type=float, default=30.0,
+                        help="seconds to wait for outstanding acknowledgements and volumes (default: 30)")
     arguments = parser.parse_args()
 
     with grpc.insecure_channel(arguments.server, options=KEEPALIVE) as channel:

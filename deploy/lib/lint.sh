@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # Sourced after steps.sh by scripts that run in the root of the checkout: what the linters look at.
 
-# our_sources PATTERN...: C++ files that people wrote, NUL-separated.
+# our_sources PATTERN...: C++ files that are not generated, NUL-separated.
 our_sources() {
   local names=() pattern
   for pattern in "$@"; do names+=(-o -name "$pattern"); done

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced after steps.sh: installs what deploy/packages lists and is not there yet. Touches apt only when something is
+# Sourced after steps.sh: installs the missing packages of deploy/packages. Uses apt only when something is
 # missing, so a second run works without a network.
 
 PACKAGE_LIST=$(dirname "${BASH_SOURCE[0]}")/../packages
@@ -14,7 +14,7 @@ listed_packages() {
   awk -v groups="$groups" '!/^#/ && NF >= 2 && index(groups, " " $1 " ") { print $2 }' "$PACKAGE_LIST"
 }
 
-# missing_packages GROUP...: those of them that are not installed.
+# missing_packages GROUP...: the packages of these groups that are not installed.
 missing_packages() {
   local installed name
   installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' 2>/dev/null || true)
@@ -23,11 +23,11 @@ missing_packages() {
   done < <(listed_packages "$@")
 }
 
-# ensure_packages GROUP...: all packages of the groups are installed, or the script ends.
+# ensure_packages GROUP...: installs all packages of the groups, or ends the script.
 ensure_packages() {
   local missing
   if ! command -v dpkg-query apt-get >/dev/null; then
-    die "no apt-get here, so nothing can be installed; needed: $(listed_packages "$@" | tr '\n' ' ')" "$EXIT_NEEDS_ROOT"
+    die "there is no apt-get here; install these packages by other means: $(listed_packages "$@" | tr '\n' ' ')" "$EXIT_NEEDS_ROOT"
   fi
   mapfile -t missing < <(missing_packages "$@")
   if [ "${#missing[@]}" -eq 0 ]; then
@@ -51,7 +51,7 @@ warn_if_not_debian_12() {
   [ "$name" = "debian 12" ] || complain "written for Debian 12, this is ${name:-unknown}: packages may have other names"
 }
 
-# apt_line PACKAGE...: what a person would type.
+# apt_line PACKAGE...: the command that installs the packages.
 apt_line() { printf 'apt-get update && apt-get install -y --no-install-recommends %s' "$*"; }
 
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
@@ -82,7 +82,7 @@ retry_while_locked() {
   while true; do
     if output=$(apt_get "$@" 2>&1 | tee -a /dev/stderr); then return 0; fi
     if ! grep -Eq 'Could not get lock|Unable to lock' <<<"$output" || [ "$SECONDS" -ge "$deadline" ]; then return 1; fi
-    echo "another package manager holds the lock: waiting"
+    echo "waiting for another package manager to release its lock"
     sleep 3
   done
 }

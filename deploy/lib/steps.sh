@@ -7,13 +7,13 @@
 export LC_ALL=C # numbers with a decimal point, messages that can be searched
 readonly EXIT_USAGE=2 EXIT_NEEDS_ROOT=3
 
-DRY_RUN=no             # yes: say what would be done, do nothing
+DRY_RUN=no             # yes: print what would be run, without running it
 LOG_DIR=               # where steps put their output; set by start_logs
 STEP_TABLE=()          # "name<TAB>time<TAB>result" of every step so far
 CLEANUPS=()            # functions to run on exit, the newest first
-RESULT_OF=             # function that words a step's result from its log, instead of "ok"
+RESULT_OF=             # function that makes a step's result from its log; empty: "ok"
 CHILD=                 # process group of the running step
-PROGRESS_SECONDS=60    # how often a long step tells a pipe that it lives
+PROGRESS_SECONDS=60    # how often a long step reports progress if stdout is not a terminal
 
 say() { printf '%s\n' "$*"; }
 complain() { printf '%s: %s\n' "$0" "$*" >&2; }
@@ -24,7 +24,7 @@ die() { # die MESSAGE [EXIT_CODE]
 
 is_dry() { [ "$DRY_RUN" = yes ]; }
 
-# quoted WORD...: the words as one would type them.
+# quoted WORD...: the words quoted for the shell.
 quoted() {
   local word out=
   for word in "$@"; do
@@ -39,7 +39,7 @@ at_exit() { CLEANUPS=("$1" "${CLEANUPS[@]}"); }
 
 run_cleanups() {
   local code=$? action
-  trap '' INT TERM HUP # a second Ctrl-C must not leave half of it behind
+  trap '' INT TERM HUP # a second Ctrl-C must not interrupt the clean-up
   trap - EXIT
   stop_child
   for action in "${CLEANUPS[@]}"; do "$action" || true; done

@@ -6,15 +6,15 @@
 namespace lpv::wire {
 namespace {
 
-/// Even rows' first halves, then odd rows'; the rest by symmetry. Row k: 90.5 cos(pi (i + .5) k / 8), near enough
-/// (the 8-point core transform of ITU-T H.265, 8.6.4.2).
+/// First half of each basis row; the second half follows by symmetry. Row k approximates 90.5 cos(pi (i + .5) k / 8):
+/// the 8-point core transform of ITU-T H.265, 8.6.4.2.
 constexpr int kBasis[8][4] = {{64, 64, 64, 64},   {89, 75, 50, 18},  {83, 36, -36, -83}, {75, -18, -89, -50},
                               {64, -64, -64, 64}, {50, -89, 18, 75}, {36, -83, 83, -36}, {18, -50, 75, -89}};
-/// Elements are sums over 2^kShift.
+/// Elements are the inverse transform's sums divided by 2^kShift.
 constexpr int kShift = 23;
 
-/// basis(k, 7 - i) is basis(k, i) for even k, and its negative for odd: of a line's 8 values or coefficients, half a
-/// matrix is enough. [parity of k][k / 2][i]
+/// Half of the 8 x 8 matrix, because basis(k, 7 - i) = basis(k, i) for even k and -basis(k, i) for odd k.
+/// Indices: [parity of k][k / 2][i].
 using Halves = std::array<std::array<std::array<double, 4>, 4>, 2>;
 
 /// value_i = sum over k of basis(k, i) coefficient_k.
@@ -26,7 +26,7 @@ Halves synthesis() {
   return out;
 }
 
-/// Its exact inverse. With the halves of the signal added and subtracted, even and odd rows are 4 x 4 systems.
+/// Exact inverse of synthesis(): adding and subtracting the signal's halves leaves one 4 x 4 system per parity of k.
 Halves analysis() {
   Halves out;
   for (std::size_t parity = 0; parity < 2; ++parity) {
@@ -42,7 +42,7 @@ Halves analysis() {
   return out;
 }
 
-/// Eight values along an axis of each of so many neighbouring lines.
+/// Eight values along an axis, for `Lanes` neighbouring lines.
 template <std::size_t Lanes>
 using Lines = double[8][Lanes];
 
@@ -94,7 +94,7 @@ struct Analysis {
 
 constexpr std::size_t kLanes = 8;
 
-/// Eight neighbouring lines along the axis of that stride.
+/// Transforms eight neighbouring lines along the axis with this stride.
 template <typename Transform>
 void alongLanes(const Transform& transform, std::size_t stride, double* values) {
   Lines<kLanes> in;
@@ -104,7 +104,7 @@ void alongLanes(const Transform& transform, std::size_t stride, double* values) 
   for (std::size_t i = 0; i < 8; ++i) std::copy_n(out[i], kLanes, values + i * stride);
 }
 
-/// Eight rows, whose values are neighbours.
+/// Transforms eight rows along x, where neighbouring values are adjacent in memory.
 template <typename Transform>
 void alongRows(const Transform& transform, double* rows) {
   Lines<kLanes> in;
@@ -125,7 +125,7 @@ void alongAllAxes(const Transform& transform, double* plane) {
   for (std::size_t z = 0; z < 8; ++z) alongRows(transform, plane + z * 64);
 }
 
-/// value / 2^kShift to the nearest integer, ties to even: adding a number whose last bit is 2^kShift rounds.
+/// value / 2^kShift rounded to the nearest integer, ties to even, by adding a number whose last bit is worth 2^kShift.
 double rounded(double value) {
   constexpr double kRounder = 1.5 * 4503599627370496.0 * double(1 << kShift);
   return ((value + kRounder) - kRounder) * (1.0 / double(1 << kShift));

@@ -1,5 +1,5 @@
 #pragma once
-// Bricks: the pieces of a volume that are coded by themselves, 8^3 cells, cut at the grid's upper borders.
+// Bricks: blocks of 8^3 cells, each coded on its own. Bricks at the grid's upper borders hold fewer cells.
 
 #include <cstddef>
 #include <glm/glm.hpp>
@@ -13,13 +13,13 @@ namespace lpv::wire {
 /// Edge of a brick, cells.
 inline constexpr int kBrickEdge = 8;
 
-/// Consecutive bricks; numbered x fastest over ceil(dims / 8).
+/// Consecutive bricks. Bricks are numbered x fastest over ceil(dims / 8).
 struct BrickRun {
   int first = 0;
   int count = 0;
 };
 
-/// The cells of one brick: [first, end).
+/// Half-open range of cells of one brick: [first, end).
 struct BrickBox {
   glm::ivec3 first{0};
   glm::ivec3 end{0};
@@ -32,8 +32,8 @@ struct BrickBox {
 int brickCount(const glm::ivec3& dims);
 BrickBox brickBox(const glm::ivec3& dims, int brick);
 
-/// True for the bricks with a cell that the lookup reads inside `region` (world, metres): those it meets, half a cell
-/// wider on each side. A box beyond the grid chooses nothing.
+/// True for each brick with a cell that lookups inside `region` (world, metres) read: the bricks that intersect the
+/// region enlarged by half a cell on each side. A region outside the grid selects no brick.
 std::vector<bool> bricksWithin(const Grid& grid, const Bounds& region);
 
 /// Calls row(index of the first cell, number of cells) for each row of the brick, y then z.

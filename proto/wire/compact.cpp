@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSqrt3 = 1.7320508075688772;
 constexpr int kLargestExponent = 21;
-constexpr int kMinScaleExponent = -120;  // 1 / scale is still a float
+constexpr int kMinScaleExponent = -120;  // smallest for which 1 / scale is finite as a float
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void floatsFromCompact(const std::int16_t* elements, std::size_t count, double s
   constexpr auto kOctaves = float(1.0 / kLevelsPerOctave);
   constexpr auto kRatio = float(kSqrt3 / kRatiosPerUnit);
   for (std::size_t i = 0; i < count; ++i, elements += 4, coefficients += 4) {
-    const float light = unit * std::exp2(float(elements[0]) * kOctaves);  // with one scale too much
+    const float light = unit * std::exp2(float(elements[0]) * kOctaves);  // L00 + scale
     coefficients[0] = light - unit;
     for (int m = 1; m < 4; ++m) coefficients[m] = light * kRatio * float(elements[m]);
   }

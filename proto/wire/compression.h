@@ -9,11 +9,11 @@
 
 namespace lpv::wire {
 
-/// One zstd frame that says its content's size.
+/// Compresses into one zstd frame whose header has the content's size.
 std::string compress(std::string_view content);
 
-/// The content of a frame. INVALID_ARGUMENT where it is no whole frame, does not say its content's size, or says more
-/// than `maxBytes`; nothing is allocated then.
+/// Decompresses one zstd frame. INVALID_ARGUMENT if it is not one complete frame, its header lacks the content's size,
+/// or that size exceeds `maxBytes`; memory is allocated only after these checks of the header.
 Expected<std::string> decompress(std::string_view frame, std::size_t maxBytes);
 
 }  // namespace lpv::wire

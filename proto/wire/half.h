@@ -9,7 +9,7 @@ namespace lpv::wire {
 /// Largest finite half.
 inline constexpr float kMaxHalf = 65504.0F;
 
-/// out[i] = the half nearest to in[i] * factor, ties to even; beyond the largest half: infinity; NaN stays NaN.
+/// out[i] = in[i] * factor rounded to the nearest half, ties to even; overflow gives infinity; NaN stays NaN.
 void halvesFromFloats(const float* in, std::size_t count, float factor, std::uint16_t* out);
 
 /// out[i] = in[i] * factor.

@@ -13,13 +13,13 @@ namespace {
 
 /// The largest magnitude of a layer of halves maps to (kHalfTarget / 2, kHalfTarget].
 constexpr double kHalfTarget = 1024.0;
-constexpr int kMinScaleExponent = -120;  // 1 / scale is still a float
-/// A scale stays while the one chosen afresh is within this factor.
+constexpr int kMinScaleExponent = -120;  // smallest for which 1 / scale is finite as a float
+/// The previous scale is kept while it is within this factor of the one the volume would get by itself.
 constexpr double kScaleSlack = 2.0;
-/// Step of COMPACT's coefficients by tolerance class, as a power of two; steps become finer where a brick needs it.
+/// log2 of the step of COMPACT's coefficients, by tolerance class; a brick that needs finer steps gets them.
 constexpr int kStepShift[kToleranceClasses] = {2, 3, 4, 5};
 
-/// Ties to even; of what is below 2^51: adding a number whose last bit is 1 rounds.
+/// Rounds to the nearest integer, ties to even, for magnitudes below 2^51: the sum's last bit is worth 1.
 double nearestInteger(double value) {
   constexpr double kRounder = 1.5 * 4503599627370496.0;
   return (value + kRounder) - kRounder;
@@ -33,7 +33,7 @@ double halfScale(double largest) {
   return std::ldexp(1.0, std::max(exponent, kMinScaleExponent));
 }
 
-/// Of every stride-th coefficient; what is not finite is left out.
+/// Largest magnitude among every stride-th coefficient; infinities and NaN are ignored.
 double largestOf(const std::vector<float>& coefficients, std::size_t stride) {
   float largest = 0.0F;
   for (std::size_t i = 0; i < coefficients.size(); i += stride) {
@@ -57,7 +57,7 @@ VolumeShape shapeFor(const Volume& volume, Format format) {
   return shape;
 }
 
-/// `shape` with the scales of `previous`, where that is the same but for scales that still do.
+/// `shape` with the scales of `previous` if the two differ in scales only and the old ones are still usable.
 VolumeShape keptScales(const VolumeShape& shape, const VolumeShape& previous) {
   VolumeShape kept = shape;
   kept.scales = previous.scales;
@@ -103,7 +103,7 @@ class Publisher {
   }
 
  private:
-  /// Every cell of the brick as near as the tolerance wants.
+  /// True when every cell of the brick is within the tolerance.
   bool within(const std::vector<float>& truth, const Brick& brick, std::size_t cells) const {
     const std::vector<float> held = brickFloats(shape_, &brick, cells);
     const std::size_t perLayer = cells * kCellElements;
@@ -134,8 +134,8 @@ class Publisher {
     return brick;
   }
 
-  /// Each coefficient moves by whole steps to within half a step of the truth; steps are halved until every cell is
-  /// within the tolerance.
+  /// Moves each coefficient by whole steps to within half a step of its wanted value. Halves the step until every cell
+  /// is within the tolerance.
   BrickPtr compact(const std::vector<float>& truth, const BrickBox& box, const Brick* held) const {
     const std::vector<double> wanted = wantedCoefficients(truth, box);
     for (int shift = kStepShift[class_];; --shift) {
@@ -148,16 +148,16 @@ class Publisher {
     }
   }
 
-  /// `from` moved by whole steps to within half a step of `to`.
+  /// `from` plus the whole number of steps that brings it within half a step of `to`.
   static std::int32_t moved(std::int32_t from, double to, int step) {
     const double steps = (to - from) * (1.0 / step);  // a power of two
     const double next = from + step * nearestInteger(steps);
     return std::int32_t(std::min(std::max(next, -double(kMaxCoefficient)), double(kMaxCoefficient)));
   }
 
-  /// Cells beyond the grid repeat the last ones inside, which costs least.
+  /// Coefficients of the volume, not rounded. Cells beyond the grid repeat the last cells inside: the fewest bytes.
   std::vector<double> wantedCoefficients(const std::vector<float>& truth, const BrickBox& box) const {
-    std::vector<double> out(shape_.layers() * kPlanes * kBrickCells);
+    std::vector<double> out(shape_.layers() * kChannels * kBrickCells);
     Coefficients<double> elements;
     Coefficients<double> coefficients;
     for (std::size_t layer = 0; layer < shape_.layers(); ++layer) {

@@ -1,5 +1,6 @@
 #pragma once
-// From a volume to what is sent of it.
+// Publishing: quantizes a volume relative to the result published before it. Subscribers hold published volumes, and
+// deltas are differences between them.
 
 #include "wire/volume_state.h"
 
@@ -8,20 +9,20 @@ namespace lpv::wire {
 /// Tolerance classes: 0 exact .. 3 coarsest.
 inline constexpr int kToleranceClasses = 4;
 
-/// How far a cell's light may be from what is held: |L00 - held| and |L1 - held| / sqrt 3 of each colour, relative to
-/// that colour's L00 or, where that is less, to kDarkest of the layer's largest. HALF_FLOAT and FLOAT: 0 (every change
-/// of an element is sent), .02, .04, .08. COMPACT: .01, .02, .04, .08.
+/// Largest allowed error of a cell: |L00 - published| and |L1 - published| / sqrt 3 of each colour, relative to that
+/// colour's L00 or, if that is smaller, to kDarkest x the layer's largest L00. HALF_FLOAT and FLOAT: 0 (every change of
+/// an element is sent), .02, .04, .08. COMPACT: .01, .02, .04, .08.
 double toleranceOf(Format format, int toleranceClass);
 inline constexpr double kDarkest = 1e-5;
 
-/// The next state of a chain of results of one format and tolerance class. Each brick is compared with what is held,
-/// `previous`, and stays as it is while no cell is further from the truth than the tolerance; class 0 of COMPACT
-/// corrects every coefficient that is half a step off. So light that drifts slowly is sent too. Without a `previous`
-/// of the same shape, everything is new.
+/// The next published volume of a chain of one format and tolerance class. A brick of `previous` is kept while all its
+/// cells are within the tolerance of `volume`; class 0 of COMPACT corrects every coefficient that is off by more than
+/// half a step. The comparison is with the published state, not with the volume before, so slow drift is sent too.
+/// Without a `previous` of the same shape every brick is new.
 ///
-/// HALF_FLOAT's scale is a power of two for which a layer's largest magnitude lies in (512, 1024]: 24 binary orders
-/// below it keep the full 11 bits. Scales of `previous` stay while the largest is at most twice above or below that.
-/// The volume is a valid one: 1..8 layers, each with cells x 12 coefficients.
+/// HALF_FLOAT's scale is the power of two that maps a layer's largest magnitude to (512, 1024]: values down to 2^-24 of
+/// it keep all 11 bits. The scale of `previous` is kept while it is within a factor of 2 of the new one.
+/// `volume` must be valid: 1..8 layers of cells x 12 coefficients.
 VolumeStatePtr publish(const Volume& volume, Format format, int toleranceClass, const VolumeState* previous);
 
 }  // namespace lpv::wire

@@ -1,5 +1,5 @@
 #pragma once
-// Published volumes to and from the parts of lpv/v1/result.proto, whole or relative to another.
+// Encodes published volumes as the parts of lpv/v1/result.proto, whole or as a delta to a base, and decodes them.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace lpv::wire {
 
-/// How payloads are packed.
+/// Compression of payloads.
 enum class Compression { kNone, kZstd };
 
-/// A payload's bytes at most, before compression and after.
+/// Largest payload, bytes, before and after compression.
 inline constexpr std::size_t kMaxPayloadBytes = std::size_t(1) << 20U;
 
-/// One message's worth of a volume.
+/// The content of one VolumePart message.
 struct Part {
   std::vector<BrickRun> bricks;
-  std::string payload;  ///< of those bricks, in order, as VolumePart says
+  std::string payload;  ///< those bricks in order, coded as VolumePart.payload defines
 };
 
 struct EncodedVolume {
@@ -32,25 +32,27 @@ struct EncodedVolume {
   std::vector<Part> parts;  ///< at least one
 };
 
-/// `target` as parts of at most `maxPayloadBytes` <= kMaxPayloadBytes (at least one brick each). Without `base`: every
-/// brick it has. With one, of the same shape: the bricks that differ; an empty part where none does.
+/// Encodes `target` as parts of at most `maxPayloadBytes` <= kMaxPayloadBytes, with at least one brick each. Without
+/// `base` all its bricks are sent. With a base, which must have the same shape, only the bricks that differ; if none
+/// does, one empty part.
 EncodedVolume encodeVolume(const VolumeState& target, const VolumeState* base, Compression compression,
                            std::size_t maxPayloadBytes);
 
-/// Puts one volume together from its parts, in any order. Checks everything: whatever a server sends, the worst is an
-/// error. A message's content is at most kMaxPayloadBytes, and bricks are made as they arrive, whatever the header
-/// announced.
+/// Assembles one volume from its parts, which may come in any order. Everything that the server sends is checked;
+/// malformed input is an error and never undefined behaviour. A message decompresses to at most kMaxPayloadBytes, and
+/// memory is allocated per brick as bricks arrive, not by what the header announces.
 class VolumeDecoder {
  public:
-  /// Bricks that do not come are those of `base`, zeros without one. A shape out of range, or a base of another, is
-  /// reported by add and finish.
+  /// Bricks that no part has are taken from `base`, or are zeros without a base. A shape out of range, or a base of
+  /// another shape, is reported by add and finish.
   VolumeDecoder(VolumeShape shape, Compression compression, VolumeStatePtr base = nullptr);
 
-  /// INVALID_ARGUMENT for bricks out of range or seen before, and for a payload that is not theirs; from then on
-  /// nothing else.
+  /// Adds one part. INVALID_ARGUMENT for bricks that are out of range or were added before, and for a payload that does
+  /// not fit them. After an error every call returns that error.
   Status add(const std::vector<BrickRun>& bricks, const std::string& payload);
 
-  /// The volume; INVALID_ARGUMENT where the checksum is another, as it is where bricks are missing. Ends the decoder.
+  /// Returns the volume; the decoder cannot be used afterwards. INVALID_ARGUMENT if its checksum differs, for example
+  /// because parts are missing.
   Expected<VolumeStatePtr> finish(std::uint64_t checksum);
 
  private:
@@ -58,13 +60,13 @@ class VolumeDecoder {
   Expected<std::vector<int>> claim(const std::vector<BrickRun>& bricks);
   Status addPlain(const std::vector<int>& bricks, std::string_view body);
   Status addPlanes(const std::vector<int>& bricks, const std::string& body);
-  Status addTokens(const std::vector<int>& bricks, std::string_view body);
+  Status addRunLevels(const std::vector<int>& bricks, std::string_view body);
   std::size_t plainBytes(const std::vector<int>& bricks) const;
 
   VolumeStatePtr base_;
   VolumeState state_;
   Compression compression_;
-  Status status_;  ///< why this decoder accepts nothing
+  Status status_;  ///< first error; returned from then on
   std::vector<bool> seen_;  ///< per brick
 };
 

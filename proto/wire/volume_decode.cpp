@@ -2,9 +2,9 @@
 #include <utility>
 
 #include "wire/brick_transform.h"
+#include "wire/byte_planes.h"
 #include "wire/compression.h"
-#include "wire/planes.h"
-#include "wire/tokens.h"
+#include "wire/run_level.h"
 #include "wire/volume_codec.h"
 
 namespace lpv::wire {
@@ -13,8 +13,7 @@ VolumeDecoder::VolumeDecoder(VolumeShape shape, Compression compression, VolumeS
     : base_(std::move(base)), compression_(compression) {
   status_ = checkShape(shape);
   if (status_.ok() && base_ && base_->shape != shape) {
-    status_ =
-        invalid("base_result_id", "the volume is relative to one of another grid, stage, format, layers or scale");
+    status_ = invalid("base_result_id", "the base has another grid, stage, format, layers or scale than the volume");
   }
   state_.shape = std::move(shape);
   if (!status_.ok()) return;
@@ -24,7 +23,7 @@ VolumeDecoder::VolumeDecoder(VolumeShape shape, Compression compression, VolumeS
   if (base_) state_.bricks = base_->bricks;
 }
 
-/// The bricks' numbers, marked as seen.
+/// Expands the runs to brick numbers and marks them as seen.
 Expected<std::vector<int>> VolumeDecoder::claim(const std::vector<BrickRun>& runs) {
   const int total = int(seen_.size());
   std::vector<int> out;
@@ -57,16 +56,17 @@ Status VolumeDecoder::addBricks(const std::vector<BrickRun>& runs, const std::st
   const Expected<std::vector<int>> bricks = claim(runs);
   if (!bricks) return bricks.status();
   const bool compact = state_.shape.format == Format::kCompact;
-  if (bricks->empty()) return payload.empty() ? Status() : invalid("part.payload", "a payload without bricks");
-  if (compression_ == Compression::kNone) return compact ? addTokens(*bricks, payload) : addPlain(*bricks, payload);
+  if (bricks->empty())
+    return payload.empty() ? Status() : invalid("part.payload", "the part has a payload and no bricks");
+  if (compression_ == Compression::kNone) return compact ? addRunLevels(*bricks, payload) : addPlain(*bricks, payload);
   const Expected<std::string> body = decompress(payload, kMaxPayloadBytes);
   if (!body) return body.status();
-  return compact ? addTokens(*bricks, *body) : addPlanes(*bricks, *body);
+  return compact ? addRunLevels(*bricks, *body) : addPlanes(*bricks, *body);
 }
 
 static Status wrongSize(std::size_t got, std::size_t wanted) {
   return invalid("part.payload",
-                 "the payload has " + std::to_string(got) + " bytes, its bricks need " + std::to_string(wanted));
+                 "the payload has " + std::to_string(got) + " bytes, but its bricks need " + std::to_string(wanted));
 }
 
 Status VolumeDecoder::addPlain(const std::vector<int>& bricks, std::string_view body) {
@@ -95,27 +95,27 @@ Status VolumeDecoder::addPlanes(const std::vector<int>& bricks, const std::strin
   return {};
 }
 
-Status VolumeDecoder::addTokens(const std::vector<int>& bricks, std::string_view body) {
+Status VolumeDecoder::addRunLevels(const std::vector<int>& bricks, std::string_view body) {
   std::uint32_t runs = 0;
   if (body.size() < sizeof(runs)) return wrongSize(body.size(), sizeof(runs));
   std::memcpy(&runs, body.data(), sizeof(runs));
   body.remove_prefix(sizeof(runs));
   if (runs > body.size()) return wrongSize(body.size(), runs);
-  TokenReader reader(body.substr(0, runs), body.substr(runs));
+  RunLevelReader reader(body.substr(0, runs), body.substr(runs));
   const std::size_t layers = state_.shape.layers();
   for (const int index : bricks) {
     BrickPtr& place = state_.bricks[std::size_t(index)];
     auto brick = std::make_shared<Brick>();
     if (place) brick->coefficients = place->coefficients;
-    brick->coefficients.resize(layers * kPlanes * kBrickCells);
+    brick->coefficients.resize(layers * kChannels * kBrickCells);
     for (std::size_t layer = 0; layer < layers; ++layer) {
-      const Status s = reader.addBlock(brick->coefficients.data() + layer * kPlanes * kBrickCells);
+      const Status s = reader.addBlock(brick->coefficients.data() + layer * kChannels * kBrickCells);
       if (!s.ok()) return s;
     }
     setCompactElements(brickBox(state_.shape.grid.dims, index).size(), layers, brick.get());
     place = std::move(brick);
   }
-  return reader.atEnd() ? Status() : invalid("part.payload", "the payload is longer than its bricks");
+  return reader.atEnd() ? Status() : invalid("part.payload", "the payload has bytes left over after its bricks");
 }
 
 Expected<VolumeStatePtr> VolumeDecoder::finish(std::uint64_t checksum) {
@@ -123,7 +123,7 @@ Expected<VolumeStatePtr> VolumeDecoder::finish(std::uint64_t checksum) {
   if (checksumOf(state_) != checksum) {
     return invalid("result.checksum", "the volume's bricks do not give the checksum sent with it");
   }
-  status_ = Status(Code::kFailedPrecondition, "the volume has been taken");
+  status_ = Status(Code::kFailedPrecondition, "the volume has already been returned");
   base_.reset();
   return VolumeStatePtr(std::make_shared<const VolumeState>(std::move(state_)));
 }

@@ -1,9 +1,9 @@
 #include <algorithm>
 
 #include "wire/brick_transform.h"
+#include "wire/byte_planes.h"
 #include "wire/compression.h"
-#include "wire/planes.h"
-#include "wire/tokens.h"
+#include "wire/run_level.h"
 #include "wire/volume_codec.h"
 
 namespace lpv::wire {
@@ -14,24 +14,24 @@ class PartWriter {
  public:
   PartWriter(const VolumeState& target, const VolumeState* base, Compression compression, std::size_t maxPayloadBytes)
       : target_(target), base_(base), compression_(compression) {
-    // What zstd cannot make smaller grows by a little.
+    // zstd enlarges incompressible data by a little.
     limit_ = compression == Compression::kZstd ? maxPayloadBytes - maxPayloadBytes / 128 - 64 : maxPayloadBytes;
   }
 
   void add(int index) {
     const auto i = std::size_t(index);
-    RunLevels tokens;
+    RunLevels runLevels;
     std::size_t bytes = target_.bricks[i]->elements.size();
     if (target_.shape.format == Format::kCompact) {
-      if (!appendTokens(i, &tokens) && base_ != nullptr) return;
-      bytes = tokens.bytes();
+      if (!appendRunLevels(i, &runLevels) && base_ != nullptr) return;
+      bytes = runLevels.bytes();
     }
     if (!bricks_.empty() && size_ + bytes > limit_) flush();
     if (bricks_.empty()) size_ = sizeof(std::uint32_t);
     bricks_.push_back(index);
     size_ += bytes;
-    tokens_.runs += tokens.runs;
-    tokens_.levels += tokens.levels;
+    runLevels_.runs += runLevels.runs;
+    runLevels_.levels += runLevels.levels;
   }
 
   std::vector<Part> finish() {
@@ -40,8 +40,8 @@ class PartWriter {
   }
 
  private:
-  /// False where nothing differs.
-  bool appendTokens(std::size_t i, RunLevels* tokens) const {
+  /// Returns false if the brick equals its base.
+  bool appendRunLevels(std::size_t i, RunLevels* runLevels) const {
     const Brick* base = base_ != nullptr ? base_->bricks[i].get() : nullptr;
     std::vector<std::int32_t> coefficients = target_.bricks[i]->coefficients;
     if (base != nullptr) {
@@ -49,8 +49,8 @@ class PartWriter {
                      std::minus<>());
     }
     bool any = false;
-    for (std::size_t at = 0; at < coefficients.size(); at += kPlanes * kBrickCells) {
-      any |= appendBlock(coefficients.data() + at, tokens);
+    for (std::size_t at = 0; at < coefficients.size(); at += kChannels * kBrickCells) {
+      any |= appendBlock(coefficients.data() + at, runLevels);
     }
     return any;
   }
@@ -58,9 +58,9 @@ class PartWriter {
   std::string body() const {
     std::string out;
     if (target_.shape.format == Format::kCompact) {
-      const auto runs = std::uint32_t(tokens_.runs.size());
+      const auto runs = std::uint32_t(runLevels_.runs.size());
       out.append(reinterpret_cast<const char*>(&runs), sizeof(runs));
-      return out + tokens_.runs + tokens_.levels;
+      return out + runLevels_.runs + runLevels_.levels;
     }
     if (compression_ == Compression::kZstd) return planesFrom(target_.shape, planeBricks());
     for (const int i : bricks_) out += target_.bricks[std::size_t(i)]->elements;
@@ -86,16 +86,16 @@ class PartWriter {
     }
     if (!bricks_.empty()) part.payload = compression_ == Compression::kZstd ? compress(body()) : body();
     bricks_.clear();
-    tokens_ = {};
+    runLevels_ = {};
   }
 
   const VolumeState& target_;
   const VolumeState* base_;
   Compression compression_;
   std::size_t limit_ = 0;
-  std::vector<int> bricks_;  ///< of the part being written
-  std::size_t size_ = 0;     ///< of its body, bytes
-  RunLevels tokens_;
+  std::vector<int> bricks_;  ///< bricks of the part being written
+  std::size_t size_ = 0;     ///< size of that part before compression, bytes
+  RunLevels runLevels_;
   std::vector<Part> parts_;
 };
 

@@ -17,12 +17,12 @@ Status checkGrid(const Grid& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     if (grid.dims[axis] < 1 || grid.dims[axis] > kMaxCellsPerAxis) {
       return invalid("grid.dims", "the volume has " + std::to_string(grid.dims[axis]) + " cells along axis " +
-                                      std::to_string(axis) + "; 1.." + std::to_string(kMaxCellsPerAxis) +
-                                      " are possible");
+                                      std::to_string(axis) + "; allowed are 1.." + std::to_string(kMaxCellsPerAxis));
     }
-    if (!std::isfinite(grid.origin[axis])) return invalid("grid.origin", "the volume's origin is not finite");
+    if (!std::isfinite(grid.origin[axis])) return invalid("grid.origin", "the grid's origin is not a finite number");
   }
-  if (!std::isfinite(grid.cell) || grid.cell <= 0.0) return invalid("grid.cell_size", "the volume's cell has no size");
+  if (!std::isfinite(grid.cell) || grid.cell <= 0.0)
+    return invalid("grid.cell_size", "the cell size is not a positive number");
   return {};
 }
 
@@ -45,11 +45,11 @@ Status checkShape(const VolumeShape& shape) {
   if (Status s = checkGrid(shape.grid); !s.ok()) return s;
   if (shape.groups.empty() || shape.groups.size() > kMaxLayers || shape.scales.size() != shape.groups.size()) {
     return invalid("layers", "the volume has " + std::to_string(shape.groups.size()) + " layers and " +
-                                 std::to_string(shape.scales.size()) + " scales; 1..8 of both are possible");
+                                 std::to_string(shape.scales.size()) + " scales; both must be 1..8 and equal");
   }
   for (const double scale : shape.scales) {
     if (!(scale > 0.0) || !std::isfinite(float(scale)))
-      return invalid("layers.scale", "a layer's scale is not positive");
+      return invalid("layers.scale", "a layer's scale is not a positive number");
   }
   return {};
 }

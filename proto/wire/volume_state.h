@@ -1,6 +1,6 @@
 #pragma once
-// A published volume as everybody who has it holds it: bit for bit the same at the server, which made it, and at every
-// client, whichever results it took to get there. What deltas are relative to.
+// A published volume: bit for bit the same at the server and at every subscriber that holds it, whichever sequence of
+// deltas it arrived by. Deltas are differences between two published volumes.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,12 +15,12 @@
 
 namespace lpv::wire {
 
-/// Layers of a volume at most.
+/// Largest number of layers.
 inline constexpr int kMaxLayers = 8;
 /// Elements of one cell: 3 colours x 4.
 inline constexpr std::size_t kCellElements = 12;
 
-/// What an element is on the wire, little-endian (VolumeFormat of result.proto).
+/// Type of an element on the wire, little-endian (VolumeFormat of result.proto).
 enum class Format {
   kHalf,     ///< IEEE half; value = half x the layer's scale
   kFloat,    ///< float32; scale 1
@@ -30,7 +30,7 @@ enum class Format {
 /// Bytes of one element: 2 or 4.
 std::size_t elementBytes(Format format);
 
-/// What two volumes must share for one to be relative to the other.
+/// Everything that a volume and its base must have in common.
 struct VolumeShape {
   Format format = Format::kHalf;
   Grid grid;
@@ -42,36 +42,36 @@ struct VolumeShape {
   std::size_t layers() const { return groups.size(); }
 };
 
-/// INVALID_ARGUMENT for a grid, layers or scales out of range.
+/// INVALID_ARGUMENT if the grid, the number of layers or a scale is out of range.
 Status checkShape(const VolumeShape& shape);
 
 /// The content of one brick.
 struct Brick {
   std::string elements;                    ///< per layer, per cell (x fastest), per colour: 4 elements
-  std::vector<std::int32_t> coefficients;  ///< kCompact: per layer, what the elements come from (brick_transform.h)
+  std::vector<std::int32_t> coefficients;  ///< kCompact: per layer, the transform's input (brick_transform.h)
 };
 using BrickPtr = std::shared_ptr<const Brick>;
 
-/// kCompact: sets a brick's elements, cells of `size` each, to what its coefficients give.
+/// kCompact: computes a brick's elements from its coefficients. `size`: the brick's cells along x, y, z.
 void setCompactElements(const glm::ivec3& size, std::size_t layers, Brick* brick);
 
-/// Immutable; bricks that did not change are shared with the state before. A null brick is all zeros.
+/// Immutable. Bricks that did not change are shared with the state before. A null brick stands for zeros.
 struct VolumeState {
   VolumeShape shape;
   std::vector<BrickPtr> bricks;
 };
 using VolumeStatePtr = std::shared_ptr<const VolumeState>;
 
-/// XXH64 (seed 0) of all elements: layers in order, cells x fastest, colour, element; zeros where no brick is.
+/// XXH64 (seed 0) of all elements in order of layer, cell (x fastest), colour, element; null bricks count as zeros.
 std::uint64_t checksumOf(const VolumeState& state);
 
-/// The light it stands for.
+/// The SH coefficients that the state decodes to.
 Volume volumeFrom(const VolumeState& state);
 
-/// Coefficients, as in Volume, of one brick's cells: per layer, per cell: 12.
+/// One brick decoded: 12 SH coefficients per layer and cell, as in Volume. A null brick gives zeros.
 std::vector<float> brickFloats(const VolumeShape& shape, const Brick* brick, std::size_t cells);
 
-/// The same state with only the chosen bricks; the others are zeros.
+/// A copy in which all bricks but the chosen ones are null.
 VolumeState onlyBricks(const VolumeState& state, const std::vector<bool>& chosen);
 
 /// XXH64, seed 0.

@@ -1,5 +1,6 @@
 #include "api/call/admission_slot.h"
 #include "api/call/deadline.h"
+#include "api/call/method_table.h"
 #include "api/services.h"
 #include "base/text.h"
 #include "convert/blob_content.h"
@@ -8,17 +9,10 @@ namespace lpv::api {
 namespace {
 
 /// An upload in progress: bytes arrive, the buffer grows with them, at the end a worker parses.
-class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse> {
+class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBlobResponse> {
  public:
   explicit Upload(const Context& context)
       : context_(context), berth_(context.counters->uploads), idle_(*context.timers) {}
-
-  void expectFirst() {
-    idle_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<Upload>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time", "header"));
-    });
-  }
 
   void receive(pb::UploadBlobRequest request) override {
     if (hasEnded()) return;
@@ -27,12 +21,11 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
       end(s);
       return;
     }
-    idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this(), seconds = context_.limits.uploadIdle.count()] {
-      const auto self = std::static_pointer_cast<Upload>(weak.lock());
-      if (!self) return;
-      self->end(Status(Code::kDeadlineExceeded,
-                       "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
-    });
+    idle_.restart(
+        context_.limits.uploadIdle, whileAlive([seconds = context_.limits.uploadIdle.count()](Upload& self) {
+          self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                          "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
+        }));
   }
 
   void halfClosed() override {
@@ -43,28 +36,25 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
       return end(invalid("data", "data has " + std::to_string(bytes_.size()) + " bytes, the header announced " +
                                      std::to_string(size_)));
     }
-    context_.pool->post([self = std::static_pointer_cast<Upload>(shared_from_this())] { self->finish(); });
+    context_.pool->post([self = me()] { self->finish(); });
   }
 
   bool next(pb::UploadBlobResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!answer_) return false;
     *response = *answer_;
     answer_.reset();
     return true;
   }
 
-  void cancelled() override {
-    idle_.stop();
-    end(Status(Code::kCancelled, "the client went away"));
-  }
+  void release() override { idle_.stop(); }
 
  private:
   Status take(pb::UploadBlobRequest& request) {
     if (!session_) {
       if (!request.has_header()) return invalid("header", "the first message has no header");
       if (Status s = begin(request.header()); !s.ok()) return s.within("header");
-      if (Status s = berth_.enter("max_uploads", context_.limits.maxUploads); !s.ok()) return s;
+      if (Status s = berth_.enter(Reason::kMaxUploads, "max_uploads", context_.limits.maxUploads); !s.ok()) return s;
     } else if (request.has_header()) {
       return invalid("header", "a later message has a header again");
     }
@@ -82,10 +72,11 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (header.size() < 1)
       return invalid("size", "size is " + std::to_string(header.size()) + ", needed is at least 1");
     if (header.size() > context_.limits.maxBlobBytes) {
-      return exhausted("size", "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
-                                   std::to_string(context_.limits.maxBlobBytes) + " bytes");
+      return exhausted(Reason::kMaxBlobBytes, "size",
+                       "max_blob_bytes: size is " + std::to_string(header.size()) + ", allowed are " +
+                           std::to_string(context_.limits.maxBlobBytes) + " bytes");
     }
-    const Expected<SessionPtr> session = findSession(context_, "session", header.session(), Role::kEditor);
+    const Expected<SessionPtr> session = findSession(context_, "session", header.session());
     if (!session) return session.status();
     session_ = *session;
     kind_ = header.kind();
@@ -98,11 +89,10 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
     if (!blob) return end(blob.status());
     const Expected<bool> existed = session_->addBlob(*blob);
     if (!existed) return end(existed.status());
-    session_->whenDurable([self = std::static_pointer_cast<Upload>(shared_from_this()), hash = (*blob)->hash,
-                           existed = *existed](const Status& kept) {
+    session_->whenDurable([self = me(), hash = (*blob)->hash, existed = *existed](const Status& kept) {
       if (!kept.ok()) return self->end(kept);
       {
-        const std::lock_guard lock(self->mutex_);
+        const MutexLock lock(self->mutex_);
         self->answer_.emplace();
         self->answer_->set_hash(hash);
         self->answer_->set_existed(existed);
@@ -118,25 +108,26 @@ class Upload final : public Stream<pb::UploadBlobRequest, pb::UploadBlobResponse
   pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;
   std::int64_t size_ = 0;
   std::string bytes_;
-  std::mutex mutex_;
-  std::optional<pb::UploadBlobResponse> answer_;
+  Mutex mutex_;
+  std::optional<pb::UploadBlobResponse> answer_ LPV_GUARDED_BY(mutex_);
 };
 
 /// A blob on its way out, part by part as the client takes them.
-class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
+class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobResponse> {
  public:
   explicit Read(const Context& context) : context_(context) {}
 
   void receive(pb::ReadBlobRequest request) override {
-    context_.pool->post([self = std::static_pointer_cast<Read>(shared_from_this()), request = std::move(request)] {
+    context_.pool->post([self = me(), request = std::move(request)] {
       if (Status s = self->open(request); !s.ok()) return self->end(s);
       self->wake();
     });
   }
 
   bool next(pb::ReadBlobResponse* response) override {
+    bool last = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!bytes_ || done_) return false;
       if (first_) {
         response->set_kind(kind_);
@@ -146,17 +137,15 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
       const std::size_t count = std::min(kMaxPartBytes, bytes_->size() - offset_);
       response->set_data(bytes_->data() + offset_, count);
       offset_ += count;
-      done_ = offset_ == bytes_->size();
+      last = done_ = offset_ == bytes_->size();
     }
-    if (done_) endInNext(Status());
+    if (last) endInNext(Status());
     return true;
   }
 
-  void cancelled() override { end(Status(Code::kCancelled, "the client went away")); }
-
  private:
   Status open(const pb::ReadBlobRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     std::shared_ptr<const std::string> bytes;
     pb::BlobKind kind = pb::BLOB_KIND_MESH;
@@ -175,7 +164,7 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
                         std::to_string(bytes->size()) + " bytes",
                     "offset");
     }
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     kind_ = kind;
     offset_ = std::size_t(request.offset());
     bytes_ = std::move(bytes);
@@ -183,12 +172,12 @@ class Read final : public Stream<pb::ReadBlobRequest, pb::ReadBlobResponse> {
   }
 
   const Context context_;
-  std::mutex mutex_;
-  std::shared_ptr<const std::string> bytes_;
-  pb::BlobKind kind_ = pb::BLOB_KIND_MESH;
-  std::size_t offset_ = 0;
-  bool first_ = true;
-  bool done_ = false;
+  Mutex mutex_;
+  std::shared_ptr<const std::string> bytes_ LPV_GUARDED_BY(mutex_);
+  pb::BlobKind kind_ LPV_GUARDED_BY(mutex_) = pb::BLOB_KIND_MESH;
+  std::size_t offset_ LPV_GUARDED_BY(mutex_) = 0;
+  bool first_ LPV_GUARDED_BY(mutex_) = true;
+  bool done_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 constexpr int kMaxHashes = 1000;
@@ -196,7 +185,7 @@ constexpr int kMaxHashes = 1000;
 }  // namespace
 
 Status findBlobs(const Context& context, const pb::FindBlobsRequest& request, pb::FindBlobsResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   if (request.hashes_size() > kMaxHashes) {
     return invalid("hashes", "hashes has " + std::to_string(request.hashes_size()) + " entries, allowed are 1000");
@@ -208,13 +197,19 @@ Status findBlobs(const Context& context, const pb::FindBlobsRequest& request, pb
 }
 
 StreamPtr<pb::UploadBlobRequest, pb::UploadBlobResponse> uploadBlob(const Context& context) {
-  auto stream = std::make_shared<Upload>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<Upload>(context);
 }
 
 StreamPtr<pb::ReadBlobRequest, pb::ReadBlobResponse> readBlob(const Context& context) {
   return std::make_shared<Read>(context);
+}
+
+std::vector<Method> blobMethods() {
+  return {
+      {"BlobService.UploadBlob", Role::kEditor, "header.session", handler(uploadBlob)},
+      {"BlobService.FindBlobs", Role::kEditor, "session", handler(findBlobs)},
+      {"BlobService.ReadBlob", Role::kViewer, "session", handler(readBlob)},
+  };
 }
 
 }  // namespace lpv::api

@@ -10,46 +10,37 @@
 namespace lpv::api {
 namespace {
 
-class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsResponse> {
+class EditStream final : public StreamOf<EditStream, pb::StreamEditsRequest, pb::StreamEditsResponse> {
  public:
-  explicit EditStream(const Context& context)
-      : context_(context), first_(*context.timers), heartbeat_(*context.timers) {}
-
-  void expectFirst() {
-    first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<EditStream>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time"));
-    });
-  }
+  explicit EditStream(const Context& context) : context_(context), heartbeat_(*context.timers) {}
 
   void receive(pb::StreamEditsRequest request) override {
     if (hasEnded()) return;
     if (!session_) {
-      first_.stop();
       if (Status s = open(request); !s.ok()) return end(s);
     }
     if (!request.has_edit()) return;
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (interrupted_) return;
     waiting_.push_back(std::move(*request.mutable_edit()));
-    workLocked();
+    startNext();
   }
 
   void halfClosed() override {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       inputEnded_ = true;
     }
     wake();
   }
 
   bool wantsRead() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return waiting_.size() + acks_.size() < std::size_t(context_.limits.maxQueuedEdits);
   }
 
   bool next(pb::StreamEditsResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!acks_.empty() && acks_.front()->told) {
       response->mutable_ack()->Swap(&acks_.front()->ack);
       acks_.pop_front();
@@ -67,16 +58,12 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     return false;
   }
 
-  void cancelled() override {
-    first_.stop();
+  void release() override {
     heartbeat_.stop();
     if (session_) session_->unwatch(watcher_);
-    {
-      // Nobody is told of them: whoever comes back repeats them, and whose token was revoked has none applied.
-      const std::lock_guard lock(mutex_);
-      waiting_.clear();
-    }
-    end(Status(Code::kCancelled, "the client went away"));
+    // Nobody is told of them: whoever comes back repeats them, and whose token was revoked has none applied.
+    const MutexLock lock(mutex_);
+    waiting_.clear();
   }
 
  private:
@@ -86,30 +73,23 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
     bool told = false;
   };
 
-  std::shared_ptr<EditStream> me() { return std::static_pointer_cast<EditStream>(shared_from_this()); }
-
   Status open(const pb::StreamEditsRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kEditor);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     client_ = fromProto(request.client());
     if (Status s = (*session)->verify(client_); !s.ok()) return s;
-    const auto weak = std::weak_ptr<EditStream>(me());
-    const auto close = [weak](Closing why) {
-      if (const auto self = weak.lock()) self->heartbeat_.close(why);
-    };
+    const auto close = whileAlive([](EditStream& self, Closing why) { self.heartbeat_.close(why); });
     watcher_ = (*session)->watch([] {}, close, client_.id);
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       session_ = *session;
     }
-    heartbeat_.start([weak] {
-      if (const auto self = weak.lock()) self->wake();
-    });
+    heartbeat_.start(wakeWhileAlive());
     return {};
   }
 
   /// Applies the next edit on a worker, one at a time so that the order stays.
-  void workLocked() {
+  void startNext() LPV_REQUIRES(mutex_) {
     if (working_ || waiting_.empty()) return;
     working_ = true;
     context_.pool->post([self = me(), edit = std::move(waiting_.front())] { self->apply(edit); });
@@ -122,7 +102,7 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
                                        : session_->recordRejected(client_, edit.sequence(), parsed.status());
     const auto place = std::make_shared<Place>();
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       acks_.push_back(place);
       working_ = false;
       // Not taken and not remembered: it comes again, and what was sent after it must not be there before it.
@@ -130,11 +110,11 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
         interrupted_ = true;
         waiting_.clear();
       }
-      workLocked();  // the next one need not wait for the disk: many are kept at once
+      startNext();  // the next one need not wait for the disk: many are kept at once
     }
     session_->confirmWhenDurable(outcome, [self = me(), place](const EditOutcome& confirmed) {
       {
-        const std::lock_guard lock(self->mutex_);
+        const MutexLock lock(self->mutex_);
         toProto(confirmed, *self->session_, &place->ack);
         place->told = true;
       }
@@ -143,25 +123,23 @@ class EditStream final : public Stream<pb::StreamEditsRequest, pb::StreamEditsRe
   }
 
   const Context context_;
-  Deadline first_;
   HeartbeatEmitter heartbeat_;
   SessionPtr session_;
   ClientIdentity client_;
   std::uint64_t watcher_ = 0;
-  std::mutex mutex_;
-  std::deque<pb::Edit> waiting_;
-  std::deque<std::shared_ptr<Place>> acks_;  ///< in the order of edits
-  bool working_ = false;
-  bool inputEnded_ = false;
-  bool interrupted_ = false;  ///< an edit was not taken: the stream ends when all before it are answered
+  Mutex mutex_;
+  std::deque<pb::Edit> waiting_ LPV_GUARDED_BY(mutex_);
+  std::deque<std::shared_ptr<Place>> acks_ LPV_GUARDED_BY(mutex_);  ///< in the order of edits
+  bool working_ LPV_GUARDED_BY(mutex_) = false;
+  bool inputEnded_ LPV_GUARDED_BY(mutex_) = false;
+  bool interrupted_ LPV_GUARDED_BY(mutex_) =
+      false;  ///< an edit was not taken: the stream ends when all before it are answered
 };
 
 }  // namespace
 
 StreamPtr<pb::StreamEditsRequest, pb::StreamEditsResponse> streamEdits(const Context& context) {
-  auto stream = std::make_shared<EditStream>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<EditStream>(context);
 }
 
 }  // namespace lpv::api

@@ -2,7 +2,6 @@
 
 #include <deque>
 
-#include "api/call/deadline.h"
 #include "api/results/probing.h"
 #include "api/services.h"
 
@@ -11,47 +10,39 @@ namespace {
 
 constexpr std::size_t kMaxQueuedParts = 4;
 
-class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeResponse> {
+class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, pb::StreamProbeResponse> {
  public:
-  explicit ProbeStream(const Context& context) : context_(context), first_(*context.timers) {}
-
-  void expectFirst() {
-    first_.restart(context_.limits.firstMessage, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: nothing arrived in time", "request"));
-    });
-  }
+  explicit ProbeStream(const Context& context) : context_(context) {}
 
   void receive(pb::StreamProbeRequest request) override {
     if (hasEnded()) return;
     if (!asked_) {
-      first_.stop();
       if (Status s = ask(request.request()); !s.ok()) return end(s.within("request"));
     }
     Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
     if (!points) return end(points.status().within("request"));
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (points->empty()) return;
     waiting_.push_back(std::move(*points));
-    workLocked();
+    startNext();
   }
 
   void halfClosed() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     inputEnded_ = true;
     if (!asked_) return context_.pool->post([self = me()] { self->end(invalid("request", "no message came")); });
-    workLocked();
+    startNext();
   }
 
   bool wantsRead() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return waiting_.size() + answers_.size() < kMaxQueuedParts;
   }
 
   bool next(pb::StreamProbeResponse* response) override {
     bool finished = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!answers_.empty()) {
         response->mutable_response()->Swap(&answers_.front());
         answers_.pop_front();
@@ -63,17 +54,13 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     return false;
   }
 
-  void cancelled() override {
-    first_.stop();
-    if (call_) session_->forget(call_);
-    end(Status(Code::kCancelled, "the client went away"));
+  void release() override {
+    if (call_) session_->delivery().forget(call_);
   }
 
  private:
-  std::shared_ptr<ProbeStream> me() { return std::static_pointer_cast<ProbeStream>(shared_from_this()); }
-
   Status ask(const pb::ProbeRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     session_ = *session;
     asked_ = true;
@@ -81,23 +68,21 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
     call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
-    call.done = [weak = weak_from_this()](Expected<Result> result) {
-      const auto self = std::static_pointer_cast<ProbeStream>(weak.lock());
-      if (!self) return;
-      if (!result) return self->end(result.status());
+    call.done = whileAlive([](ProbeStream& self, Expected<Result> result) {
+      if (!result) return self.end(result.status());
       {
-        const std::lock_guard lock(self->mutex_);
-        self->result_ = *result;
-        self->workLocked();
+        const MutexLock lock(self.mutex_);
+        self.result_ = *result;
+        self.startNext();
       }
-      self->wake();
-    };
-    call_ = session_->ask(std::move(call));
+      self.wake();
+    });
+    call_ = session_->delivery().ask(std::move(call));
     return {};
   }
 
   /// Answers the next part on a worker, one at a time so that the order stays.
-  void workLocked() {
+  void startNext() LPV_REQUIRES(mutex_) {
     if (working_ || !result_ || waiting_.empty()) return;
     working_ = true;
     context_.pool->post(
@@ -105,10 +90,10 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
           pb::ProbeResponse answer;
           answerPoints(result, points, volumeOnly, &answer);
           {
-            const std::lock_guard lock(self->mutex_);
+            const MutexLock lock(self->mutex_);
             self->answers_.push_back(std::move(answer));
             self->working_ = false;
-            self->workLocked();
+            self->startNext();
           }
           self->wake();
         });
@@ -116,25 +101,22 @@ class ProbeStream final : public Stream<pb::StreamProbeRequest, pb::StreamProbeR
   }
 
   const Context context_;
-  Deadline first_;
   SessionPtr session_;
   bool asked_ = false;
   bool volumeOnly_ = false;
   std::shared_ptr<WaitingCall> call_;
-  std::mutex mutex_;
-  std::optional<Result> result_;
-  std::deque<ProbePoints> waiting_;
-  std::deque<pb::ProbeResponse> answers_;
-  bool working_ = false;
-  bool inputEnded_ = false;
+  Mutex mutex_;
+  std::optional<Result> result_ LPV_GUARDED_BY(mutex_);
+  std::deque<ProbePoints> waiting_ LPV_GUARDED_BY(mutex_);
+  std::deque<pb::ProbeResponse> answers_ LPV_GUARDED_BY(mutex_);
+  bool working_ LPV_GUARDED_BY(mutex_) = false;
+  bool inputEnded_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace
 
 StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(const Context& context) {
-  auto stream = std::make_shared<ProbeStream>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<ProbeStream>(context);
 }
 
 }  // namespace lpv::api

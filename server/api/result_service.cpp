@@ -1,5 +1,6 @@
 // Single answers: volumes, frames, probes, picks. Each waits for a result at or after its revision.
 
+#include "api/call/method_table.h"
 #include "api/results/probing.h"
 #include "api/results/subscription_stream.h"
 #include "api/services.h"
@@ -12,32 +13,30 @@ namespace {
 
 /// A call that asks the session for one result and hands it out in parts. Make builds the parts on a worker thread.
 template <typename Request, typename Response>
-class SingleResultStream : public Stream<Request, Response> {
+class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>, Request, Response> {
  public:
   explicit SingleResultStream(const Context& context) : context_(context) {}
 
   void receive(Request request) override {
     if (asked_) return;
     asked_ = true;
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return this->end(session.status());
     session_ = *session;
     Expected<WaitingCall> call = prepare(request);
     if (!call) return this->end(call.status());
     call->minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
-    call->done = [weak = this->weak_from_this()](Expected<Result> result) {
-      const auto self = std::static_pointer_cast<SingleResultStream>(weak.lock());
-      if (self) self->finish(std::move(result));
-    };
-    const std::shared_ptr<WaitingCall> waiting = session_->ask(std::move(*call));
-    const std::lock_guard lock(mutex_);
+    call->done =
+        this->whileAlive([](SingleResultStream& self, Expected<Result> result) { self.finish(std::move(result)); });
+    const std::shared_ptr<WaitingCall> waiting = session_->delivery().ask(std::move(*call));
+    const MutexLock lock(mutex_);
     call_ = waiting;
   }
 
   bool next(Response* response) override {
     bool more = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!parts_) return false;
       more = parts_(response);
     }
@@ -45,14 +44,13 @@ class SingleResultStream : public Stream<Request, Response> {
     return more;
   }
 
-  void cancelled() override {
+  void release() override {
     std::shared_ptr<WaitingCall> call;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       call = call_;
     }
-    if (call) session_->forget(call);
-    this->end(Status(Code::kCancelled, "the client went away"));
+    if (call) session_->delivery().forget(call);
   }
 
  protected:
@@ -71,16 +69,16 @@ class SingleResultStream : public Stream<Request, Response> {
     Expected<Parts> made = parts(*result);
     if (!made) return this->end(made.status());
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       parts_ = std::move(*made);
     }
     this->wake();
   }
 
   bool asked_ = false;
-  std::mutex mutex_;
-  Parts parts_;
-  std::shared_ptr<WaitingCall> call_;
+  Mutex mutex_;
+  Parts parts_ LPV_GUARDED_BY(mutex_);
+  std::shared_ptr<WaitingCall> call_ LPV_GUARDED_BY(mutex_);
 };
 
 class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest, pb::GetVolumeResponse> {
@@ -97,8 +95,8 @@ class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest,
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
-    const auto parts =
-        std::make_shared<VolumeParts>(result, order_, volumeEncodings().get(result.volume, order_, *context_.counters));
+    const auto parts = std::make_shared<VolumeParts>(
+        result, order_, context_.caches->encodings.get(result.volume, order_, *context_.counters));
     context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }
@@ -115,7 +113,7 @@ class FrameResultStream final : public SingleResultStream<pb::GetFrameRequest, p
   Expected<WaitingCall> prepare(pb::GetFrameRequest& request) override {
     Expected<FrameEncodingRequest> order = encodingRequestFrom(request, context_.limits);
     if (!order) return order.status();
-    if (Status s = session_->checkCamera(order->subscription.camera); !s.ok()) return s;
+    if (Status s = session_->delivery().checkCamera(order->subscription.camera); !s.ok()) return s;
     order_ = *order;
     WaitingCall call;
     call.frame = order_.subscription;
@@ -181,8 +179,9 @@ static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::P
                                           const Limits& limits) {
   FrameSettings subscription;
   if (!request.subscriber().empty()) {
-    const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(request.subscriber());
-    const std::optional<FrameSettings> frame = subscriber ? session->subscriptionOf(subscriber).frame : std::nullopt;
+    const std::shared_ptr<Subscriber> subscriber = session->delivery().findSubscriber(request.subscriber());
+    const std::optional<FrameSettings> frame =
+        subscriber ? session->delivery().subscriptionOf(subscriber).frame : std::nullopt;
     if (!frame) {
       return Status(Code::kNotFound, "there is no frame subscriber \"" + truncatedUtf8(request.subscriber()) + "\"",
                     "subscriber");
@@ -201,7 +200,7 @@ static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::P
 }
 
 Status pick(const Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   const Expected<FrameSettings> subscription = pickedWish(*session, request, context.limits);
   if (!subscription) return subscription.status();
@@ -212,7 +211,7 @@ Status pick(const Context& context, const pb::PickRequest& request, pb::PickResp
                       std::to_string(subscription->size.x) + " x " + std::to_string(subscription->size.y),
                   "x");
   }
-  const Expected<Camera> camera = (*session)->cameraFor(subscription->camera, subscription->size);
+  const Expected<Camera> camera = (*session)->delivery().cameraFor(subscription->camera, subscription->size);
   if (!camera) return camera.status();
   const ScenePtr scene = (*session)->scene();
   response->set_revision(scene->revision);
@@ -226,6 +225,21 @@ Status pick(const Context& context, const pb::PickRequest& request, pb::PickResp
   toProto(hit->normal, response->mutable_normal());
   response->set_distance(hit->distance);
   return {};
+}
+
+std::vector<Method> resultMethods() {
+  return {
+      {"ResultService.WatchVolume", Role::kViewer, "subscription.session", handler(watchVolume)},
+      {"ResultService.StreamVolume", Role::kViewer, "subscription.session", handler(streamVolume)},
+      {"ResultService.WatchFrames", Role::kViewer, "subscription.session", handler(watchFrames)},
+      {"ResultService.StreamFrames", Role::kViewer, "subscription.session", handler(streamFrames)},
+      {"ResultService.UpdateSubscription", Role::kViewer, "session", handler(updateSubscription)},
+      {"ResultService.GetVolume", Role::kViewer, "session", handler(getVolume)},
+      {"ResultService.GetFrame", Role::kViewer, "session", handler(getFrame)},
+      {"ResultService.Probe", Role::kViewer, "session", handler(probe)},
+      {"ResultService.StreamProbe", Role::kViewer, "request.session", handler(streamProbe)},
+      {"ResultService.Pick", Role::kViewer, "session", handler(pick)},
+  };
 }
 
 }  // namespace lpv::api

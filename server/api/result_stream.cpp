@@ -9,37 +9,26 @@ namespace {
 
 /// A stream that has a feed once its subscription has arrived. Traits say how messages carry what.
 template <typename Traits>
-class ResultStream final : public Stream<typename Traits::Request, typename Traits::Response> {
+class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits::Request, typename Traits::Response> {
  public:
-  explicit ResultStream(const Context& context) : context_(context), first_(*context.timers) {}
-
-  /// The client has to say what it wants within the limit.
-  void expectFirst() {
-    first_.restart(context_.limits.firstMessage, [weak = this->weak_from_this()] {
-      const auto self = std::static_pointer_cast<ResultStream>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, "first_message: the subscription did not arrive in time"));
-    });
-  }
+  explicit ResultStream(const Context& context) : context_(context) {}
 
   void receive(typename Traits::Request request) override {
     if (this->hasEnded()) return;
-    if (feed_) {
+    if (const auto live = current()) {
       const pb::SubscriberUpdate* update = Traits::update(request);
       const Status status =
-          update ? feed_->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
+          update ? live->update(*update) : invalid("subscription", "a subscription comes once, as the first message");
       // A refused camera or size ends nothing a client could still want: it is told, and reopens with a right one.
       if (!status.ok()) this->end(status.within("update"));
       return;
     }
-    first_.stop();
     const typename Traits::Subscription* subscription = Traits::subscription(request);
     if (!subscription) return this->end(invalid("subscription", "the first message has no subscription"));
-    auto feed = openFeed(context_, *subscription, [weak = this->weak_from_this()] {
-      if (const auto self = std::static_pointer_cast<ResultStream>(weak.lock())) self->wake();
-    });
+    auto feed = openFeed(context_, *subscription, this->wakeWhileAlive());
     if (!feed) return this->end(feed.status().within("subscription"));
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       feed_ = *feed;
     }
     this->wake();
@@ -58,22 +47,19 @@ class ResultStream final : public Stream<typename Traits::Request, typename Trai
     return false;
   }
 
-  void cancelled() override {
-    first_.stop();
+  void release() override {
     if (const auto feed = current()) feed->stop();
-    this->end(Status(Code::kCancelled, "the client went away"));
   }
 
  private:
   std::shared_ptr<typename Traits::FeedType> current() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return feed_;
   }
 
   const Context context_;
-  Deadline first_;
-  std::mutex mutex_;
-  std::shared_ptr<typename Traits::FeedType> feed_;
+  Mutex mutex_;
+  std::shared_ptr<typename Traits::FeedType> feed_ LPV_GUARDED_BY(mutex_);
 };
 
 template <typename Req, typename Resp, typename Sub, typename F>
@@ -106,9 +92,7 @@ struct BidiTraits {
 
 template <typename Traits>
 std::shared_ptr<ResultStream<Traits>> make(const Context& context) {
-  auto stream = std::make_shared<ResultStream<Traits>>(context);
-  stream->expectFirst();
-  return stream;
+  return std::make_shared<ResultStream<Traits>>(context);
 }
 
 }  // namespace
@@ -136,9 +120,9 @@ StreamPtr<pb::StreamFramesRequest, pb::StreamFramesResponse> streamFrames(const 
 
 Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRequest& request,
                           pb::UpdateSubscriptionResponse*) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
-  const std::shared_ptr<Subscriber> subscriber = (*session)->findSubscriber(request.subscriber());
+  const std::shared_ptr<Subscriber> subscriber = (*session)->delivery().findSubscriber(request.subscriber());
   if (!subscriber) {
     return Status(Code::kNotFound,
                   "there is no subscriber \"" + truncatedUtf8(request.subscriber()) + "\"; its stream may have ended",

@@ -1,3 +1,4 @@
+#include "api/call/method_table.h"
 #include "api/call/paging.h"
 #include "api/services.h"
 #include "convert/geometry.h"
@@ -8,7 +9,7 @@ namespace lpv::api {
 
 void applyEdit(const Context& context, const pb::ApplyEditRequest& request, pb::ApplyEditResponse* response,
                Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   const ClientIdentity client = fromProto(request.client());
   Expected<Edit> edit = fromProto(request.edit(), context.limits);
@@ -26,7 +27,7 @@ namespace {
 /// Of Undo and Redo, which differ in their direction only.
 template <typename Request, typename Response>
 void undoRedo(const Context& context, const Request& request, Response* response, UndoDirection direction, Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   const EditOutcome outcome = (*session)->undoRedo(fromProto(request.client()), request.sequence(), direction);
   (*session)->confirmWhenDurable(outcome,
@@ -50,7 +51,7 @@ void redo(const Context& context, const pb::RedoRequest& request, pb::RedoRespon
 }
 
 Status lockObjects(const Context& context, const pb::LockObjectsRequest& request, pb::LockObjectsResponse*) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   if (request.ttl().nanos() != 0) return invalid("ttl", "ttl has a fraction of a second; give whole ones");
   return (*session)->lockObjects(fromProto(request.client()), {request.objects().begin(), request.objects().end()},
@@ -58,7 +59,7 @@ Status lockObjects(const Context& context, const pb::LockObjectsRequest& request
 }
 
 Status listLights(const Context& context, const pb::ListLightsRequest& request, pb::ListLightsResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   response->set_revision((*session)->revision());
   const std::vector<Versioned<Light>> lights = (*session)->lights();
@@ -76,7 +77,7 @@ Status listLights(const Context& context, const pb::ListLightsRequest& request, 
 
 Status listSurfaces(const Context& context, const pb::ListSurfacesRequest& request,
                     pb::ListSurfacesResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   response->set_revision((*session)->revision());
   const std::vector<Versioned<Surface>> surfaces = (*session)->surfaces();
@@ -87,7 +88,7 @@ Status listSurfaces(const Context& context, const pb::ListSurfacesRequest& reque
 }
 
 Status listCameras(const Context& context, const pb::ListCamerasRequest& request, pb::ListCamerasResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   response->set_revision((*session)->revision());
   const std::vector<std::pair<std::string, Camera>> cameras = (*session)->cameras();
@@ -95,6 +96,20 @@ Status listCameras(const Context& context, const pb::ListCamerasRequest& request
       request, cameras, [](const auto& camera) { return camera.first; },
       [&](const auto& camera) { toProto(camera.first, camera.second, response->add_cameras()); },
       response->mutable_next_page_token());
+}
+
+std::vector<Method> sceneMethods() {
+  return {
+      {"SceneService.ApplyEdit", Role::kEditor, "session", handler(applyEdit)},
+      {"SceneService.StreamEdits", Role::kEditor, "session", handler(streamEdits)},
+      {"SceneService.WatchScene", Role::kViewer, "session", handler(watchScene)},
+      {"SceneService.ListLights", Role::kViewer, "session", handler(listLights)},
+      {"SceneService.ListSurfaces", Role::kViewer, "session", handler(listSurfaces)},
+      {"SceneService.ListCameras", Role::kViewer, "session", handler(listCameras)},
+      {"SceneService.Undo", Role::kEditor, "session", handler(undo)},
+      {"SceneService.Redo", Role::kEditor, "session", handler(redo)},
+      {"SceneService.LockObjects", Role::kEditor, "session", handler(lockObjects)},
+  };
 }
 
 }  // namespace lpv::api

@@ -12,7 +12,7 @@
 namespace lpv::api {
 namespace {
 
-class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneResponse> {
+class SceneStream final : public StreamOf<SceneStream, pb::WatchSceneRequest, pb::WatchSceneResponse> {
  public:
   explicit SceneStream(const Context& context) : context_(context), heartbeat_(*context.timers) {}
 
@@ -22,7 +22,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
   }
 
   bool next(pb::WatchSceneResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!session_) return false;
     if (heartbeat_.over()) {
       endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
@@ -36,41 +36,36 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
     return true;
   }
 
-  void cancelled() override {
+  void release() override {
     heartbeat_.stop();
     SessionPtr session;
+    std::uint64_t watcher = 0;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       session = session_;
+      watcher = watcher_;
     }
-    if (session) session->unwatch(watcher_);
-    end(Status(Code::kCancelled, "the client went away"));
+    if (session) session->unwatch(watcher);
   }
 
  private:
   Status open(const pb::WatchSceneRequest& request) {
-    const Expected<SessionPtr> session = findSession(context_, "session", request.session(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return s;
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     sent_ = request.since_revision();
     session_ = *session;
     snapshotDue_ = sent_ == 0 || (request.since_epoch() != 0 && request.since_epoch() != session_->epoch());
-    const auto weak = std::weak_ptr<SceneStream>(std::static_pointer_cast<SceneStream>(shared_from_this()));
-    const auto wakeUp = [weak] {
-      if (const auto self = weak.lock()) self->wake();
-    };
-    const auto close = [weak](Closing why) {
-      if (const auto self = weak.lock()) self->heartbeat_.close(why);
-    };
+    const auto close = whileAlive([](SceneStream& self, Closing why) { self.heartbeat_.close(why); });
     presence_.start(request.client().client_id());
-    watcher_ = session_->watch(wakeUp, close, request.client().client_id());
-    heartbeat_.start(wakeUp);
+    watcher_ = session_->watch(wakeWhileAlive(), close, request.client().client_id());
+    heartbeat_.start(wakeWhileAlive());
     return {};
   }
 
   /// Everything since what was sent, as messages. An empty session at revision 0 is told as a snapshot once.
-  void refill() {
+  void refill() LPV_REQUIRES(mutex_) {
     if (!snapshotDue_ && session_->revision() == sent_) return;
     std::map<std::string, std::uint64_t> sequences;
     const Changes changes = session_->changesSince(snapshotDue_ ? std::nullopt : std::optional(sent_), &sequences);
@@ -82,7 +77,7 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
   }
 
   /// What is no change of the scene. Members are told where the reader has taken everything else.
-  bool nextNotice(pb::WatchSceneResponse* response) {
+  bool nextNotice(pb::WatchSceneResponse* response) LPV_REQUIRES(mutex_) {
     pb::Presence member;
     if (!presence_.next(*session_, &member)) return heartbeat_.next(*session_, response);
     *response->mutable_presence() = std::move(member);
@@ -92,13 +87,13 @@ class SceneStream final : public Stream<pb::WatchSceneRequest, pb::WatchSceneRes
 
   const Context context_;
   HeartbeatEmitter heartbeat_;
-  std::mutex mutex_;
-  SessionPtr session_;
-  std::uint64_t watcher_ = 0;
-  std::uint64_t sent_ = 0;
-  bool snapshotDue_ = false;
-  PresenceFeed presence_;
-  std::deque<pb::WatchSceneResponse> parts_;
+  Mutex mutex_;
+  SessionPtr session_ LPV_GUARDED_BY(mutex_);
+  std::uint64_t watcher_ LPV_GUARDED_BY(mutex_) = 0;
+  std::uint64_t sent_ LPV_GUARDED_BY(mutex_) = 0;
+  bool snapshotDue_ LPV_GUARDED_BY(mutex_) = false;
+  PresenceFeed presence_ LPV_GUARDED_BY(mutex_);
+  std::deque<pb::WatchSceneResponse> parts_ LPV_GUARDED_BY(mutex_);
 };
 
 }  // namespace

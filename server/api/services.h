@@ -1,12 +1,9 @@
 #pragma once
-// Everything a door offers, by service. Plain functions run on a worker thread; those that change something answer when
-// it is kept, through Done. The others are streams. Every function reports errors by field.
+// The handlers of lpv.v1's methods, by service. Plain functions run on a worker thread; those that change something
+// answer when it is kept, through Done. The others are streams. Every function reports errors by field, and none asks
+// who calls: the call driver has. Those that only their own *_service.cpp uses need no declaration here.
 
-#include <functional>
-#include <memory>
-
-#include "api/call/context.h"
-#include "api/call/stream.h"
+#include "api/call/method.h"
 #include "lpv/v1/blob.pb.h"
 #include "lpv/v1/result.pb.h"
 #include "lpv/v1/scene.pb.h"
@@ -16,12 +13,6 @@
 namespace lpv::api {
 
 namespace pb = lpv::v1;
-
-/// Takes how a call ended, once, on any thread; the response is filled by then.
-using Done = std::function<void(const Status&)>;
-
-template <typename Request, typename Response>
-using StreamPtr = std::shared_ptr<Stream<Request, Response>>;
 
 // ServerService.
 Status getServerInfo(const Context&, const pb::GetServerInfoRequest&, pb::GetServerInfoResponse*);
@@ -71,7 +62,8 @@ StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(const Context&);
 StreamPtr<pb::StreamProbeRequest, pb::StreamProbeResponse> streamProbe(const Context&);
 Status pick(const Context&, const pb::PickRequest&, pb::PickResponse*);
 
-/// The session that "sessions/{id}" at `field` names, where the caller may do in it what `needed` may.
-Expected<SessionPtr> findSession(const Context&, const std::string& field, const std::string& name, Role needed);
+/// The session that "sessions/{id}" at `field` names. Whether the caller may do something in it was asked before
+/// (api/call/admission.h).
+Expected<SessionPtr> findSession(const Context&, const std::string& field, const std::string& name);
 
 }  // namespace lpv::api

@@ -15,8 +15,9 @@ namespace {
 constexpr std::size_t kMaxFileBytes = std::size_t(1) << 30U;
 
 Status tooLarge(std::size_t bytes) {
-  return exhausted("data", "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
-                               " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
+  return exhausted(Reason::kMaxSessionFileBytes, "data",
+                   "max_session_file_bytes: the session's file has " + std::to_string(bytes) +
+                       " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
 }
 
 Expected<std::string> fileOf(const SavedSession& state) {
@@ -39,9 +40,9 @@ Status checkLimits(const SavedSession& state, const Limits& limits) {
   Blobs room(limits);
   for (const store::Content& content : contentsOf(state)) {
     if (std::int64_t(content.bytes->size()) <= limits.maxBlobBytes) continue;
-    return exhausted("data", "max_blob_bytes: content " + content.hash + " has " +
-                                 std::to_string(content.bytes->size()) + " bytes, allowed are " +
-                                 std::to_string(limits.maxBlobBytes));
+    return exhausted(Reason::kMaxBlobBytes, "data",
+                     "max_blob_bytes: content " + content.hash + " has " + std::to_string(content.bytes->size()) +
+                         " bytes, allowed are " + std::to_string(limits.maxBlobBytes));
   }
   for (const BlobPtr& blob : state.uploads) {
     const Expected<bool> added = room.add(blob, Clock::now());
@@ -75,24 +76,26 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
 }
 
 /// A session on its way out, part by part as the client takes them.
-class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionResponse> {
+class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
   explicit Export(const Context& context)
       : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
   void receive(pb::ExportSessionRequest request) override {
-    const Expected<SessionPtr> session = findSession(context_, "name", request.name(), Role::kViewer);
+    const Expected<SessionPtr> session = findSession(context_, "name", request.name());
     if (!session) return end(session.status());
-    if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
+    if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+        !s.ok())
+      return end(s);
     Expected<std::string> file = fileOf((*session)->state());
     if (!file) return giveUp(file.status());
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     bytes_ = std::move(*file);
     expectReader();
   }
 
   bool next(pb::ExportSessionResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (offset_ >= bytes_.size()) return false;
     const std::size_t count = std::min(kMaxPartBytes, bytes_.size() - offset_);
     response->set_data(bytes_.data() + offset_, count);
@@ -102,53 +105,49 @@ class Export final : public Stream<pb::ExportSessionRequest, pb::ExportSessionRe
     return true;
   }
 
-  void cancelled() override { giveUp(Status(Code::kCancelled, "the client went away")); }
+  void release() override {
+    idle_.stop();
+    {
+      const MutexLock lock(mutex_);
+      bytes_ = std::string();
+    }
+    berth_.leave();
+  }
 
  private:
   /// A reader that stops holds the file no longer than a writer that stops.
   void expectReader() {
-    idle_.restart(context_.limits.uploadIdle, [weak = weak_from_this()] {
-      const auto self = std::static_pointer_cast<Export>(weak.lock());
-      if (self) self->giveUp(Status(Code::kDeadlineExceeded, "upload_idle: no part was taken in time", "name"));
-    });
+    idle_.restart(context_.limits.uploadIdle, whileAlive([](Export& self) {
+                    self.giveUp(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                       "upload_idle: no part was taken in time", "name"));
+                  }));
   }
 
   void giveUp(Status why) {
-    idle_.stop();
-    {
-      const std::lock_guard lock(mutex_);
-      bytes_ = std::string();
-    }
-    berth_.leave();
+    release();
     end(std::move(why));
   }
 
   const Context context_;
   AdmissionSlot berth_;
   Deadline idle_;
-  std::mutex mutex_;
-  std::string bytes_;
-  std::size_t offset_ = 0;
+  Mutex mutex_;
+  std::string bytes_ LPV_GUARDED_BY(mutex_);
+  std::size_t offset_ LPV_GUARDED_BY(mutex_) = 0;
 };
 
 /// A file on its way in; a worker makes the session at its end.
-class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionResponse> {
+class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::ImportSessionResponse> {
  public:
   explicit Import(const Context& context)
       : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
 
-  void expect(std::chrono::seconds patience, const char* limit) {
-    idle_.restart(patience, [weak = weak_from_this(), limit] {
-      const auto self = std::static_pointer_cast<Import>(weak.lock());
-      if (self) self->end(Status(Code::kDeadlineExceeded, std::string(limit) + ": nothing arrived in time", "data"));
-    });
-  }
-
   void receive(pb::ImportSessionRequest request) override {
     if (hasEnded()) return;
     if (!begun_) {
-      if (Status s = allowAdmin(context_, "making a session from a file"); !s.ok()) return end(s);
-      if (Status s = berth_.enter("max_session_files", context_.limits.maxSessionFiles); !s.ok()) return end(s);
+      if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+          !s.ok())
+        return end(s);
       wantedId_ = request.session_id();
     }
     begun_ = true;
@@ -157,27 +156,27 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
       return end(tooLarge(kMaxFileBytes + 1));
     }
     bytes_ += request.data();
-    expect(context_.limits.uploadIdle, "upload_idle");
+    idle_.restart(context_.limits.uploadIdle, whileAlive([](Import& self) {
+                    self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                    "upload_idle: nothing arrived in time", "data"));
+                  }));
   }
 
   void halfClosed() override {
     idle_.stop();
     if (hasEnded()) return;
-    context_.pool->post([self = std::static_pointer_cast<Import>(shared_from_this())] { self->finish(); });
+    context_.pool->post([self = me()] { self->finish(); });
   }
 
   bool next(pb::ImportSessionResponse* response) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!answer_) return false;
     *response = *answer_;
     answer_.reset();
     return true;
   }
 
-  void cancelled() override {
-    idle_.stop();
-    end(Status(Code::kCancelled, "the client went away"));
-  }
+  void release() override { idle_.stop(); }
 
  private:
   void finish() {
@@ -188,17 +187,17 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
     if (!session) return end(session.status());
     const Expected<MintedToken> token = ownerToken(context_, (*session)->id());
     if (!token) return end(token.status());
-    const auto self = std::static_pointer_cast<Import>(shared_from_this());
-    whenBothKept(context_, *session, *token, [self, session = *session, token = token->token](const Status& kept) {
-      if (!kept.ok()) return self->end(kept);
-      {
-        const std::lock_guard lock(self->mutex_);
-        self->answer_.emplace();
-        toProto(session->summary(), self->answer_->mutable_session());
-        self->answer_->set_owner_token(token);
-      }
-      self->end(Status());
-    });
+    whenBothKept(context_, *session, *token,
+                 [self = me(), session = *session, token = token->token](const Status& kept) {
+                   if (!kept.ok()) return self->end(kept);
+                   {
+                     const MutexLock lock(self->mutex_);
+                     self->answer_.emplace();
+                     toProto(session->summary(), self->answer_->mutable_session());
+                     self->answer_->set_owner_token(token);
+                   }
+                   self->end(Status());
+                 });
   }
 
   const Context context_;
@@ -207,8 +206,8 @@ class Import final : public Stream<pb::ImportSessionRequest, pb::ImportSessionRe
   bool begun_ = false;
   std::string wantedId_;
   std::string bytes_;
-  std::mutex mutex_;
-  std::optional<pb::ImportSessionResponse> answer_;
+  Mutex mutex_;
+  std::optional<pb::ImportSessionResponse> answer_ LPV_GUARDED_BY(mutex_);
 };
 
 }  // namespace
@@ -218,9 +217,7 @@ StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(con
 }
 
 StreamPtr<pb::ImportSessionRequest, pb::ImportSessionResponse> importSession(const Context& context) {
-  auto stream = std::make_shared<Import>(context);
-  stream->expect(context.limits.firstMessage, "first_message");
-  return stream;
+  return std::make_shared<Import>(context);
 }
 
 }  // namespace lpv::api

@@ -1,3 +1,4 @@
+#include "api/call/method_table.h"
 #include "api/call/paging.h"
 #include "api/services.h"
 #include "convert/presence.h"
@@ -5,11 +6,9 @@
 
 namespace lpv::api {
 
-Expected<SessionPtr> findSession(const Context& context, const std::string& field, const std::string& name,
-                                 Role needed) {
+Expected<SessionPtr> findSession(const Context& context, const std::string& field, const std::string& name) {
   const Expected<std::string> id = sessionId(field, name);
   if (!id) return id.status();
-  if (Status s = allow(context, *id, needed); !s.ok()) return s;
   return context.registry->find(*id);
 }
 
@@ -33,7 +32,6 @@ void answerWhenKept(const SessionPtr& session, Response* response, Done done) {
 
 void createSession(const Context& context, const pb::CreateSessionRequest& request, pb::CreateSessionResponse* response,
                    Done done) {
-  if (Status s = allowAdmin(context, "making a session"); !s.ok()) return done(s);
   const Expected<SessionSettings> settings = fromProto(request.settings());
   if (!settings) return done(settings.status());
   const Expected<SessionPtr> session =
@@ -46,7 +44,7 @@ void createSession(const Context& context, const pb::CreateSessionRequest& reque
 }
 
 Status getSession(const Context& context, const pb::GetSessionRequest& request, pb::GetSessionResponse* response) {
-  const Expected<SessionPtr> session = findSession(context, "name", request.name(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "name", request.name());
   if (!session) return session.status();
   toProto((*session)->summary(), response->mutable_session());
   return {};
@@ -64,7 +62,7 @@ Status listSessions(const Context& context, const pb::ListSessionsRequest& reque
 
 void updateSession(const Context& context, const pb::UpdateSessionRequest& request, pb::UpdateSessionResponse* response,
                    Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "session.name", request.session().name());
   if (!session) return done(session.status());
   const Status changed = (*session)->changeSettings(
       [&](const SessionSettings& now) { return withMask(now, request.session().settings(), request.update_mask()); });
@@ -76,13 +74,12 @@ void deleteSession(const Context& context, const pb::DeleteSessionRequest& reque
                    Done done) {
   const Expected<std::string> id = sessionId("name", request.name());
   if (!id) return done(id.status());
-  if (Status s = allow(context, *id, Role::kOwner); !s.ok()) return done(s);
   context.registry->remove(*id, std::move(done));
 }
 
 void fitSession(const Context& context, const pb::FitSessionRequest& request, pb::FitSessionResponse* response,
                 Done done) {
-  const Expected<SessionPtr> session = findSession(context, "name", request.name(), Role::kEditor);
+  const Expected<SessionPtr> session = findSession(context, "name", request.name());
   if (!session) return done(session.status());
   Edit edit;
   edit.operations.emplace_back(FitGrid{});
@@ -93,7 +90,7 @@ void fitSession(const Context& context, const pb::FitSessionRequest& request, pb
 
 void joinSession(const Context& context, const pb::JoinSessionRequest& request, pb::JoinSessionResponse* response,
                  Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   const Expected<ClientIdentity> client = (*session)->join(fromProto(request));
   if (!client) return done(client.status());
@@ -104,7 +101,7 @@ void joinSession(const Context& context, const pb::JoinSessionRequest& request, 
 
 void leaveSession(const Context& context, const pb::LeaveSessionRequest& request, pb::LeaveSessionResponse*,
                   Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   if (Status s = (*session)->verify(fromProto(request.client())); !s.ok()) return done(s);
   (*session)->leave(fromProto(request.client()));
@@ -112,11 +109,29 @@ void leaveSession(const Context& context, const pb::LeaveSessionRequest& request
 }
 
 Status updatePresence(const Context& context, const pb::UpdatePresenceRequest& request, pb::UpdatePresenceResponse*) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
   const Expected<PresenceUpdate> update = fromProto(request.presence());
   if (!update) return update.status().within("presence");
   return (*session)->present(fromProto(request.client()), *update);
+}
+
+std::vector<Method> sessionMethods() {
+  return {
+      {"SessionService.CreateSession", Role::kAdmin, "session_id", handler(createSession), "create", "session.name"},
+      {"SessionService.GetSession", Role::kViewer, "name", handler(getSession)},
+      {"SessionService.ListSessions", Role::kViewer, "", handler(listSessions)},
+      {"SessionService.UpdateSession", Role::kEditor, "session.name", handler(updateSession)},
+      {"SessionService.DeleteSession", Role::kOwner, "name", handler(deleteSession), "delete"},
+      {"SessionService.FitSession", Role::kEditor, "name", handler(fitSession)},
+      {"SessionService.JoinSession", Role::kViewer, "session", handler(joinSession)},
+      {"SessionService.LeaveSession", Role::kViewer, "session", handler(leaveSession)},
+      {"SessionService.UpdatePresence", Role::kViewer, "session", handler(updatePresence)},
+      {"SessionService.CreateToken", Role::kOwner, "session", handler(createToken), "share"},
+      {"SessionService.RevokeToken", Role::kOwner, "session", handler(revokeToken), "revoke"},
+      {"SessionService.ExportSession", Role::kViewer, "name", handler(exportSession)},
+      {"SessionService.ImportSession", Role::kAdmin, "session_id", handler(importSession), "import", "session.name"},
+  };
 }
 
 }  // namespace lpv::api

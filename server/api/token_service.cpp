@@ -14,7 +14,7 @@ Status tokensAreOff() {
 
 void createToken(const Context& context, const pb::CreateTokenRequest& request, pb::CreateTokenResponse* response,
                  Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kOwner);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   if (!context.access->required()) return done(tokensAreOff());
   const Expected<Role> role = roleOf(request.role());
@@ -24,7 +24,7 @@ void createToken(const Context& context, const pb::CreateTokenRequest& request, 
   const Expected<MintedToken> token = context.access->mint((*session)->id(), *role, life);
   if (!token) return done(token.status());
   // A session that went meanwhile has taken its tokens along; this one may have come too late for that.
-  const Expected<SessionPtr> still = findSession(context, "session", request.session(), Role::kOwner);
+  const Expected<SessionPtr> still = findSession(context, "session", request.session());
   if (!still || *still != *session) {
     (void)context.access->revoke((*session)->id(), token->kept.id);
     return done(Status(Code::kAborted, "the session went while the token was made; try again", "session"));
@@ -37,7 +37,7 @@ void createToken(const Context& context, const pb::CreateTokenRequest& request, 
 }
 
 void revokeToken(const Context& context, const pb::RevokeTokenRequest& request, pb::RevokeTokenResponse*, Done done) {
-  const Expected<SessionPtr> session = findSession(context, "session", request.session(), Role::kOwner);
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   const Expected<Position> gone = context.access->revoke((*session)->id(), request.token_id());
   if (!gone) return done(gone.status());

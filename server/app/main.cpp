@@ -100,7 +100,7 @@ Status readAdminToken(const Options& options, Access& access) {
 
 /// What happened to a session that nobody asked for.
 void report(SessionEvent incident, const std::string& session, const std::string& why) {
-  const ops::LogScope scope({session, {}, {}});
+  const ops::LogScope scope({.session = session, .trace = {}, .peer = {}});
   switch (incident) {
     case SessionEvent::kExpired:
       return ops::audit("expire", {{"why", "ttl"}});
@@ -123,6 +123,19 @@ Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const o
   return endpoint;
 }
 
+/// What calls can reach.
+api::Context callContext(Registry& registry, const SessionServices& services) {
+  return {.registry = &registry,
+          .pool = services.pool,
+          .timers = services.timers,
+          .counters = services.counters,
+          .limits = services.limits,
+          .device = services.engine->device(),
+          .version = kVersion,
+          .started = std::chrono::system_clock::now(),
+          .access = services.access};
+}
+
 void publish(ops::Endpoint& endpoint, const api::Context& context, const SessionServices& services,
              const store::CommitQueue* queue) {
   ops::MetricSources sources;
@@ -139,7 +152,7 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
 
 /// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
 /// is kept, and before the first stream has its notice: who has that, and asks, must not be sent here again.
-void drain(Registry& registry, door::Door& door, ops::Health& health) {
+void drain(Registry& registry, grpc_door::Door& door, ops::Health& health) {
   if (const Status kept = registry.quiesce(); !kept.ok()) spdlog::error("while draining: {}", kept.message());
   health.stopServing();
   door.stopServing();
@@ -214,21 +227,24 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   Access access(*journal, timers);
   if (const Status status = access.open(); !status.ok()) return fail(status);
   if (const Status status = readAdminToken(options, access); !status.ok()) return fail(status);
-  const SessionServices services{options.limits, engine->get(), &pool,   &timers, &counters,
-                                 api::meshHash,  journal.get(), &access, report};
+  const SessionServices services{.limits = options.limits,
+                                 .engine = engine->get(),
+                                 .pool = &pool,
+                                 .timers = &timers,
+                                 .counters = &counters,
+                                 .hasher = api::meshHash,
+                                 .journal = journal.get(),
+                                 .access = &access,
+                                 .onEvent = report};
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
-  api::Context context{&registry,      &pool,
-                       &timers,        &counters,
-                       options.limits, (*engine)->device(),
-                       kVersion,       std::chrono::system_clock::now(),
-                       &access};
-  Expected<std::unique_ptr<door::Door>> entrance =
-      door::Door::open(context, {options.listen, options.tls, options.reflection || !access.required()});
+  const api::Context context = callContext(registry, services);
+  Expected<std::unique_ptr<grpc_door::Door>> entrance = grpc_door::Door::open(
+      context, {.address = options.listen, .tls = options.tls, .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
-  door::Door& door = **entrance;
+  grpc_door::Door& door = **entrance;
   health.serve(*journal);
-  const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // goes before what it tells of
+  const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // destroyed before the objects that it reads
   if (endpoint) publish(*endpoint, context, services, queue->get());
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);

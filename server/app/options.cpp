@@ -136,7 +136,7 @@ Status check(Options& options) {
                                  " is not a loopback address: give --tls-cert, --tls-key and --admin-token-file, or "
                                  "--insecure on a network you trust");
   }
-  if (Status s = door::check(options.tls); !s.ok()) return s;
+  if (Status s = grpc_door::check(options.tls); !s.ok()) return s;
   const Expected<DeviceChoice> choice = parseDeviceChoice(options.device);
   if (!choice) return choice.status();
   options.choice = *choice;

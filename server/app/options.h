@@ -26,7 +26,7 @@ struct Options {
   bool printConfig = false;
   bool version = false;
   bool insecure = false;
-  door::TlsFiles tls;
+  grpc_door::TlsFiles tls;
   std::string adminTokenFile;  ///< given: calls need access tokens, and its first line is the admin's
   bool reflection = false;     ///< although tokens are asked for
   Limits limits;

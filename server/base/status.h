@@ -7,6 +7,8 @@
 #include <utility>
 #include <variant>
 
+#include "base/reason.h"
+
 namespace lpv {
 
 /// Canonical error codes; the numbers equal google.rpc.Code.
@@ -29,27 +31,32 @@ enum class Code {
   kUnauthenticated = 16,
 };
 
-/// The result of something that can fail: a code, and a sentence that names the field, the value given, the limit
-/// and the way out. `field` is the proto path of the offending field ("light.radiance"), empty where there is none.
+/// The result of something that can fail: a code, a reason for programs (kNone where the code says all), and a sentence
+/// for people that names the field, the value given, the limit and the way out. `field` is the proto path of the
+/// offending field ("light.radiance"), empty where there is none.
 class [[nodiscard]] Status {
  public:
   Status() = default;
   Status(Code code, std::string message, std::string field = {})
-      : code_(code), message_(std::move(message)), field_(std::move(field)) {}
+      : Status(code, Reason::kNone, std::move(message), std::move(field)) {}
+  Status(Code code, Reason reason, std::string message, std::string field = {})
+      : code_(code), reason_(reason), message_(std::move(message)), field_(std::move(field)) {}
 
   bool ok() const { return code_ == Code::kOk; }
   Code code() const { return code_; }
+  Reason reason() const { return reason_; }
   const std::string& message() const { return message_; }
   const std::string& field() const { return field_; }
 
   /// The same error seen from an enclosing message: "radiance" within "light" becomes "light.radiance".
   Status within(const std::string& parent) const {
     if (ok()) return *this;
-    return Status(code_, message_, field_.empty() ? parent : parent + "." + field_);
+    return Status(code_, reason_, message_, field_.empty() ? parent : parent + "." + field_);
   }
 
  private:
   Code code_ = Code::kOk;
+  Reason reason_ = Reason::kNone;
   std::string message_;
   std::string field_;
 };
@@ -64,7 +71,12 @@ inline Status unimplemented(std::string field, std::string message) {
   return Status(Code::kUnimplemented, std::move(message), std::move(field));
 }
 
-/// RESOURCE_EXHAUSTED at `field`: a limit by name.
+/// RESOURCE_EXHAUSTED at `field`: the limit that `reason` names. The message begins with its name in lower case.
+inline Status exhausted(Reason reason, std::string field, std::string message) {
+  return Status(Code::kResourceExhausted, reason, std::move(message), std::move(field));
+}
+
+/// RESOURCE_EXHAUSTED at `field`: memory, or what the device can do.
 inline Status exhausted(std::string field, std::string message) {
   return Status(Code::kResourceExhausted, std::move(message), std::move(field));
 }
@@ -73,7 +85,7 @@ inline Status exhausted(std::string field, std::string message) {
 template <typename T>
 class [[nodiscard]] Expected {
  public:
-  Expected(T value) : state_(std::move(value)) {}         // NOLINT(google-explicit-constructor): reads as a value
+  Expected(T value) : state_(std::move(value)) {}  // NOLINT(google-explicit-constructor): reads as a value
   Expected(Status status) : state_(std::move(status)) {}  // NOLINT(google-explicit-constructor): reads as an error
 
   bool ok() const { return std::holds_alternative<T>(state_); }

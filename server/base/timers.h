@@ -1,13 +1,13 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <thread>
 #include <utility>
+
+#include "base/mutex.h"
 
 namespace lpv {
 
@@ -32,11 +32,11 @@ class Timers {
  private:
   void run();
 
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::map<Key, std::function<void()>> calls_;
-  std::uint64_t last_ = 0;  ///< number in a key
-  bool stopping_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  std::map<Key, std::function<void()>> calls_ LPV_GUARDED_BY(mutex_);
+  std::uint64_t last_ LPV_GUARDED_BY(mutex_) = 0;  ///< number in a key
+  bool stopping_ LPV_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

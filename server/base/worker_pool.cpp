@@ -15,26 +15,26 @@ WorkerPool::WorkerPool(unsigned threads) : size_(threads) {
 
 void WorkerPool::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
-  wake_.notify_all();
+  wake_.notifyAll();
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   jobs_.clear();
 }
 
 void WorkerPool::post(std::function<void()> job) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!stopping_) jobs_.push_back(std::move(job));
   }
-  wake_.notify_one();
+  wake_.notifyOne();
 }
 
 void WorkerPool::runQueued() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!jobs_.empty()) {
     std::function<void()> job = std::move(jobs_.front());
     jobs_.pop_front();
@@ -48,23 +48,23 @@ void WorkerPool::runQueued() {
 void WorkerPool::blockingSection(const std::function<void()>& wait) {
   if (workplace != this) return wait();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     --running_;
     if (idle_ == 0 && !stopping_ && threads_.size() < size_ + kMaxCompensatingThreads)
       threads_.emplace_back([this] { run(); });
   }
-  wake_.notify_one();
+  wake_.notifyOne();
   wait();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   ++running_;  // for a moment one job more than usual runs
 }
 
 void WorkerPool::run() {
   workplace = this;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (true) {
     ++idle_;
-    wake_.wait(lock, [this] { return stopping_ || (!jobs_.empty() && running_ < size_); });
+    while (!stopping_ && (jobs_.empty() || running_ >= size_)) wake_.wait(lock);
     --idle_;
     if (jobs_.empty()) return;
     std::function<void()> job = std::move(jobs_.front());

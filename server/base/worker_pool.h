@@ -1,11 +1,11 @@
 #pragma once
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
+
+#include "base/mutex.h"
 
 namespace lpv {
 
@@ -34,12 +34,12 @@ class WorkerPool {
   void run();
 
   const unsigned size_;  ///< jobs that run at once
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> jobs_;
-  unsigned running_ = 0;  ///< jobs, but those that are blocked
-  unsigned idle_ = 0;  ///< threads that wait for a job
-  bool stopping_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  std::deque<std::function<void()>> jobs_ LPV_GUARDED_BY(mutex_);
+  unsigned running_ LPV_GUARDED_BY(mutex_) = 0;  ///< jobs, but those that are blocked
+  unsigned idle_ LPV_GUARDED_BY(mutex_) = 0;  ///< threads that wait for a job
+  bool stopping_ LPV_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };
 

@@ -11,10 +11,9 @@ namespace lpv::api {
 namespace {
 
 constexpr std::size_t kMaxUndoGroupBytes = 100;
-constexpr std::size_t kObjectsPerPart = 1000; // an object is a few hundred bytes: a part stays far below 1 MiB
+constexpr std::size_t kObjectsPerPart = 1000;  // an object is a few hundred bytes: a part stays far below 1 MiB
 
-/// Which fields of an object a message names: those of a mask, or those that
-/// are set in a new object.
+/// Which fields of an object a message names: those of a mask, or those that are set in a new object.
 class FieldSelection {
  public:
   FieldSelection() = default;
@@ -45,8 +44,7 @@ class FieldSelection {
   const google::protobuf::FieldMask* mask_ = nullptr;
 };
 
-/// A named field that a mask mentions but the message leaves out goes back to
-/// its default.
+/// A named field that a mask mentions but the message leaves out goes back to its default.
 Expected<TransformFields> transformFields(const pb::Transform& in, bool isSet, const FieldSelection& named) {
   const Expected<TransformFields> given = fromProto(in);
   if (!given) return given.status();
@@ -78,31 +76,34 @@ Status takeMesh(const Message& in, const FieldSelection& named, std::optional<Me
   return {};
 }
 
-/// A plain field that a mask names but the message leaves out goes back to its
-/// default where the message can tell, else to proto's; a Vec3 goes to 0.
+/// Takes the plain fields that the message names. One that a mask names but the message leaves out goes back to its
+/// default where the message can tell absence, else to proto's default; a Vec3 goes to 0, 0, 0.
 template <typename T>
 void takePlain(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
   for (std::size_t i = 0; i < wireFields<T>().size(); ++i) {
     const WireField place = wireFields<T>()[i];
     const Field<T>& field = fieldTable<T>()[i];
-    if (!place || !named(field.path, saysField(in, place))) continue;
-    const bool cleared = hasOwnDefault(place) && !saysField(in, place);
+    if (!place || !named(field.path, named.isNew() && isPresent(in, place))) continue;
+    const bool cleared = hasOwnDefault(place) && !isPresent(in, place);
     field.give(*out, cleared ? field.get(T()) : readField(in, place));
   }
 }
 
 /// The paths that an update mask of a T may have.
 template <typename T>
-std::vector<std::string> maskPaths() {
-  std::vector<std::string> out = {"inline_mesh", "transform"};
-  for (const Field<T>& field : fieldTable<T>()) {
-    out.emplace_back(field.path);
-    if (field.kind == FieldKind::kEmission) out.emplace_back("power");
-  }
-  return out;
+const std::vector<std::string>& maskPaths() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> out = {"inline_mesh", "transform"};
+    for (const Field<T>& field : fieldTable<T>()) {
+      out.emplace_back(field.path);
+      if (field.kind == FieldKind::kEmission) out.emplace_back("power");
+    }
+    return out;
+  }();
+  return all;
 }
 
-/// Mesh and transform, and what takePlain takes.
+/// Mesh, transform and the plain fields.
 template <typename T>
 Status takeCommon(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
   if (Status s = takeMesh(in, named, &out->mesh); !s.ok()) return s;
@@ -190,7 +191,7 @@ Expected<Operation> operationFromProto(const pb::Operation& op) {
   return invalid("", "the operation is not set, or newer than this server");
 }
 
-} // namespace
+}  // namespace
 
 Expected<Edit> fromProto(const pb::Edit& in, const Limits& limits) {
   if (in.operations_size() < 1 || in.operations_size() > limits.maxOperationsPerEdit) {
@@ -267,8 +268,7 @@ void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* ou
 
 namespace {
 
-/// Deals objects out over messages: `current()` is a message with room for one
-/// more.
+/// Deals objects out over messages: `current()` is a message with room for one more.
 template <typename Part, typename NewPart>
 class MessageSplitter {
  public:
@@ -303,7 +303,7 @@ void appendObjects(const Changes& changes, Dealt& parts) {
   for (const auto& [name, camera] : changes.cameras) toProto(name, camera, parts.current()->add_cameras());
 }
 
-} // namespace
+}  // namespace
 
 std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_t epoch, std::uint64_t since,
                                             const std::map<std::string, std::uint64_t>& clientSequences) {
@@ -338,4 +338,4 @@ std::vector<pb::WatchSceneResponse> toProto(const Changes& changes, std::uint64_
   return parts.take();
 }
 
-} // namespace lpv::api
+}  // namespace lpv::api

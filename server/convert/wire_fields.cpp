@@ -25,7 +25,7 @@ bool isKnown(WireField field) {
   }
 }
 
-} // namespace
+}  // namespace
 
 WireField wireField(const google::protobuf::Descriptor* message, const char* path) {
   const WireField field = message->FindFieldByName(path);
@@ -66,6 +66,6 @@ bool hasOwnDefault(WireField field) {
   return field->has_presence() && field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE;
 }
 
-bool saysField(const google::protobuf::Message& in, WireField field) { return in.GetReflection()->HasField(in, field); }
+bool isPresent(const google::protobuf::Message& in, WireField field) { return in.GetReflection()->HasField(in, field); }
 
-} // namespace lpv::api
+}  // namespace lpv::api

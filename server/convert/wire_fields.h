@@ -1,6 +1,6 @@
 #pragma once
-// Plain fields of lights and surfaces (scene/fields.h) in their messages: found
-// by name, so that a field needs no line here.
+// Plain fields of lights and surfaces (scene/fields.h) in their messages, found by name: a new field needs no line
+// here.
 
 #include <google/protobuf/message.h>
 
@@ -17,24 +17,20 @@ namespace pb = lpv::v1;
 template <typename T>
 using MessageOf = std::conditional_t<std::is_same_v<T, Light>, pb::Light, pb::Surface>;
 
-/// Where a plain field stands in its message; aborts where it does not, or is
-/// of another type than bool, double, string or Vec3.
+/// The descriptor of a plain field in its message; aborts if there is none, or its type is none of bool, double, string
+/// and Vec3.
 using WireField = const google::protobuf::FieldDescriptor*;
 WireField wireField(const google::protobuf::Descriptor* message, const char* path);
 
-/// The value in the message; what is absent is proto's default, a Vec3 then 0.
+/// The value in the message; an absent one is proto's default, an absent Vec3 0, 0, 0.
 FieldValue readField(const google::protobuf::Message& in, WireField field);
 void writeField(const FieldValue& value, WireField field, google::protobuf::Message* out);
-/// Whether the message says something of the field: it is present or, without
-/// presence, differs from proto's default.
-bool saysField(const google::protobuf::Message& in, WireField field);
-
-/// Whether an absent value can be told from proto's default, so that the field
-/// can have a default of its own.
+/// Whether the field is set; one without presence is if it differs from proto's default.
+bool isPresent(const google::protobuf::Message& in, WireField field);
+/// Whether a field that is no message can be absent, so that its default can differ from proto's.
 bool hasOwnDefault(WireField field);
 
-/// Of each field of the table its place in the message; null but for plain
-/// ones.
+/// The descriptor of each field of the table; null for those that are not plain.
 template <typename T>
 const auto& wireFields() {
   static const auto places = [] {
@@ -48,11 +44,14 @@ const auto& wireFields() {
   return places;
 }
 
-/// Gives all plain values of the message, present or not.
+/// Takes the plain values of a stored message. A field that can be absent and is (the message may be older than the
+/// field) is not taken, so that the object keeps its default.
 template <typename T>
-void givePlain(const MessageOf<T>& in, FieldsOf<T>* out) {
+void takeStored(const MessageOf<T>& in, FieldsOf<T>* out) {
   for (std::size_t i = 0; i < wireFields<T>().size(); ++i) {
-    if (const WireField place = wireFields<T>()[i]) fieldTable<T>()[i].give(*out, readField(in, place));
+    const WireField place = wireFields<T>()[i];
+    if (!place || (place->has_presence() && !isPresent(in, place))) continue;
+    fieldTable<T>()[i].give(*out, readField(in, place));
   }
 }
 
@@ -64,4 +63,4 @@ void writePlain(const T& object, MessageOf<T>* out) {
   }
 }
 
-} // namespace lpv::api
+}  // namespace lpv::api

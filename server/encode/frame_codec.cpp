@@ -6,7 +6,7 @@
 namespace lpv::encode {
 namespace {
 
-/// Writes `pixels` as the format that `name` ends in. OpenImageIO keeps errors per writer, so this is thread-safe.
+/// Encodes `pixels` in the format of `name`'s extension. Thread-safe: OpenImageIO keeps errors per writer.
 Expected<std::string> write(const char* name, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput target(bytes);

@@ -8,13 +8,13 @@
 
 namespace lpv::gpu {
 
-/// How a buffer's storage is used; decides the flags it is made with.
+/// How a buffer's storage is used; determines its flags.
 enum class BufferUse {
   kDevice,   ///< written by the GPU and by copies only
   kDynamic,  ///< written from the CPU with update()
 };
 
-/// Asks for storage whose content is whatever it is: for what is cleared in pieces, or written before it is read.
+/// Tag for storage with undefined content: for buffers that are cleared in chunks or written before they are read.
 struct Undefined {};
 
 /// An OpenGL buffer object of fixed size, labelled. Move-only; empty (id 0, size 0) after move.
@@ -53,7 +53,7 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-/// The bytes of a vector, array or struct, as Buffer takes them.
+/// The bytes of a vector, array or struct.
 template <typename T>
 std::span<const std::byte> bytesOf(const std::span<const T>& values) {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -7,15 +7,15 @@
 
 namespace lpv::gpu {
 
-/// What one texel of a buffer is.
+/// Type of one texel of a buffer texture.
 enum class BufferTexel {
   kVec4,   ///< 4 floats
   kVec3,   ///< 3 floats
   kUvec3,  ///< 3 unsigned integers
 };
 
-/// A view of a whole buffer as one row of texels, to be read with texelFetch: on llvmpipe two to three times faster
-/// than storage reads. The buffer outlives it. Move-only; empty (id 0) after move.
+/// A texture over a whole buffer, one row of texels read with texelFetch: on llvmpipe two to three times faster
+/// than storage reads. The buffer must outlive it. Move-only; empty (id 0) after move.
 class BufferTexture {
  public:
   BufferTexture() = default;

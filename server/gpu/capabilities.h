@@ -5,8 +5,8 @@
 
 namespace lpv::gpu {
 
-/// What the current context says of itself. Everything required is in 4.5 core; this is for the log, for limits that
-/// have to be kept, and for choosing how much work goes into one piece.
+/// Capabilities of the current context. Everything required is in 4.5 core; these are for the log, for the device's
+/// limits, and for choosing how much work goes into one piece.
 struct Capabilities {
   std::string renderer;  ///< GL_RENDERER
   std::string vendor;    ///< GL_VENDOR
@@ -21,7 +21,7 @@ struct Capabilities {
   int uniformAlignment = 256;        ///< bytes between ranges of one uniform buffer
 };
 
-/// Reads them from the current context and logs one line.
+/// Reads the capabilities of the current context and logs one line.
 Capabilities probeCapabilities();
 
 }  // namespace lpv::gpu

@@ -25,7 +25,7 @@ bool displayHas(EGLDisplay display, const char* extension) {
   return list != nullptr && std::strstr(list, extension) != nullptr;
 }
 
-/// A configuration for desktop GL, or none where the driver does without (EGL_KHR_no_config_context).
+/// A configuration for desktop GL, or none if the driver needs none (EGL_KHR_no_config_context).
 EGLConfig chooseConfig(EGLDisplay display) {
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
   EGLConfig config = EGL_NO_CONFIG_KHR;
@@ -55,13 +55,13 @@ Expected<Context> Context::make(const Device& device, bool debug) {
   std::string reason;
   const EGLDisplay display = openDisplay(device, reason);
   if (display == nullptr) return unavailable(reason);
-  if (!displayHas(display, "EGL_KHR_surfaceless_context")) return unavailable("no contexts without a surface");
-  if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return unavailable("no desktop OpenGL, only OpenGL ES");
+  if (!displayHas(display, "EGL_KHR_surfaceless_context")) return unavailable("the driver has no surfaceless contexts");
+  if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return unavailable("the driver has no desktop OpenGL, only OpenGL ES");
   debug = debug || debugWanted();
   const EGLConfig config = chooseConfig(display);
   EGLContext context = createContext(display, config, true, debug);
   if (context == EGL_NO_CONTEXT) context = createContext(display, config, false, debug);
-  if (context == EGL_NO_CONTEXT) return unavailable("no OpenGL 4.5 core context");
+  if (context == EGL_NO_CONTEXT) return unavailable("the driver has no OpenGL 4.5 core context");
   if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) != EGL_TRUE) {
     eglDestroyContext(display, context);
     return unavailable("its context cannot be made current without a surface");

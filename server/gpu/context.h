@@ -10,24 +10,24 @@
 namespace lpv::gpu {
 
 /// An OpenGL 4.5 core context without a window: robust with lose-on-reset where the driver can, a debug context when
-/// asked for or when the environment says LPV_GL_DEBUG=1. Current on the thread that made it; that thread owns it and
+/// asked for or with LPV_GL_DEBUG=1 in the environment. Current on the thread that made it; that thread owns it and
 /// must destroy it. Move-only.
 class Context {
  public:
-  /// Makes a context on `device` and makes it current; UNAVAILABLE with the reason when that cannot be.
+  /// Creates a context on `device` and makes it current. UNAVAILABLE with the reason if that fails.
   static Expected<Context> make(const Device& device, bool debug = false);
 
   Context(Context&& other) noexcept;
   Context& operator=(Context&& other) noexcept;
   ~Context();
 
-  /// Makes it current on the calling thread again, after another one was.
+  /// Makes it current again after another context was.
   void makeCurrent() const;
 
-  /// Whether everything made in it is gone: the driver has reset it (KHR_robustness), or it cannot be made current
-  /// (EGL_CONTEXT_LOST). On the thread that owns it.
+  /// True if the context and all its objects are lost: the driver has reset it (KHR_robustness), or it cannot be made
+  /// current (EGL_CONTEXT_LOST). On the thread that owns it.
   bool lost() const;
-  /// Destroys it behind the back of everything made in it, as a driver does that resets. For tests.
+  /// Destroys the context without telling the objects created in it, like a reset by the driver. For tests.
   void abandon();
 
   const Device& device() const { return device_; }

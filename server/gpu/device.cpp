@@ -9,16 +9,17 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <mutex>
 #include <string>
 #include <thread>
+
+#include "base/mutex.h"
 
 namespace lpv::gpu {
 
 namespace {
 
 constexpr int kMaxDevices = 32;
-constexpr unsigned kMostSoftwareWorkers = 16;  ///< that Mesa makes
+constexpr unsigned kMostSoftwareWorkers = 16;  ///< Mesa's limit
 #ifndef EGL_PLATFORM_SURFACELESS_MESA
 constexpr EGLenum EGL_PLATFORM_SURFACELESS_MESA = 0x31DD;
 #endif
@@ -87,13 +88,13 @@ std::vector<Device> preferredOrder(std::vector<Device> devices) {
 }
 
 void* openDisplay(const Device& device, std::string& reason) {
-  static std::mutex mutex;
-  static std::map<void*, EGLDisplay> open;
-  const std::lock_guard lock(mutex);
+  static Mutex mutex;
+  static std::map<void*, EGLDisplay> open LPV_GUARDED_BY(mutex);
+  const MutexLock lock(mutex);
   if (const auto found = open.find(device.eglDevice); found != open.end()) return found->second;
   const EGLDisplay display = displayOf(device);
   if (display == EGL_NO_DISPLAY) {
-    reason = "EGL offers no display for it";
+    reason = "EGL has no display for this device";
     return nullptr;
   }
   if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) {

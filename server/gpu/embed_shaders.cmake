@@ -1,5 +1,6 @@
 # Writes OUTPUT: a table of (path in SHADER_DIR, text) of everything in SHADER_DIR. Raw string literals keep the lines as they are.
 file(GLOB_RECURSE files RELATIVE ${SHADER_DIR} ${SHADER_DIR}/*)
+list(FILTER files EXCLUDE REGEX "[.]md$")
 list(SORT files)
 set(text "#include \"gpu/shader_source.h\"\n\nnamespace lpv::gpu {\n\nconst EmbeddedShader kEmbeddedShaders[] = {\n")
 foreach(name ${files})

@@ -5,7 +5,7 @@
 namespace lpv::gpu {
 
 void clearErrors() {
-  // A lost context may report errors for ever: bounded.
+  // Bounded, because a lost context may report errors forever.
   for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; ++i) {
   }
 }

@@ -7,8 +7,8 @@
 
 namespace lpv::gpu {
 
-/// Why a piece of GPU work cannot be done. Thrown by constructors of GL objects and programs, caught once per tick at
-/// the engine's edge, where it becomes the tick's Status; never passes the engine's interface.
+/// Failure of GPU work. Thrown by constructors of GL objects and programs, caught once per tick on the GL thread, where
+/// it becomes the tick's Status; it never leaves the engine's interface.
 class Failure : public std::runtime_error {
  public:
   explicit Failure(Status status) : std::runtime_error(status.message()), status_(std::move(status)) {}
@@ -20,7 +20,7 @@ class Failure : public std::runtime_error {
   Status status_;
 };
 
-/// Empties GL's error flags; called before work whose errors are to be told apart.
+/// Clears GL's error flags, so that a later throwOnError reports only errors of the work in between.
 void clearErrors();
 
 /// Throws RESOURCE_EXHAUSTED for GL_OUT_OF_MEMORY and INTERNAL for any other raised flag, naming `what`.

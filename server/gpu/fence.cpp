@@ -34,7 +34,7 @@ bool Fence::signalled() const { return wait(std::chrono::microseconds(0)); }
 bool Fence::wait(std::chrono::microseconds atMost) const {
   if (sync_ == nullptr) return true;
   const auto nanoseconds = std::chrono::nanoseconds(atMost).count();
-  // A lost context answers GL_WAIT_FAILED: count as done, the reset check tells the reason.
+  // A lost context returns GL_WAIT_FAILED: treat it as signalled; the reset check reports the reason.
   return glClientWaitSync(syncOf(sync_), 0, GLuint64(nanoseconds)) != GL_TIMEOUT_EXPIRED;
 }
 

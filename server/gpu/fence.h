@@ -4,7 +4,8 @@
 
 namespace lpv::gpu {
 
-/// A point in the command stream. Made after the commands it stands for; flushes them. Move-only; empty after move.
+/// A point in the command stream, after the commands queued before its construction; flushes them. Move-only; empty
+/// after move.
 class Fence {
  public:
   Fence() = default;
@@ -14,9 +15,9 @@ class Fence {
   ~Fence();
 
   explicit operator bool() const { return sync_ != nullptr; }
-  /// Whether everything before it is done; never waits. An empty fence is signalled.
+  /// True if all commands before it have finished; never waits. An empty fence is signalled.
   bool signalled() const;
-  /// Waits at most this long; the same answer.
+  /// The same, waiting at most this long.
   bool wait(std::chrono::microseconds atMost) const;
 
  private:

@@ -9,13 +9,13 @@
 
 namespace lpv::gpu {
 
-/// A framebuffer over textures that outlive it, labelled. Move-only; empty (id 0) after move.
+/// A labelled framebuffer over textures, which must outlive it. Move-only; empty (id 0) after move.
 class Framebuffer {
  public:
   Framebuffer() = default;
-  /// Colour attachments in order, and a depth texture or null. Throws Failure (INTERNAL) when incomplete.
+  /// With colour attachments in order and a depth texture or null. Throws Failure (INTERNAL) if it is incomplete.
   Framebuffer(const std::string& label, std::initializer_list<const Texture*> colours, const Texture* depth);
-  /// Of this size and without any attachment: fragment shaders run for their side effects.
+  /// Without attachments: fragment shaders run for their side effects only.
   static Framebuffer withoutAttachments(const std::string& label, const glm::ivec2& size);
   Framebuffer(Framebuffer&& other) noexcept;
   Framebuffer& operator=(Framebuffer&& other) noexcept;

@@ -26,17 +26,17 @@ GLenum stageOf(const std::string& file) {
   if (file.ends_with(".vert")) return GL_VERTEX_SHADER;
   if (file.ends_with(".geom")) return GL_GEOMETRY_SHADER;
   if (file.ends_with(".frag")) return GL_FRAGMENT_SHADER;
-  throw Failure(Code::kInternal, "no shader stage is named by " + file);
+  throw Failure(Code::kInternal, "the file extension names no shader stage: " + file);
 }
 
-/// Messages count files as #line does; the legend says which is which.
+/// Appends a legend of file numbers, because the compiler's messages number files as #line does.
 std::string describe(const std::string& log, const std::vector<std::string>& files) {
   std::string text = log;
   for (std::size_t i = 0; i < files.size(); ++i) text += "\n  " + std::to_string(i) + " = " + files[i];
   return text;
 }
 
-/// One shader of a program: the name says which stage.
+/// One shader of a program; the file's extension names its stage.
 struct Stage {
   std::string file;
   ShaderSource source;

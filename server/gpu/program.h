@@ -27,7 +27,7 @@ class Program {
   std::uint32_t id() const { return id_; }
   explicit operator bool() const { return id_ != 0; }
 
-  /// Makes it current. Development builds compile it anew when a source changed on disk, and keep the old program,
+  /// Makes it current. Development builds recompile it when a source has changed on disk; they keep the old program,
   /// with the messages in the log, when the new one does not compile.
   void use();
   /// use() and dispatch this many work-groups; nothing for an empty count.
@@ -48,7 +48,7 @@ class Program {
 /// Makes what shaders have written visible to every later command.
 void memoryBarrier();
 
-/// The compiled variants of one source, each made when first asked for.
+/// The variants of one source, each compiled at its first use.
 class ProgramVariants {
  public:
   explicit ProgramVariants(std::vector<std::string> files) : files_(std::move(files)) {}

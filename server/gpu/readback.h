@@ -11,7 +11,7 @@
 
 namespace lpv::gpu {
 
-/// Host-visible memory, mapped once and for good, into which the GPU copies results. The copy is only queued here: the
+/// Host-visible, persistently mapped memory into which the GPU copies results. The copy is only queued here: the
 /// caller inserts a Fence, polls it, and reads bytes() after it has signalled. Move-only; empty after move.
 class Readback {
  public:

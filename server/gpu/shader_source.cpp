@@ -15,7 +15,7 @@ namespace {
 std::string readShader(const std::string& name) {
 #ifdef LPV_SHADER_DIR
   std::ifstream file(std::filesystem::path(LPV_SHADER_DIR) / name);
-  if (!file) throw Failure(Code::kInternal, "no shader source " + name);
+  if (!file) throw Failure(Code::kInternal, "there is no shader source " + name);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
@@ -23,11 +23,11 @@ std::string readShader(const std::string& name) {
   for (const EmbeddedShader* entry = kEmbeddedShaders; entry->name != nullptr; ++entry) {
     if (name == entry->name) return entry->text;
   }
-  throw Failure(Code::kInternal, "no shader source " + name);
+  throw Failure(Code::kInternal, "there is no shader source " + name);
 #endif
 }
 
-/// The name between quotes of an #include line, or empty.
+/// The quoted name of an #include line, or empty.
 std::string includedFile(const std::string& line) {
   const auto hash = line.find_first_not_of(" \t");
   if (hash == std::string::npos || line.compare(hash, 8, "#include") != 0) return {};

@@ -1,5 +1,5 @@
 #pragma once
-// Shader texts: embedded at build time, or read from the source tree in development builds.
+// Shader sources: embedded at build time, or read from the source tree in development builds.
 
 #include <string>
 #include <utility>
@@ -23,11 +23,11 @@ struct ShaderSource {
   std::vector<std::string> files;
 };
 
-/// `file` with #version 450, the defines, and every #include "x" of shaders/ put in place once (an include guard is
+/// `file` with #version 450, the defines, and every #include "x" of shaders/ expanded once (an include guard is
 /// implied). Throws Failure (INTERNAL) naming a file that does not exist.
 ShaderSource assembleShader(const std::string& file, const Defines& defines);
 
-/// The same for a text that no file holds.
+/// The same for a source text that is not in a file.
 ShaderSource assembleText(const std::string& name, const std::string& text, const Defines& defines);
 
 /// A number that changes when any of the files changes on disk; constant where sources are embedded.

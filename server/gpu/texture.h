@@ -8,7 +8,7 @@
 
 namespace lpv::gpu {
 
-/// How a texture is read between texels and outside 0..1.
+/// How a texture is filtered and what is read outside 0..1.
 enum class Sampling {
   kNearestClamp,   ///< the texel itself
   kLinearClamp,    ///< (tri)linear, edge texels repeated outwards
@@ -48,7 +48,7 @@ class Texture {
   glm::ivec3 size_{0};
 };
 
-/// Levels of a full mip chain for a picture of this size.
+/// Number of levels of a full mip chain for a texture of this size.
 int mipLevels(const glm::ivec2& size);
 
 }  // namespace lpv::gpu

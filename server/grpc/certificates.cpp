@@ -8,7 +8,7 @@
 
 #include <cstdio>
 
-namespace lpv::door {
+namespace lpv::grpc_door {
 namespace {
 
 constexpr unsigned kLookEverySeconds = 1;
@@ -78,4 +78,4 @@ std::shared_ptr<grpc::ServerCredentials> serverCredentials(const TlsFiles& files
   return grpc::experimental::TlsServerCredentials(options);
 }
 
-}  // namespace lpv::door
+}  // namespace lpv::grpc_door

@@ -7,7 +7,7 @@
 
 #include "base/status.h"
 
-namespace lpv::door {
+namespace lpv::grpc_door {
 
 /// Files in PEM form; all empty: plain text.
 struct TlsFiles {
@@ -28,4 +28,4 @@ Status check(const TlsFiles& files);
 /// directory or a link that holds both. Open connections stay as they are.
 std::shared_ptr<grpc::ServerCredentials> serverCredentials(const TlsFiles& files);
 
-}  // namespace lpv::door
+}  // namespace lpv::grpc_door

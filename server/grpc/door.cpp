@@ -5,17 +5,16 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/server_builder.h>
 
+#include "grpc/call.h"
 #include "session/limits.h"
 
-namespace lpv::door {
+namespace lpv::grpc_door {
 namespace {
 
 constexpr int kMaxMetadataBytes = 8 * 1024;
 constexpr int kMaxStreamsPerConnection = 100;
 // Only bit 0 (identity): one gzip request of 1 MB was seen to take 1 GB before any handler ran.
 constexpr int kIdentityOnly = 1;
-constexpr const char* kServices[] = {"lpv.v1.ServerService", "lpv.v1.SessionService", "lpv.v1.BlobService",
-                                     "lpv.v1.SceneService", "lpv.v1.ResultService"};
 
 void configure(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(int(kMaxMessageBytes));
@@ -33,21 +32,25 @@ void configure(grpc::ServerBuilder& builder) {
 
 }  // namespace
 
-Expected<std::unique_ptr<Door>> Door::open(api::Context& context, const DoorOptions& options) {
+Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const DoorOptions& options) {
   const std::string& address = options.address;
   grpc::EnableDefaultHealthCheckService(true);
   if (options.reflection) grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  std::unique_ptr<Door> door(new Door(context));
+  std::unique_ptr<Door> door(new Door);
   grpc::ServerBuilder builder;
   configure(builder);
   builder.AddListeningPort(address, serverCredentials(options.tls), &door->port_);
-  door->services_.registerWith(builder);
+  door->services_ = makeServices(context);
+  for (const auto& service : door->services_) builder.RegisterService(service.get());
   door->server_ = builder.BuildAndStart();
   if (!door->server_ || door->port_ == 0) {
     return Status(Code::kUnavailable, "cannot listen on " + address + ": in use, or not an address of this machine",
                   "listen");
   }
-  for (const char* service : kServices) door->server_->GetHealthCheckService()->SetServingStatus(service, true);
+  for (const api::Method& method : api::methods()) {
+    const std::string& service = method.descriptor().service()->full_name();
+    door->server_->GetHealthCheckService()->SetServingStatus(service, true);
+  }
   return door;
 }
 
@@ -60,4 +63,4 @@ void Door::shutdown(std::chrono::milliseconds patience) {
   server_->Wait();
 }
 
-}  // namespace lpv::door
+}  // namespace lpv::grpc_door

@@ -5,13 +5,13 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "api/call/context.h"
 #include "base/status.h"
 #include "grpc/certificates.h"
-#include "grpc/services.h"
 
-namespace lpv::door {
+namespace lpv::grpc_door {
 
 /// Where the door is, and what it looks like.
 struct DoorOptions {
@@ -24,8 +24,8 @@ struct DoorOptions {
 /// 1 MiB (PROTOCOL.md, Doors).
 class Door {
  public:
-  /// Listens. UNAVAILABLE where that is not possible.
-  static Expected<std::unique_ptr<Door>> open(api::Context& context, const DoorOptions& options);
+  /// Listens. UNAVAILABLE where that is not possible. `context` outlives the door.
+  static Expected<std::unique_ptr<Door>> open(const api::Context& context, const DoorOptions& options);
   ~Door();
 
   int port() const { return port_; }
@@ -35,10 +35,10 @@ class Door {
   void shutdown(std::chrono::milliseconds patience);
 
  private:
-  explicit Door(api::Context& context) : services_(context) {}
-  Services services_;
+  Door() = default;
+  std::vector<std::unique_ptr<grpc::Service>> services_;  ///< outlive the server
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };
 
-}  // namespace lpv::door
+}  // namespace lpv::grpc_door

@@ -3,7 +3,7 @@
 #include "base/text.h"
 #include "convert/scene.h"
 
-namespace lpv::door {
+namespace lpv::grpc_door {
 
 namespace {
 
@@ -21,4 +21,4 @@ grpc::Status toGrpc(const Status& status) {
   return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message, details.SerializeAsString());
 }
 
-}  // namespace lpv::door
+}  // namespace lpv::grpc_door

@@ -4,9 +4,9 @@
 
 #include "base/status.h"
 
-namespace lpv::door {
+namespace lpv::grpc_door {
 
 /// The same error on the wire: code, message, and google.rpc.Status with the field in grpc-status-details-bin.
 grpc::Status toGrpc(const Status& status);
 
-}  // namespace lpv::door
+}  // namespace lpv::grpc_door

@@ -231,7 +231,7 @@ GpuTask Pipeline::drawFrame(SessionState& s, const TickRequest& request, const F
     view.gbuffer = std::make_unique<Gbuffer>(frame.size);
   }
   layout::FrameParams params = FrameView(frame.camera, frame.size).params(scene.grid);
-  params.palette = glm::vec4(s.palette.radiance[0], 0.0);
+  params.palette = glm::vec3(s.palette.radiance[0]);
   params.exposure = exposureParams(frame.exposure);
   FrameTargets& targets = *view.targets;
   targets.frameParams.update(0, gpu::bytesOfValue(params));

@@ -22,7 +22,7 @@ void append(std::vector<T>& values, const std::byte* from, const Chunk& part) {
   values.insert(values.end(), first, first + part.bytes / sizeof(T));
 }
 
-DirectLightsPtr directFrom(const SessionState& session) {
+EmitterListPtr directFrom(const SessionState& session) {
   if (session.field->transport == Transport::kPropagate) return nullptr;
   auto direct = std::make_shared<EmitterList>();
   direct->grid = session.field->grid;

@@ -5,23 +5,24 @@
 
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
+
+#include "base/mutex.h"
 
 namespace lpv::ops {
 namespace {
 
 constexpr const char* kLogger = "audit";
 
-/// How many refusals may be written.
-class TokenBucket {
+/// Limits the refusals written in each second.
+class RefusalLimiter {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// How many were left out since the last one that was written; nothing: leave this one out too.
+  /// Returns the number left out since the last one written; nothing if this one is to be left out too.
   std::optional<std::int64_t> take() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const Clock::time_point now = Clock::now();
     if (now - since_ >= std::chrono::seconds(1)) {
       since_ = now;
@@ -36,10 +37,10 @@ class TokenBucket {
   }
 
  private:
-  std::mutex mutex_;
-  Clock::time_point since_{};
-  int written_ = 0;
-  std::int64_t leftOut_ = 0;
+  Mutex mutex_;
+  Clock::time_point since_ LPV_GUARDED_BY(mutex_){};
+  int written_ LPV_GUARDED_BY(mutex_) = 0;
+  std::int64_t leftOut_ LPV_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace
@@ -59,8 +60,8 @@ void audit(const std::string& event, const LogFields& fields) {
 }
 
 void auditRefusal(LogFields fields) {
-  static TokenBucket allowance;
-  const std::optional<std::int64_t> leftOut = allowance.take();
+  static RefusalLimiter limiter;
+  const std::optional<std::int64_t> leftOut = limiter.take();
   if (!leftOut) return;
   if (*leftOut > 0) fields.emplace_back("left_out", std::to_string(*leftOut));
   audit("refusal", fields);

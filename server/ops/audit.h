@@ -1,7 +1,7 @@
 #pragma once
-// Who made, removed or shared what, and who was refused: one line each in the log, by the logger "audit", at level info
-// whatever --log-level says. Session, trace and peer come from the thread's LogScope where `fields` do not say them.
-// Nothing secret belongs here: no token, no client secret.
+// The audit log: who created, removed or shared what, and who was refused. One line each, by the logger "audit", at
+// level info regardless of --log-level. Session, trace and peer come from the thread's LogScope unless `fields` have
+// them. Never log secrets here: no token, no client secret.
 
 #include <spdlog/common.h>
 
@@ -12,15 +12,15 @@
 
 namespace lpv::ops {
 
-/// `event` is a verb: "create", "delete", "import", "share", "expire". Any thread.
+/// Writes one line. `event` is a verb: "create", "delete", "import", "share", "expire". Thread-safe.
 void audit(const std::string& event, const LogFields& fields = {});
 
-/// The event "refusal". Whoever is refused in a loop does not fill the disk: beyond kMostRefusals a second they are
-/// counted, and the next line says how many were left out.
+/// Writes the event "refusal". At most kMostRefusals a second are written, so that a client in a loop cannot fill the
+/// disk; the next line has the number of refusals left out.
 void auditRefusal(LogFields fields);
 inline constexpr int kMostRefusals = 20;
 
-/// Where audit lines go; before, they go nowhere.
+/// Sets the sinks of audit lines; lines written before are lost.
 void startAudit(const std::vector<spdlog::sink_ptr>& sinks);
 
 }  // namespace lpv::ops

@@ -2,9 +2,10 @@
 
 #include <CivetServer.h>
 
-#include <mutex>
 #include <utility>
 #include <vector>
+
+#include "base/mutex.h"
 
 namespace lpv::ops {
 namespace {
@@ -20,7 +21,7 @@ Answer answerOf(const Status& status) {
   return {503, "text/plain; charset=utf-8", status.message() + "\n"};
 }
 
-/// One page, made anew for every GET.
+/// One page, rendered for every GET.
 class Page final : public CivetHandler {
  public:
   using CivetHandler::handleGet;
@@ -40,7 +41,7 @@ class Page final : public CivetHandler {
   std::function<Answer()> make_;
 };
 
-/// Without it mg_start() initialises the library by itself, and nobody ends that.
+/// Initialises the library; otherwise mg_start() would, and nothing would release it.
 struct Library {
   Library() { mg_init_library(MG_FEATURES_DEFAULT); }
   ~Library() { mg_exit_library(); }
@@ -61,18 +62,18 @@ struct Endpoint::Parts {
       : live([&health] { return answerOf(health.live()); }), ready([&health] { return answerOf(health.ready()); }) {}
 
   Answer metricsPage() {
-    const std::lock_guard lock(mutex);
+    const MutexLock lock(mutex);
     if (!render) return answerOf(Status(Code::kUnavailable, "starting"));
     return {200, "text/plain; version=0.0.4; charset=utf-8", render()};
   }
 
   Page live;
   Page ready;
-  std::mutex mutex;
-  std::function<std::string()> render;
+  Mutex mutex;
+  std::function<std::string()> render LPV_GUARDED_BY(mutex);
   Page metrics{[this] { return metricsPage(); }};
   Library library;
-  std::unique_ptr<CivetServer> server;  ///< goes first: it ends its threads
+  std::unique_ptr<CivetServer> server;  ///< last member: destroyed first, which ends its threads
 };
 
 Endpoint::Endpoint(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -80,14 +81,14 @@ Endpoint::~Endpoint() = default;
 
 Expected<std::unique_ptr<Endpoint>> Endpoint::open(const std::string& address, const Health& health) {
   auto parts = std::make_unique<Parts>(health);
-  // Threads, so that one who asks slowly keeps nobody else from asking; nobody may take longer than 5 s to ask.
+  // Several threads, so that a slow request does not block the others; a request must arrive within 5 s.
   const std::vector<std::string> options{
       "listening_ports", numeric(address), "num_threads", "4", "request_timeout_ms", "5000"};
   try {
     parts->server = std::make_unique<CivetServer>(options);
   } catch (const CivetException&) {
     return Status(Code::kUnavailable,
-                  "cannot listen on " + address + " (--ops-listen): in use, or not an address of this machine",
+                  "cannot listen on " + address + " (--ops-listen): it is in use or not an address of this machine",
                   "ops-listen");
   }
   parts->server->addHandler("/live$", parts->live);
@@ -99,7 +100,7 @@ Expected<std::unique_ptr<Endpoint>> Endpoint::open(const std::string& address, c
 int Endpoint::port() const { return parts_->server->getListeningPorts().front(); }
 
 void Endpoint::publish(std::function<std::string()> metrics) {
-  const std::lock_guard lock(parts_->mutex);
+  const MutexLock lock(parts_->mutex);
   parts_->render = std::move(metrics);
 }
 

@@ -9,17 +9,17 @@
 
 namespace lpv::ops {
 
-/// Plain HTTP for those who run the server: GET /live and /ready (200 "ok", or 503 and why), /metrics (Prometheus text
-/// format 0.0.4; 503 before there are any). Answers nothing else.
+/// Plain HTTP for operators: GET /live and /ready (200 "ok", or 503 and the reason), /metrics (Prometheus text format
+/// 0.0.4; 503 before publish()). Other paths are 404.
 class Endpoint {
  public:
-  /// Listens on "HOST:PORT"; port 0 takes a free one. UNAVAILABLE where that is not possible. `health` outlives this.
+  /// Listens on "HOST:PORT"; port 0 picks a free one. UNAVAILABLE if it cannot listen. `health` must outlive this.
   static Expected<std::unique_ptr<Endpoint>> open(const std::string& address, const Health& health);
-  /// Returns when no question is being answered any more.
+  /// Waits for requests in progress.
   ~Endpoint();
 
   int port() const;
-  /// What /metrics answers with, from now on. Called on threads of the endpoint's.
+  /// Sets the function that renders /metrics. It is called on the endpoint's threads.
   void publish(std::function<std::string()> metrics);
 
  private:

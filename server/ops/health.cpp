@@ -25,7 +25,7 @@ Status Health::live() const {
   if (stalled > kStuck) return unavailable("device: no tick has ended for " + std::to_string(stalled.count()) + " s");
   const std::chrono::seconds unswept = since(counters_.lastSweep);
   if (state_ == State::kServing && unswept > kStuck) {
-    return unavailable("sessions: the sweep over them is not through for " + std::to_string(unswept.count()) + " s");
+    return unavailable("sessions: the sweep over them has not finished for " + std::to_string(unswept.count()) + " s");
   }
   return {};
 }

@@ -8,26 +8,26 @@
 
 namespace lpv::ops {
 
-/// Whether the process is worth keeping, and whether it should be sent clients. Any thread.
+/// Liveness and readiness of the process. Thread-safe.
 class Health {
  public:
-  /// Ticks that fail one after the other, of whatever sessions, before the device counts as failed.
+  /// Consecutive failed ticks, over all sessions, after which the device counts as failed.
   static constexpr int kFailedTicks = 3;
-  /// Without a tick ending although one is under way. The software device needs seconds for large scenes.
+  /// Time without a tick ending while one is running after which the server is not ready. Software devices are slow.
   static constexpr std::chrono::seconds kStalled{60};
-  /// The same, and the once-a-second sweep over all sessions not through: only a new process helps.
+  /// The same, or with the once-a-second sweep over all sessions hanging, after which the process should be restarted.
   static constexpr std::chrono::seconds kStuck{300};
 
-  /// `counters` outlive this.
+  /// `counters` must outlive this.
   explicit Health(const Counters& counters) : counters_(counters) {}
 
-  /// Clients are served from now on. `journal` is asked until stopServing().
+  /// Marks the server as serving. `journal` is used until stopServing().
   void serve(const Journal& journal);
   void stopServing();
 
-  /// Not ok, with why, where the process should be ended.
+  /// Liveness. An error, with the reason, means that the process should be restarted.
   Status live() const;
-  /// Not ok, with why, where clients should go elsewhere for now: starting, draining, device or state directory failed.
+  /// Readiness. An error, with the reason: starting, draining, device or state directory failed.
   Status ready() const;
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of the audit event that this thread is writing; null: none.
+/// Fields of the audit event that this thread is writing; null: none.
 const LogFields*& eventFields() {
   thread_local const LogFields* fields = nullptr;
   return fields;
@@ -24,7 +24,7 @@ const LogFields*& eventFields() {
 
 std::string_view view(spdlog::string_view_t text) { return {text.data(), text.size()}; }
 
-/// Bytes that are no UTF-8 become U+FFFD.
+/// Replaces bytes that are not UTF-8 with U+FFFD.
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::string timeOf(spdlog::log_clock::time_point when, bool utc) {
@@ -44,7 +44,7 @@ std::string timeOf(spdlog::log_clock::time_point when, bool utc) {
   return std::string(day.data(), length) + fraction.data() + (utc ? "Z" : "");
 }
 
-/// What is known besides the message: the context, then an event's fields. A field replaces what the context says.
+/// All fields of a line: the context, then an event's fields, which replace fields of the context with the same name.
 LogFields knownFields() {
   const LogContext& context = LogScope::now();
   LogFields out;
@@ -67,14 +67,14 @@ LogFields knownFields() {
   return out;
 }
 
-/// A value as it is where that is clear, else quoted as JSON does.
+/// A value as it is if it has only unambiguous characters, else quoted as in JSON.
 std::string quoted(const std::string& value) {
   static constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._:/+-%[]@,";
   return value.find_first_not_of(kPlain) == std::string::npos ? value : dumped(value);
 }
 
-/// Control characters as JSON writes them; quotes and the rest as they are.
+/// Escapes control characters as in JSON; other characters, quotes included, are copied.
 std::string oneLine(std::string_view message) {
   std::string out;
   for (const char c : message) {

@@ -1,5 +1,5 @@
 #pragma once
-// One event, one line: what a message says cannot begin a second one, or be taken for a field.
+// Formats log events as one line each; text of a message cannot start another line or be mistaken for a field.
 
 #include <spdlog/formatter.h>
 
@@ -12,19 +12,19 @@ namespace lpv::ops {
 
 enum class LogFormat {
   kText,  ///< local time, level, message, then the thread's LogContext as name=value
-  kJson,  ///< an object: time (UTC), level, message or event, session, trace, peer and what else is known
+  kJson,  ///< an object: time (UTC), level, message or event, session, trace, peer, further fields
 };
 
-/// Lines with the thread's LogContext.
+/// Makes the formatter; lines carry the thread's LogContext.
 std::unique_ptr<spdlog::formatter> lineFormatter(LogFormat format);
 
 using LogFields = std::vector<std::pair<std::string, std::string>>;
 
-/// The lines of this thread are events of the audit log while this is there: the message is the event's name, and
-/// `fields` follow it.
+/// While an object of this class exists, lines of its thread are formatted as audit events: the message is the event's
+/// name, followed by `fields`.
 class EventScope {
  public:
-  /// `fields` outlive this.
+  /// `fields` must outlive this.
   explicit EventScope(const LogFields& fields);
   ~EventScope();
   EventScope(const EventScope&) = delete;

@@ -4,14 +4,14 @@
 
 namespace lpv::ops {
 
-/// Whom log lines are about; what is empty is not known.
+/// What log lines are about; empty fields are unknown.
 struct LogContext {
   std::string session;  ///< id
   std::string trace;    ///< W3C trace id
   std::string peer;     ///< as gRPC writes addresses: "ipv4:127.0.0.1:50000"
 };
 
-/// Every line that this thread logs while a scope is open carries its context. Scopes nest; the innermost counts.
+/// Lines that this thread logs while a scope exists carry its context. Scopes nest; the innermost is used.
 class LogScope {
  public:
   explicit LogScope(LogContext context);
@@ -19,7 +19,7 @@ class LogScope {
   LogScope(const LogScope&) = delete;
   LogScope& operator=(const LogScope&) = delete;
 
-  /// Of the calling thread.
+  /// The context of the calling thread.
   static const LogContext& now();
 
  private:

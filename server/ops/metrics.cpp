@@ -18,10 +18,10 @@ using prometheus::MetricFamily;
 using prometheus::MetricType;
 using Labels = std::vector<ClientMetric::Label>;
 
-/// Families in the order in which they are written.
+/// Collects metric families in the order in which they are written.
 class Scrape {
  public:
-  /// Begins a family; what follows goes into it.
+  /// Begins a family; later values are added to it.
   void family(MetricType type, const char* name, const char* help) {
     MetricFamily& begun = families_.emplace_back();
     begun.name = name;
@@ -60,7 +60,7 @@ class Scrape {
     family(MetricType::Histogram, name, help);
     add(durations);
   }
-  /// One series per reason, from the first scrape on: an alert sees the first refusal.
+  /// One series per reason from the first scrape on, so that an alert sees the first refusal.
   void reasons(const char* name, const char* help, const ReasonCounter& counter) {
     family(MetricType::Counter, name, help);
     for (std::size_t i = 1; i < kReasons.size(); ++i) add(double(counter.count(i)), {{"reason", kReasons[i]}});

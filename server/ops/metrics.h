@@ -11,20 +11,20 @@
 
 namespace lpv::ops {
 
-/// Where metrics come from.
+/// Sources of the metrics.
 struct MetricSources {
   const Counters* counters = nullptr;
   const Registry* registry = nullptr;
   const Journal* journal = nullptr;
-  std::function<std::int64_t()> storeQueue;  ///< changes that wait for the disk
+  std::function<std::int64_t()> storeQueue;  ///< changes waiting to be committed
   const Engine* engine = nullptr;
   DeviceInfo device;
   std::string version;
   std::chrono::system_clock::time_point started;
 };
 
-/// All metrics in Prometheus' text format 0.0.4; deploy/METRICS.md says what each means. No session or client is named
-/// in a label. Takes each session's lock for microseconds.
+/// Renders all metrics in Prometheus' text format 0.0.4; deploy/METRICS.md says what each means. Labels never contain a
+/// session or client. Locks each session for microseconds.
 std::string renderMetrics(const MetricSources& sources);
 
 }  // namespace lpv::ops

@@ -4,7 +4,7 @@
 
 namespace lpv::ops {
 
-/// What this process uses. 0 where the system does not tell.
+/// Resources that this process uses; 0 if the system does not report them.
 struct ProcessUse {
   double cpuSeconds = 0.0;  ///< user and system, of all threads so far
   std::int64_t residentBytes = 0;

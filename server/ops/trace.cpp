@@ -26,7 +26,7 @@ std::string traceIdOf(std::string_view traceparent) {
   if (traceparent.size() < kLength) return {};
   const std::string_view version = traceparent.substr(0, 2);
   if (!isHex(version) || version == "ff") return {};
-  // Later versions may add fields behind the flags.
+  // Later versions may add fields after the flags.
   if (traceparent.size() > kLength && (version == "00" || traceparent[kLength] != '-')) return {};
   for (const std::size_t dash : {kTraceAt - 1, kParentAt - 1, kFlagsAt - 1}) {
     if (traceparent[dash] != '-') return {};

@@ -1,5 +1,4 @@
-// From what is kept to sessions. A file may be anybody's: nothing in it is
-// taken on trust.
+// From what is kept to sessions. A file may be anybody's: nothing in it is taken on trust.
 
 #include <algorithm>
 #include <cmath>
@@ -98,7 +97,7 @@ Expected<Versioned<Light>> lightFrom(const pb::Light& in, const Contents& conten
   } else {
     given.radiance = fromProto(in.radiance());
   }
-  givePlain<Light>(in, &given);
+  takeStored<Light>(in, &given);
   Status status = checkName(in.name());
   if (status.ok()) status = checkFields(given);
   if (!status.ok()) return outOfRange("light", in.name(), status);
@@ -119,7 +118,7 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   if (!transform) return outOfRange("surface", in.name(), transform.status());
   surface->transform = *transform;
   SurfaceFields given;
-  givePlain<Surface>(in, &given);
+  takeStored<Surface>(in, &given);
   Status status = checkName(in.name());
   if (status.ok()) status = checkFields(given);
   if (!status.ok()) return outOfRange("surface", in.name(), status);
@@ -226,8 +225,7 @@ Status checkRevisions(const DocumentState& document) {
   return status;
 }
 
-/// Textures have no bytes but those of their upload: what an object wears is
-/// kept as one, whatever a file says.
+/// Textures have no bytes but those of their upload: what an object wears is kept as one, whatever a file says.
 void addTextures(const Contents& contents, SavedSession* out) {
   std::set<BlobHash> there;
   for (const BlobPtr& blob : out->uploads) there.insert(blob->hash);
@@ -257,7 +255,7 @@ Status fill(const store::Loaded& loaded, SavedSession* out) {
   return {};
 }
 
-} // namespace
+}  // namespace
 
 Expected<SavedSession> fromStore(const store::Loaded& loaded) {
   SavedSession out;
@@ -286,8 +284,7 @@ Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
   out.lights = loaded.snapshot.lights().size();
   out.surfaces = loaded.snapshot.surfaces().size();
   const auto count = [&out](std::int64_t triangles) {
-    // As many as indices can name: a file may say anything, and the sum has to
-    // be one.
+    // As many as indices can name: a file may say anything, and the sum has to be one.
     out.triangles += std::clamp<std::int64_t>(triangles, 0, std::numeric_limits<std::uint32_t>::max());
   };
   for (const auto& [name, light] : loaded.snapshot.lights()) count(light.status().triangle_count());
@@ -297,4 +294,4 @@ Expected<SessionSummary> summaryOf(const store::Loaded& loaded) {
   return out;
 }
 
-} // namespace lpv::api
+}  // namespace lpv::api

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kCellsOfLongestEdge = 48;
 constexpr int kLeastCellsOfRoom = 3;        ///< along any edge: with fewer, walls and inside are the same cells
-constexpr double kWall = 0.8;               ///< a side is a wall when this share of it is covered
+constexpr double kWall = 0.8;               ///< a side counts as a wall if this share of it is covered
 constexpr double kShell = 1.0 / 3.0;        ///< ... by something in the outer part of this depth
 constexpr double kRoomFov = 60.0;           ///< degrees, vertical, of the view inside a room
 constexpr double kRoomAspect = 16.0 / 9.0;  ///< of the picture that the place inside a room is chosen for
@@ -40,7 +40,7 @@ double coverage(const Occupancy& grid, int axis, bool upper) {
   return double(covered) / (double(dims[u]) * dims[v]);
 }
 
-/// What the sides of a scene say about it.
+/// Which sides of a scene's bounds are closed.
 struct Sides {
   bool roofed = false;     ///< above and below
   int walls = 0;           ///< of four
@@ -85,7 +85,7 @@ Camera withRange(Camera camera, const Bounds& bounds) {
   return camera;
 }
 
-/// Through the open side, everything of it in the picture.
+/// A view through the open side that shows all of it.
 Camera throughOpening(const Bounds& bounds, int axis, bool upper, double aspect) {
   const glm::dvec3 half = bounds.extent() * 0.5;
   const double tangent = std::tan(glm::radians(kOpenFov) * 0.5);
@@ -98,7 +98,7 @@ Camera throughOpening(const Bounds& bounds, int axis, bool upper, double aspect)
   return withRange(camera, bounds);
 }
 
-/// How far and how freely one sees: the mean free distance over the picture, near things counted against it.
+/// Score of a view: the mean free distance over the frame, reduced by things close to the eye.
 double openness(const Occupancy& grid, const Camera& camera, double length) {
   constexpr int kAcross = 9;
   constexpr int kDown = 5;
@@ -113,7 +113,7 @@ double openness(const Occupancy& grid, const Camera& camera, double length) {
   return sum;
 }
 
-/// The best of some places near either end.
+/// The best of several positions near either end.
 Camera insideRoom(const Occupancy& grid) {
   const Bounds& bounds = grid.bounds();
   const glm::dvec3 extent = bounds.extent();

@@ -5,18 +5,18 @@
 
 namespace lpv {
 
-/// Where to look at a scene from when nobody gives a camera.
+/// Chooses a view of a scene for subscribers that give no camera.
 ///
 /// Inside a closed room with something in it: from near one end along its longest horizontal axis, at half its height,
 /// where the view is widest. A room with one open side: through that side, from outside. Anything else: defaultCamera.
 class DefaultView {
  public:
-  /// Of nothing.
+  /// The view of an empty scene.
   DefaultView() = default;
-  /// Reads every triangle: tens of milliseconds for 100,000 of them. Not under a lock.
+  /// Reads every triangle: tens of milliseconds for 100,000. Do not call it with a lock held.
   explicit DefaultView(const Scene& scene);
 
-  /// `aspect`: width / height of the picture. Only how far away the eye is before an open side depends on it.
+  /// `aspect`: width / height of the frame. It determines only the eye's distance from an open side.
   Camera camera(double aspect) const;
 
  private:

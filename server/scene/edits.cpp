@@ -6,4 +6,4 @@ namespace lpv {
 
 Status checkName(const std::string& name) { return checkWords("name", name, 1, kMaxNameBytes); }
 
-} // namespace lpv
+}  // namespace lpv

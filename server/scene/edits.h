@@ -1,6 +1,5 @@
 #pragma once
-// What an edit can say, free of any wire. A door turns messages into these, a
-// session's document applies them.
+// Edits as values of the domain. convert/ makes them from messages; a session's document applies them.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -37,13 +36,12 @@ struct DeleteSurface {
   std::string name;
 };
 
-/// New vertices for a light's or surface's mesh, triangles unchanged. `base`
-/// and `deformed` are filled beforehand, outside any lock, by prepareVertices;
-/// the document uses them where `base` is still the object's mesh.
+/// New vertices for a light's or surface's mesh, triangles unchanged. `base` and `deformed` are filled beforehand,
+/// outside any lock, by prepareVertices; the document uses them where `base` is still the object's mesh.
 struct SetVertices {
   std::string object;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals; ///< empty: recomputed where the mesh has normals
+  std::vector<glm::vec3> normals;  ///< empty: recomputed where the mesh has normals
   MeshPtr base;
   MeshPtr deformed;
 };
@@ -60,7 +58,7 @@ struct FitGrid {};
 using Operation = std::variant<CreateLight, UpdateLight, DeleteLight, CreateSurface, UpdateSurface, DeleteSurface,
                                SetVertices, PutCamera, DeleteCamera, FitGrid>;
 
-/// All or nothing, one revision, one undo step.
+/// Operations that are applied all or not at all, with one revision and one undo step.
 struct Edit {
   std::uint64_t sequence = 0;
   std::vector<Operation> operations;
@@ -72,4 +70,4 @@ struct Edit {
 inline constexpr std::size_t kMaxNameBytes = 200;
 Status checkName(const std::string& name);
 
-} // namespace lpv
+}  // namespace lpv

@@ -6,6 +6,23 @@
 namespace lpv {
 namespace {
 
+/// The kernel of the shaders, compiled in double.
+namespace kernel {
+using Scalar = double;
+using Real = double;
+using Vector = glm::dvec3;
+using glm::vec4;
+using std::abs;
+using std::clamp;
+using std::max;
+using std::min;
+using std::sqrt;
+double inversesqrt(double x) { return 1.0 / std::sqrt(x); }
+#define LPV_RECEIVERS 1
+#include "shaders/transport/vpl_kernel.glsl"
+#undef LPV_RECEIVERS
+}  // namespace kernel
+
 double edgeIrradiance(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& n) {
   const glm::dvec3 normal = glm::cross(p, q);
   const double size = glm::length(normal);
@@ -30,46 +47,12 @@ double polygonIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3
   return sum;
 }
 
-/// Mean of the positive values of what is even over [t - spread, t + spread].
-double positivePart(double t, double spread) {
-  const double within = std::clamp(t, -spread, spread);
-  return (within + spread) * (within + spread) / (4.0 * spread) + std::max(t - spread, 0.0);
-}
-
-constexpr double kNoSpread = 1e-12;
-constexpr double kSteadiness = 2.5;  ///< shaders/layout.h
-constexpr int kColouredRecord = 5;   ///< texels; others have 4
-
-/// What arrives at distance d of a VPL's light, as a vector: shaders/transport/gather.comp.
-glm::dvec3 vplFlux(const glm::vec4* record, const glm::dmat3& extent, const glm::dvec3& d, int sides) {
-  const glm::dvec3 direction(record[1]);
-  const double spread = double(record[1].w), size = double(record[2].w);
-  const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
-  const double away = glm::dot(direction, d), facing = -away * inverse;
-  double intensity = positivePart(facing, spread), slope = std::clamp(0.5 * (facing / spread + 1.0), 0.0, 1.0);
-  if (sides > 1) {
-    intensity += positivePart(-facing, spread);
-    slope = 2.0 * slope - 1.0;
-  }
-  const double near = std::min(inverse, 2.0), falloff = near * near;
-  const glm::dvec3 m = extent * d, bent = extent * direction;
-  const double weight = slope * falloff * falloff / (1.0 + std::pow(kSteadiness * size * falloff, 4.0));
-  const double radial =
-      intensity * falloff * inverse +
-      weight * falloff * (4.0 * glm::dot(bent, d) + away * (2.0 * size - 12.0 * falloff * glm::dot(m, d)));
-  return radial * d + 4.0 * weight * falloff * away * m - weight * bent;
-}
+constexpr int kColouredRecord = 5;  ///< texels; others have 4
 
 glm::dvec3 vplIrradiance(const Part& part, int at, const glm::dvec3& x, const glm::dvec3& n) {
   const glm::vec4* record = part.first + at * part.stride;
-  const glm::dvec3 on(record[2]), off(record[3]), d = glm::dvec3(record[0]) - x;
-  const glm::dmat3 extent(on.x, off.x, off.y, off.x, on.y, off.z, off.y, off.z, on.z);
-  const glm::dvec3 flux = vplFlux(record, extent, d, part.sides);
-  const double height = glm::dot(n, d);
-  const double heights = std::max(std::sqrt(std::max(3.0 * glm::dot(n, extent * n), 0.0)), kNoSpread);
-  const double inverse = 1.0 / std::sqrt(std::max(glm::dot(d, d), 1e-6));
-  const double above = positivePart(height, heights) - height;  // of the horizon: more than the whole extent's mean
-  const double e = std::max(0.0, glm::dot(n, flux) + glm::length(flux) * inverse * above);
+  const kernel::VplEntry vpl = kernel::vplEntry(record[0], record[1], record[2], record[3]);
+  const double e = kernel::irradianceFrom(vpl, vpl.position - x, n, part.sides > 1);
   return part.stride == kColouredRecord ? e * glm::dvec3(record[4]) : glm::dvec3(e);
 }
 
@@ -104,6 +87,13 @@ double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, i
   }
   sum += edgeIrradiance(leaves, returns, n);
   return 0.5 * std::abs(sum);
+}
+
+VplLight lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides) {
+  const kernel::VplEntry vpl = kernel::vplEntry(entry[0], entry[1], entry[2], entry[3]);
+  const glm::dvec3 d = vpl.position - receiver;
+  const kernel::Arriving light = kernel::arrivingFrom(vpl, d.x, d.y, d.z, sides > 1);
+  return {light.fluence, {light.x, light.y, light.z}};
 }
 
 double EmitterList::farFromEmitters(const glm::dvec3& world) const {

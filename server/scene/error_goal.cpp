@@ -20,7 +20,7 @@ constexpr std::array kGather = {
     Measured{8, {0.16, 0.16, 0.16}},     Measured{16, {0.0085, 0.0085, 0.0085}}, Measured{24, {0.007, 0.007, 0.007}},
     Measured{32, {0.005, 0.005, 0.005}}, Measured{48, {0.004, 0.0035, 0.003}},   Measured{64, {0.0035, 0.003, 0.002}},
 };
-constexpr double kTwoBands = 0.25;     ///< SH2 of any field, and more so of the nearest cell
+constexpr double kTwoBands = 0.25;     ///< lookup SH2 of any field; NEAREST is worse
 constexpr double kPropagated = 1.0;    ///< of PROPAGATE, whatever the grid: 37 to 99 %
 /// DIRECT through trees of VPLs; polygons are exact. With the rule kAccurateOpeningRatio and above, and below it.
 constexpr double kLookedAt = 0.003, kGlancedAt = 0.0045;
@@ -43,7 +43,7 @@ int cellsOf(const GridOptions& grid) {
   return grid.longest > 0 ? grid.longest : kDefaultCellsOfLongestEdge;
 }
 
-/// Least work first: the grid's cells weigh more than how far nodes are opened.
+/// Settings by rising cost: the number of cells weighs more than the opening ratio.
 LightingSettings withRuleFor(LightingSettings o) {
   if (o.k > 0.0 || o.transport == Transport::kPropagate) return o;
   for (const double k : kRules) {
@@ -59,7 +59,7 @@ std::string percent(double error) {
   return text;
 }
 
-/// The best that GATHER is expected to do.
+/// Smallest expected error of GATHER.
 double best() {
   LightingSettings o;
   o.k = kRules.back();

@@ -1,33 +1,33 @@
 #pragma once
-// What error settings are expected to give, from measurements, and settings that reach a wanted one.
+// Expected error of settings, from a table of measurements, and the cheapest settings that reach a wanted error.
 //
-// Raw relative L2 of irradiance on the walls of a room without occluders against the closed form for polygons, of
-// lights a quarter as long as the room: the worst of the paper's five meshes over several poses
-// (tests/bench/ACCURACY.md; tests/gpu/transport/gather_accuracy_test.cpp measures the table again). Receivers near
-// emitters, and normals towards whose horizon a light reaches, are not in it; nor are textures whose texels differ in
-// colour, which are up to twice as far off (a VPL has one place for all colours).
+// Error: raw relative L2 of irradiance on the walls of a room without occluders against the closed form for polygons.
+// The lights are a quarter as long as the room; the table has the worst of the paper's five meshes over several poses
+// (tests/bench/ACCURACY.md; tests/gpu/transport/gather_accuracy_test.cpp measures it again). It excludes receivers near
+// emitters, receivers whose horizon cuts a light, and textures whose texels differ in colour, for which the error is up
+// to twice as large (a VPL has one position for all colours).
 
 #include "scene/options.h"
 
 namespace lpv {
 
-/// Of settings as they are carried out, on a grid of so many cells along its longest edge; several lights in one group
-/// add up to kGroupingError or the goal's.
+/// Expected error of resolved settings on a grid with `longestCells` cells along its longest edge. Several lights in
+/// one group add up to kGroupingError, or what the error goal leaves.
 double expectedError(const LightingSettings& options, int longestCells);
 
-/// Settings with what an error goal leaves to the server chosen: k where it is 0, and with an automatic grid its cells
-/// (kDefaultCellsOfLongestEdge without a goal), so that the goal is reached at the least cost. Others as they are.
+/// Resolves what settings leave to the server, at the least cost that reaches the error goal: k where it is 0, and the
+/// cells of an automatic grid (kDefaultCellsOfLongestEdge without a goal). Other fields are copied.
 LightingSettings resolved(const LightingSettings& options);
 
-/// The grid of a session with those settings: over its bounds, or fitted to `content` (makeGrid, fitGrid).
+/// The grid of a session with these settings: over its bounds, or fitted to `content` (makeGrid, fitGrid).
 Expected<Grid> gridFor(const LightingSettings& options, const Bounds& content);
 
-/// INVALID_ARGUMENT for an error goal that the settings do not reach: what they, and what the best of their transport,
-/// are expected to give.
+/// INVALID_ARGUMENT if the settings do not reach their error goal. The message has the errors expected of them and of
+/// the best settings.
 Status checkErrorGoal(const LightingSettings& options);
 
-/// How much lights that share a group may add to the error where the server groups them: kGroupingError, or what the
-/// goal leaves.
+/// Largest error that automatic grouping may add by sharing groups: kGroupingError, or what the error goal
+/// leaves.
 double groupingGoal(const LightingSettings& options, int longestCells);
 
 /// Relative L2 of irradiance over points of the grid and the six axis normals.

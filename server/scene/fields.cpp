@@ -7,7 +7,7 @@
 namespace lpv {
 namespace {
 
-constexpr double kMaxRadiance = 1e9; // W/(sr m^2); leaves single precision room for sums
+constexpr double kMaxRadiance = 1e9;  // W/(sr m^2); leaves single precision room for sums
 constexpr std::size_t kMaxGroupBytes = 64;
 
 Status checkColour(const char* field, const glm::dvec3& colour, double highest) {
@@ -28,7 +28,7 @@ Status checkTable(const FieldsOf<T>& in) {
   return {};
 }
 
-} // namespace
+}  // namespace
 
 Status checkWords(const char* field, const std::string& words, std::size_t least, std::size_t most) {
   if (words.size() < least || words.size() > most) {
@@ -71,4 +71,4 @@ Expected<Transform> withFields(const Transform& transform, const TransformFields
   return checkedTransform(out);
 }
 
-} // namespace lpv
+}  // namespace lpv

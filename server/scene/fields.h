@@ -1,11 +1,9 @@
 #pragma once
-// The fields of a light and of a surface, each declared once: its name as in
-// scene.proto, how it is read and replaced, what an edit may say of it. Update
-// masks, edits, undo, conversion and restoring go through these tables.
+// The fields of a light and of a surface, each declared once: its path as in scene.proto, how it is read, replaced and
+// checked. Update masks, edits, undo, conversion and restoring go through these tables.
 //
-// A new field of plain value is a member of the object (scene.h), one of its
-// ...Fields below, a line of its table below and an element of scene.proto of
-// the same name.
+// A new field of plain value is a member of the object (scene.h), a member of LightFields or SurfaceFields, a row of
+// the table below and a field of the same name in scene.proto.
 
 #include <algorithm>
 #include <array>
@@ -29,87 +27,82 @@ struct MeshReference {
   MeshPtr mesh;
 };
 
-/// Transform fields that an edit names; unset ones stay (new objects:
-/// identity).
+/// Transform fields that an edit changes; unset ones keep their values (new objects: identity).
 struct TransformFields {
   std::optional<glm::dvec3> translation;
   std::optional<glm::dquat> rotation;
   std::optional<glm::dvec3> scale;
 };
 
-/// Fields of a light that an edit names. At most one of radiance and power.
+/// Fields of a light that an edit changes. At most one of radiance and power.
 struct LightFields {
   std::optional<MeshReference> mesh;
   TransformFields transform;
   std::optional<glm::dvec3> radiance;
   std::optional<glm::dvec3> power;
-  std::optional<BlobHash> texture; ///< "" removes it
+  std::optional<BlobHash> texture;  ///< "" removes it
   std::optional<bool> twoSided;
   std::optional<bool> enabled;
   std::optional<std::string> group;
 };
 
-/// Fields of a surface that an edit names.
+/// Fields of a surface that an edit changes.
 struct SurfaceFields {
   std::optional<MeshReference> mesh;
   TransformFields transform;
   std::optional<glm::dvec3> albedo;
-  std::optional<BlobHash> albedoTexture; ///< "" removes it
+  std::optional<BlobHash> albedoTexture;  ///< "" removes it
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> twoSided;
 };
 
-/// What an edit names of a T: LightFields or SurfaceFields.
+/// LightFields of a Light, SurfaceFields of a Surface.
 template <typename T>
 using FieldsOf = std::conditional_t<std::is_same_v<T, Light>, LightFields, SurfaceFields>;
 
-/// What a light emits: radiance and power are one field, of which one or the
-/// other is given.
+/// What a light emits: radiance and power are one field, as in scene.proto.
 struct Emission {
   glm::dvec3 radiance{1.0};
   std::optional<glm::dvec3> power;
 };
 
-/// The value of one field; a camera is one field, as it is only ever replaced
-/// whole.
+/// The value of one field. A camera is one field, as it is only ever replaced whole.
 using FieldValue =
     std::variant<MeshPtr, TexturePtr, glm::dvec3, glm::dquat, Emission, bool, double, std::string, Camera>;
 
 enum class FieldKind {
-  kMesh,      ///< named by hash or brought along
-  kTransform, ///< a part of the transform; checked with the others
-  kTexture,   ///< named by hash
-  kEmission,  ///< radiance or power
-  kPlain, ///< one value, one element of the message: bool, double, string or
-          ///< colour
+  kMesh,       ///< named by hash or inline
+  kTransform,  ///< translation, rotation or scale; the transform is checked as a whole
+  kTexture,    ///< named by hash
+  kEmission,   ///< radiance or power
+  kPlain,      ///< one value in one field of the message: bool, double, string or colour
 };
 
 /// One field of a T.
 template <typename T>
 struct Field {
-  const char* path; ///< as in scene.proto
+  const char* path;  ///< as in scene.proto
   FieldKind kind;
   FieldValue (*get)(const T&);
-  void (*set)(T&, const FieldValue&); ///< of a value that `get` gave
-  bool (*given)(const FieldsOf<T>&);   ///< whether an edit names it
-  /// Range check of what an edit gives; null: every value is allowed.
+  void (*set)(T&, const FieldValue&);  ///< takes a value that `get` returned
+  bool (*given)(const FieldsOf<T>&);   ///< whether an edit changes it
+  /// Checks the range of the new value; null: every value is allowed.
   Status (*check)(const char* path, const FieldsOf<T>&) = nullptr;
-  /// Replaces the object's value by a given one; null where that needs more
-  /// than this field (mesh, transform, texture).
+  /// Replaces the object's value where an edit changes it; null where that needs more than this field (mesh, transform,
+  /// texture).
   void (*assign)(T&, const FieldsOf<T>&) = nullptr;
-  /// Plain fields: gives a value of `get`'s type; else null.
+  /// Has an edit change the field to a value of `get`'s type; null but for plain fields.
   void (*give)(FieldsOf<T>&, const FieldValue&) = nullptr;
 };
 
-/// A light group: at most 64 bytes without control characters or '/'; may be
-/// empty.
+/// A light group: as a name, but 0..64 bytes.
 Status checkGroup(const char* path, const std::string& group);
-/// Reflectance, each of 0..1.
+/// Reflectance: each component 0..1.
 Status checkAlbedo(const char* path, const glm::dvec3& albedo);
-/// A number of 0..1.
+/// A number in 0..1.
 Status checkUnit(const char* path, const double& value);
-/// Radiance and power: each of 0..1e9.
+/// Radiance and power: each component 0..1e9.
 Status checkEmission(const char* path, const LightFields& fields);
 
 namespace fields {
@@ -123,7 +116,7 @@ V valueOf(V T::*);
 template <auto kMember>
 using Value = decltype(valueOf(kMember));
 
-/// A mesh or texture, which an edit names by hash.
+/// A mesh or texture: edits name it by hash, the document looks it up.
 template <auto kMember, auto kGiven>
 constexpr auto referenced(const char* path, FieldKind kind) {
   using T = Owner<kMember>;
@@ -134,7 +127,7 @@ constexpr auto referenced(const char* path, FieldKind kind) {
   return out;
 }
 
-/// A part of the transform.
+/// Translation, rotation or scale.
 template <typename T, auto kPart, auto kGiven>
 constexpr Field<T> ofTransform(const char* path) {
   Field<T> out{path, FieldKind::kTransform, nullptr, nullptr, nullptr};
@@ -144,8 +137,7 @@ constexpr Field<T> ofTransform(const char* path) {
   return out;
 }
 
-/// A value that stands in the object as in the message; `kCheck` is a
-/// Status(const char* path, const Value&) or null.
+/// A value that is the same in the object and in the message. kCheck: Status(const char* path, const Value&), or null.
 template <auto kMember, auto kGiven, auto kCheck = nullptr>
 constexpr auto plain(const char* path) {
   using T = Owner<kMember>;
@@ -160,7 +152,7 @@ constexpr auto plain(const char* path) {
   return out;
 }
 
-/// A flag whose opposite is in the message.
+/// A flag of which the message has the opposite.
 template <auto kMember, auto kGiven>
 constexpr auto inverted(const char* path) {
   using T = Owner<kMember>;
@@ -196,8 +188,8 @@ inline constexpr std::array kLight = {
     ofTransform<Light, &Transform::rotation, &TransformFields::rotation>("transform.rotation"),
     ofTransform<Light, &Transform::scale, &TransformFields::scale>("transform.scale"),
     referenced<&Light::texture, &LightFields::texture>("texture", FieldKind::kTexture),
-    emission("radiance"),
     plain<&Light::twoSided, &LightFields::twoSided>("two_sided"),
+    emission("radiance"),
     plain<&Light::enabled, &LightFields::enabled>("enabled"),
     plain<&Light::group, &LightFields::group, checkGroup>("group"),
 };
@@ -208,15 +200,15 @@ inline constexpr std::array kSurface = {
     ofTransform<Surface, &Transform::rotation, &TransformFields::rotation>("transform.rotation"),
     ofTransform<Surface, &Transform::scale, &TransformFields::scale>("transform.scale"),
     referenced<&Surface::albedoTexture, &SurfaceFields::albedoTexture>("albedo_texture", FieldKind::kTexture),
+    inverted<&Surface::twoSided, &SurfaceFields::twoSided>("one_sided"),
     plain<&Surface::albedo, &SurfaceFields::albedo, checkAlbedo>("albedo"),
     plain<&Surface::roughness, &SurfaceFields::roughness, checkUnit>("roughness"),
     plain<&Surface::metalness, &SurfaceFields::metalness, checkUnit>("metalness"),
-    inverted<&Surface::twoSided, &SurfaceFields::twoSided>("one_sided"),
 };
 
-} // namespace fields
+}  // namespace fields
 
-/// The table of a T; a field's number is its place in it.
+/// The table of a T; a field's number is its index.
 template <typename T>
 constexpr const auto& fieldTable() {
   if constexpr (std::is_same_v<T, Light>) {
@@ -226,7 +218,7 @@ constexpr const auto& fieldTable() {
   }
 }
 
-/// The field that new vertices replace, of either kind.
+/// The field that new vertices replace, in both tables.
 inline constexpr std::size_t kMeshField = 0;
 static_assert(fields::kLight[kMeshField].kind == FieldKind::kMesh);
 static_assert(fields::kSurface[kMeshField].kind == FieldKind::kMesh);
@@ -234,7 +226,7 @@ static_assert(fields::kSurface[kMeshField].kind == FieldKind::kMesh);
 inline constexpr std::size_t kMaxFields = std::max(fields::kLight.size(), fields::kSurface.size());
 using FieldSet = std::bitset<kMaxFields>;
 
-/// Fields that an edit names.
+/// Fields that an edit changes.
 template <typename Fields>
 FieldSet fieldsIn(const Fields& in) {
   using T = std::conditional_t<std::is_same_v<Fields, LightFields>, Light, Surface>;
@@ -243,13 +235,11 @@ FieldSet fieldsIn(const Fields& in) {
   return out;
 }
 
-/// Range checks of values an edit brings; references are the document's
-/// business. The error names the first field, in the order of the table.
+/// Checks the ranges of an edit's values, in the order of the table; the document checks references.
 Status checkFields(const LightFields& fields);
 Status checkFields(const SurfaceFields& fields);
 
-/// Replaces what is given of the object, but for mesh, transform and texture;
-/// the values are checked.
+/// Replaces the object's values that an edit changes, except mesh, transform and texture. The values have been checked.
 template <typename T>
 void assignValues(T& object, const FieldsOf<T>& in) {
   for (const Field<T>& field : fieldTable<T>()) {
@@ -260,4 +250,4 @@ void assignValues(T& object, const FieldsOf<T>& in) {
 /// The transform with the named fields replaced, checked.
 Expected<Transform> withFields(const Transform& transform, const TransformFields& fields);
 
-} // namespace lpv
+}  // namespace lpv

@@ -8,7 +8,7 @@
 namespace lpv {
 namespace {
 
-/// A quotient this close above a whole number counts as that number: bounds are rarely exact multiples in binary.
+/// A quotient this little above a whole number is rounded down: bounds are rarely exact multiples in binary.
 constexpr double kRoundingSlack = 1e-9;
 
 Status checkCells(const std::string& field, int cells) {

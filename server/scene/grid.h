@@ -35,7 +35,7 @@ struct Grid {
   Bounds bounds() const { return {origin, origin + glm::dvec3(dims) * cell}; }
 };
 
-/// How a session wants its grid: at most one of `longest`, `dims` and `automatic` is set; none: 32 along the longest.
+/// Requested grid. At most one of `longest`, `dims` and `automatic` is set; none: 32 cells along the longest edge.
 struct GridOptions {
   int longest = 0;                  ///< cells along the longest edge
   glm::ivec3 dims{0};               ///< cells along each axis

@@ -28,10 +28,10 @@ Status checkCount(const char* field, std::size_t count, std::size_t vertices) {
                             std::to_string(vertices) + " positions; allowed are none or one each");
 }
 
-/// Normals a file got wrong are replaced, not refused: they only shade. Those that have unit length stay bit for bit: a
-/// mesh that comes back from its own bytes has to be named by them again.
+/// Wrong normals of a file are replaced and not refused, because they only shade. Normals of unit length keep their
+/// bits, so that a mesh read back from its own bytes has the same hash.
 void repairNormals(Mesh& mesh) {
-  constexpr float kUnit = 1e-6F;  // what a division leaves is nearer to 1
+  constexpr float kUnit = 1e-6F;  // normalising leaves a smaller deviation from 1
   std::vector<glm::vec3> replacement;
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     glm::vec3& n = mesh.normals[i];

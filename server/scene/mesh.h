@@ -25,8 +25,8 @@ struct Mesh {
   std::vector<glm::vec3> directions;   ///< empty, or one emission direction per position (paper 3.2)
   std::vector<glm::uvec3> triangles;   ///< indices into positions
   BlobHash hash;                       ///< of the blob this came from; names the content
-  /// The blob's bytes where this mesh would be written with others (normals that had to be repaired, another order of
-  /// fields); else null.
+  /// The blob's bytes if serialising this mesh would give others (repaired normals, another order of fields); else
+  /// null.
   std::shared_ptr<const std::string> source;
   Bounds bounds;  ///< of positions
   double area = 0.0;  ///< of one side, object space, m^2

@@ -6,8 +6,8 @@
 namespace lpv {
 namespace {
 
-/// Points a scene is looked at in, about: bounds the time, whatever was uploaded. Scenes that would need more are
-/// looked at less closely.
+/// Approximate limit of sample points, which bounds the time for any upload. Scenes that would need more are sampled
+/// more sparsely.
 constexpr double kMaxPoints = 4e6;
 
 }  // namespace

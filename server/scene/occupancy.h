@@ -8,7 +8,7 @@
 
 namespace lpv {
 
-/// Which cells of a coarse grid over a scene hold a piece of a triangle of a surface or an enabled light.
+/// The cells of a coarse grid that triangles of surfaces and enabled lights pass through.
 class Occupancy {
  public:
   /// `longest`: cells along the longest edge of the scene's bounds, which are not empty.

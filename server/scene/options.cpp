@@ -18,7 +18,7 @@ Status checkRange(const char* field, double value, double low, double high) {
                             " to " + std::to_string(high));
 }
 
-/// Ranges, whether or not the feature is there: a wrong value is wrong in every version.
+/// Checks ranges, also of features that this version lacks: a value out of range is wrong in every version.
 Status checkRanges(const LightingSettings& o) {
   if (o.iterations < 0 || o.iterations > kMaxIterations) {
     return invalid("iterations", "iterations is " + std::to_string(o.iterations) + ", allowed are 0 (automatic) to " +

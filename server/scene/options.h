@@ -16,12 +16,12 @@ enum class Lookup { kSh2, kCap, kNearest };
 enum class Visibility { kAuto, kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
-/// k of GATHER's distance rule by quality (MATHS.md 3b.3).
+/// Opening ratio of GATHER and DIRECT by quality (MATHS.md 3b.3).
 inline constexpr double kFastOpeningRatio = 1.5;
 inline constexpr double kAccurateOpeningRatio = 3.0;
 
-/// Everything a session may ask of its light transport. Values whose feature is not in this version are refused by
-/// checkOptions with UNIMPLEMENTED, by name.
+/// A session's settings of light transport. checkOptions refuses values of features that this version lacks with
+/// UNIMPLEMENTED and the field's name.
 struct LightingSettings {
   GridOptions grid;
   Injection injection = Injection::kFlux;
@@ -31,7 +31,7 @@ struct LightingSettings {
   bool clampFaces = false;              ///< PROPAGATE: K&D's clamp of face intensities at 0 (adds energy)
   Quality quality = Quality::kFast;
   int iterations = 0;                   ///< PROPAGATE: 0 = the grid's longest dimension; 1..kMaxIterations
-  double k = 0.0;                       ///< GATHER, DIRECT: distance rule of the tree; 0 = from quality
+  double k = 0.0;                       ///< GATHER, DIRECT: opening ratio of the tree walk; 0 = from quality
   Lookup lookup = Lookup::kCap;
   double maxError = 0.0;                ///< wanted raw relative L2 (scene/error_goal.h); 0 = not asked
   Visibility visibility = Visibility::kAuto;
@@ -40,22 +40,22 @@ struct LightingSettings {
 
   bool operator==(const LightingSettings&) const = default;
 
-  /// What the paper does: COUNT, PROPAGATE, SH2.
+  /// The paper's settings: COUNT, PROPAGATE, SH2.
   static LightingSettings paper();
-  /// Injection and lookup that belong to a transport when nothing else is said.
+  /// Sets the injection and lookup that are the defaults of the transport.
   void followTransport();
 
   int iterationsFor(const Grid& g) const;
-  /// k of GATHER's distance rule, of settings as they are carried out.
+  /// The opening ratio of resolved settings.
   double openingRatio() const;
 };
 
-/// INVALID_ARGUMENT for values out of range or that do not go together, UNIMPLEMENTED for values of later versions,
-/// both by field; whatever the error goal.
+/// INVALID_ARGUMENT for values out of range or in conflict, UNIMPLEMENTED for features of later versions; both name the
+/// field. Does not check the error goal.
 Status checkSavedOptions(const LightingSettings& options);
 
-/// The same, and INVALID_ARGUMENT for an error goal out of reach: of settings that somebody asks for. What was reached
-/// by the measurements of an older version is no reason to give up what was kept.
+/// checkSavedOptions, and INVALID_ARGUMENT for an error goal out of reach: for settings of a call. Saved settings may
+/// miss a goal because the table of expected errors differs between versions.
 Status checkOptions(const LightingSettings& options);
 
 }  // namespace lpv

@@ -8,7 +8,7 @@
 
 namespace lpv {
 
-/// What a ray meets first.
+/// First intersection of a ray with the scene.
 struct Hit {
   std::string object;            ///< name of the light or surface
   bool isLight = false;
@@ -17,8 +17,8 @@ struct Hit {
   double distance = 0.0;         ///< metres, >= 0
 };
 
-/// The nearest triangle of surfaces and enabled lights along a unit direction, in double. One-sided surfaces are not
-/// there from behind; a light's back is.
+/// Intersects a ray with the surfaces and enabled lights, in double; `direction` is a unit vector. One-sided surfaces
+/// cannot be hit from behind; lights can.
 std::optional<Hit> raycast(const Scene& scene, const glm::dvec3& origin, const glm::dvec3& direction);
 
 }  // namespace lpv

@@ -1,5 +1,5 @@
 #pragma once
-// What a session holds and a tick reads: immutable objects behind shared pointers, so that a snapshot is a copy of
+// A session's scene as ticks read it: immutable objects behind shared pointers, so that a snapshot is a copy of
 // pointers and a tick never sees half an edit.
 
 #include <cstdint>

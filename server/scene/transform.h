@@ -7,7 +7,7 @@
 
 namespace lpv {
 
-/// World from object: scale, then rotation, then translation. Negative scales mirror; shear cannot be said.
+/// worldFromObject: scale, then rotation, then translation. Negative scales mirror; shear cannot be expressed.
 struct Transform {
   glm::dvec3 translation{0.0};                 ///< metres
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};     ///< unit quaternion (w, x, y, z)

@@ -1,5 +1,5 @@
 #pragma once
-// The volume product: what a tick makes and every client reads.
+// Volumes: SH of incident radiance per cell, and the lookup of irradiance in them.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -31,7 +31,7 @@ struct Volume {
   Grid grid;
   VolumeStage stage = VolumeStage::kTransported;
   std::vector<VolumeLayer> layers;
-  DirectLightsPtr direct;  ///< what made it, for receivers near emitters or outside the grid; null with PROPAGATE
+  EmitterListPtr direct;  ///< its lights, for receivers near emitters or outside the grid; null with PROPAGATE
 
   /// Coefficients of one cell and colour.
   static sh::Coefficients at(const VolumeLayer& layer, const Grid& grid, const glm::ivec3& cell, int colour);
@@ -41,7 +41,7 @@ using VolumePtr = std::shared_ptr<const Volume>;
 /// One lookup's answer.
 struct Irradiance {
   glm::dvec3 rgb{0.0};  ///< W/m^2
-  bool valid = false;   ///< false where the volume cannot tell (outside the grid by more than half a cell)
+  bool valid = false;   ///< false more than half a cell outside the grid, where the volume has no answer
 };
 
 /// Irradiance at world position p on a surface with unit normal n: trilinear (kNearest: nearest cell), clamped to the

@@ -7,8 +7,7 @@
 
 namespace lpv {
 
-/// What an object or a group is called: `least` to `most` bytes without control
-/// characters or '/'.
+/// Checks the name of an object or a group: `least` to `most` bytes without control characters or '/'.
 Status checkWords(const char* field, const std::string& words, std::size_t least, std::size_t most);
 
-} // namespace lpv
+}  // namespace lpv

@@ -1,6 +1,6 @@
 #pragma once
-// How much there is to be done for a tick of a session, as far as it follows from its scene: what admission is decided
-// by, before anything runs.
+// Amount of work in a tick of a session, computed from its scene. Admission turns it into a predicted duration before
+// anything runs.
 
 #include <algorithm>
 #include <set>
@@ -11,12 +11,12 @@
 
 namespace lpv {
 
-/// Of a tick that starts from nothing: everything uploaded, voxelized, transported to every cell and read back. Frames
-/// come on top, and go by their own size. Sizes of lights are bounds or estimates (VPLs), good to a factor of a few.
+/// Work of a tick without any cached result: everything is uploaded, voxelized, transported to every cell and read
+/// back. Frames are not included. Sizes of lights are bounds or estimates (VPLs), right to a factor of a few.
 class Workload {
  public:
   Workload() = default;
-  /// `options` as they are carried out (scene/error_goal.h).
+  /// `options`: resolved settings (scene/error_goal.h).
   Workload(const LightingSettings& options, const Grid& grid);
   void add(const Light& light);
   void add(const Surface& surface);
@@ -24,14 +24,16 @@ class Workload {
   Transport transport = Transport::kGather;
   int iterations = 0;          ///< PROPAGATE
   double cells = 0.0;
-  double lights = 0.0;            ///< that are switched on
+  double lights = 0.0;            ///< enabled lights
   double lightTriangles = 0.0;
-  double columns = 0.0;           ///< of cells that lights' triangles meet, each triangle by itself
-  double litCells = 0.0;          ///< that hold a light's part, each light by itself
-  double rootsOfRecords = 0.0;    ///< square roots of the sizes of the lights' trees
-  double bytes = 0.0;             ///< of meshes and textures
+  double columns = 0.0;           ///< columns of cells that lights' triangles meet, summed over triangles
+  double litCells = 0.0;          ///< cells that lights' surfaces pass through, summed over lights
+  double rootsOfRecords = 0.0;    ///< sum over lights of the square root of its tree's size
+  double bytes = 0.0;             ///< bytes of meshes and textures
 
-  /// Chromaticities that are kept apart, 1..3.
+  bool operator==(const Workload&) const = default;
+
+  /// Channels of the field, 1..3.
   int channels() const { return std::max(1, int(colours_.size())); }
   int groups() const { return std::max(1, int(groups_.size())); }
 

@@ -57,14 +57,14 @@ const char* roleName(Role role) {
 Access::Access(Journal& journal, Timers& timers) : journal_(journal), timers_(timers) { sweepLater(); }
 
 Access::~Access() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   *alive_ = false;
 }
 
 Status Access::open() {
   Expected<std::vector<AccessToken>> kept = journal_.tokens();
   if (!kept) return kept.status();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (AccessToken& token : *kept) tokens_[token.id] = std::move(token);
   return {};
 }
@@ -74,18 +74,18 @@ Status Access::require(const std::string& adminToken) {
     return invalid("admin-token-file", "the admin token has " + std::to_string(adminToken.size()) +
                                            " bytes, allowed are 16 to 512; `openssl rand -hex 32` makes a good one");
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   adminHash_ = sha256(adminToken);
   return {};
 }
 
 bool Access::required() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return !adminHash_.empty();
 }
 
 Expected<Grant> Access::verify(const std::string& token) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (adminHash_.empty()) return Grant{};
   if (token.empty()) {
     return unauthenticated(
@@ -113,7 +113,7 @@ Expected<MintedToken> Access::mint(const std::string& session, Role role, std::c
   out.kept.role = role;
   out.kept.hash = sha256(out.token);
   out.kept.expires = std::chrono::system_clock::now() + life;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto ours =
       std::count_if(tokens_.begin(), tokens_.end(), [&](const auto& entry) { return entry.second.session == session; });
   if (std::size_t(ours) >= kMaxTokensPerSession) {
@@ -129,7 +129,7 @@ Expected<Position> Access::revoke(const std::string& session, const std::string&
   Ended ended;
   Position gone = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto found = tokens_.find(tokenId);
     if (found == tokens_.end() || found->second.session != session) {
       return Status(Code::kNotFound,
@@ -146,13 +146,13 @@ Expected<Position> Access::revoke(const std::string& session, const std::string&
 }
 
 void Access::forget(const std::string& session) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(tokens_, [&](const auto& entry) { return entry.second.session == session; });
 }
 
 std::shared_ptr<void> Access::watch(const Grant& grant, std::function<void(const Status&)> ended) {
   if (grant.tokenId.empty()) return nullptr;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   if (!tokens_.contains(grant.tokenId)) {  // went after it was verified
     lock.unlock();
     ended(revokedToken());
@@ -162,12 +162,11 @@ std::shared_ptr<void> Access::watch(const Grant& grant, std::function<void(const
   watchers_[key] = {grant.tokenId, std::move(ended)};
   return std::shared_ptr<void>(nullptr, [this, key, alive = std::weak_ptr<bool>(alive_)](void*) {
     if (alive.expired()) return;
-    const std::lock_guard inner(mutex_);
+    const MutexLock inner(mutex_);
     watchers_.erase(key);
   });
 }
 
-/// With the lock held.
 Access::Ended Access::takeWatchers(const std::string& tokenId) {
   Ended out;
   for (auto it = watchers_.begin(); it != watchers_.end();) {
@@ -192,7 +191,7 @@ void Access::sweepLater() {
 void Access::sweep() {
   Ended ended;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto now = std::chrono::system_clock::now();
     for (auto it = tokens_.begin(); it != tokens_.end();) {
       if (now >= it->second.expires) {

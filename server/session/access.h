@@ -6,11 +6,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "base/timers.h"
 #include "session/journal.h"
@@ -79,15 +79,15 @@ class Access {
   using Ended = std::vector<std::function<void(const Status&)>>;
 
   void sweepLater();
-  Ended takeWatchers(const std::string& tokenId);
+  Ended takeWatchers(const std::string& tokenId) LPV_REQUIRES(mutex_);
 
   Journal& journal_;
   Timers& timers_;
-  mutable std::mutex mutex_;
-  std::string adminHash_;  ///< empty: no tokens are asked for
-  std::map<std::string, AccessToken> tokens_;
-  std::map<std::uint64_t, Watcher> watchers_;
-  std::uint64_t nextWatcher_ = 1;
+  mutable Mutex mutex_;
+  std::string adminHash_ LPV_GUARDED_BY(mutex_);  ///< empty: no tokens are asked for
+  std::map<std::string, AccessToken> tokens_ LPV_GUARDED_BY(mutex_);
+  std::map<std::uint64_t, Watcher> watchers_ LPV_GUARDED_BY(mutex_);
+  std::uint64_t nextWatcher_ LPV_GUARDED_BY(mutex_) = 1;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

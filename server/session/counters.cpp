@@ -1,16 +1,24 @@
 #include "session/counters.h"
 
 #include <algorithm>
-#include <string_view>
 
 namespace lpv {
 namespace {
 
-/// Reasons before this one are the canonical codes.
-constexpr std::size_t kFirstNamed = 17;
-static_assert(std::string_view(kReasons[kFirstNamed - 1]) == "unauthenticated");
+std::array<std::string, kReasonCount> reasonLabels() {
+  std::array<std::string, kReasonCount> out;
+  std::copy(kCodeLabels.begin(), kCodeLabels.end(), out.begin());
+  auto* label = out.begin() + kCodeLabels.size();
+  for (const ReasonName& row : kReasonNames) {
+    for (const char c : row.name) label->push_back(c == '_' ? c : char(c - 'A' + 'a'));
+    ++label;
+  }
+  return out;
+}
 
 }  // namespace
+
+const std::array<std::string, kReasonCount> kReasons = reasonLabels();
 
 void DurationHistogram::observe(double seconds) {
   const auto bucket = std::lower_bound(kBounds.begin(), kBounds.end(), seconds) - kBounds.begin();
@@ -19,9 +27,8 @@ void DurationHistogram::observe(double seconds) {
 }
 
 std::size_t reasonOf(const Status& status) {
-  const std::string_view word = std::string_view(status.message()).substr(0, status.message().find(':'));
-  for (std::size_t i = kFirstNamed; i < kReasons.size(); ++i) {
-    if (word == kReasons[i]) return i;
+  for (std::size_t i = 0; i < kReasonNames.size(); ++i) {
+    if (kReasonNames[i].reason == status.reason()) return kCodeLabels.size() + i;
   }
   return std::size_t(status.code());
 }
@@ -49,7 +56,7 @@ void TickWatch::ended(Clock::time_point now, const Status& status) {
   ++failedInARow_;
   failures_.add(status);
   if (status.code() == Code::kUnavailable) contextLost_ = true;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   lastFailure_ = status.message();
 }
 
@@ -59,7 +66,7 @@ std::chrono::seconds TickWatch::stalledFor(Clock::time_point now) const {
 }
 
 std::string TickWatch::lastFailure() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return lastFailure_;
 }
 

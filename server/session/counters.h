@@ -6,9 +6,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <string>
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "engine/stage.h"
 
@@ -33,47 +33,17 @@ class DurationHistogram {
   std::atomic<double> sum_{0.0};
 };
 
-/// Why something was refused, in one word of a fixed set: the canonical codes by their numbers, then what a message
-/// begins with ("max_lights: ..."): a limit or "draining".
-inline constexpr std::array kReasons = {"ok",
-                                        "cancelled",
-                                        "unknown",
-                                        "invalid_argument",
-                                        "deadline_exceeded",
-                                        "not_found",
-                                        "already_exists",
-                                        "permission_denied",
-                                        "resource_exhausted",
-                                        "failed_precondition",
-                                        "aborted",
-                                        "out_of_range",
-                                        "unimplemented",
-                                        "internal",
-                                        "unavailable",
-                                        "data_loss",
-                                        "unauthenticated",
-                                        "draining",
-                                        "first_message",
-                                        "max_blob_bytes",
-                                        "max_cameras",
-                                        "max_clients_per_session",
-                                        "max_edits_per_second",
-                                        "max_groups",
-                                        "max_lights",
-                                        "max_locks",
-                                        "max_presence_updates_per_second",
-                                        "max_probe_points",
-                                        "max_session_file_bytes",
-                                        "max_session_files",
-                                        "max_sessions",
-                                        "max_subscribers_per_session",
-                                        "max_surfaces",
-                                        "max_texels",
-                                        "max_tick_seconds",
-                                        "max_triangles",
-                                        "max_uploads",
-                                        "upload_idle"};
-/// Where in kReasons.
+/// Canonical codes in lower case, by their numbers.
+inline constexpr std::array kCodeLabels = {
+    "ok",        "cancelled",      "unknown",           "invalid_argument",   "deadline_exceeded",
+    "not_found", "already_exists", "permission_denied", "resource_exhausted", "failed_precondition",
+    "aborted",   "out_of_range",   "unimplemented",     "internal",           "unavailable",
+    "data_loss", "unauthenticated"};
+
+/// Labels for why something was refused: kCodeLabels, then the names of base/reason.h in lower case.
+inline constexpr std::size_t kReasonCount = kCodeLabels.size() + kReasonNames.size();
+extern const std::array<std::string, kReasonCount> kReasons;
+/// Where in kReasons: by the status's reason, or by its code where it has none.
 std::size_t reasonOf(const Status& status);
 
 /// Refusals by reason.
@@ -84,7 +54,7 @@ class ReasonCounter {
   std::int64_t total() const;
 
  private:
-  std::array<std::atomic<std::int64_t>, kReasons.size()> counts_{};
+  std::array<std::atomic<std::int64_t>, kReasonCount> counts_{};
 };
 
 /// What results are sent as.
@@ -125,8 +95,8 @@ class TickWatch {
   std::atomic<int> failedInARow_{0};
   std::atomic<bool> contextLost_{false};
   ReasonCounter failures_;
-  mutable std::mutex mutex_;
-  std::string lastFailure_;
+  mutable Mutex mutex_;
+  std::string lastFailure_ LPV_GUARDED_BY(mutex_);
 };
 
 /// Counters of the whole server.

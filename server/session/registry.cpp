@@ -25,6 +25,7 @@ Status checkId(const std::string& id) {
 Registry::Registry(const SessionServices& services, std::chrono::seconds retain)
     : services_(services),
       retain_(retain),
+      limits_(services.limits),
       // Higher than any epoch of an earlier run on this machine: clients never mistake old results for new ones.
       epoch_(std::uint64_t(
           std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -33,14 +34,14 @@ Registry::Registry(const SessionServices& services, std::chrono::seconds retain)
 }
 
 Registry::~Registry() {
-  const std::lock_guard lock(life_->mutex);  // a sweep that has begun ends first
+  const MutexLock lock(life_->mutex);  // a sweep that has begun ends first
   life_->ended = true;
 }
 
 Status Registry::open() {
   const Expected<std::vector<SessionHead>> kept = services_.journal->heads();
   if (!kept) return kept.status();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   epoch_ = std::max(epoch_, services_.journal->highestEpoch() + 1);
   for (const SessionHead& session : *kept) {
     durableSessions_[session.id] = session;
@@ -49,19 +50,27 @@ Status Registry::open() {
   return {};
 }
 
+SessionServices Registry::servicesNow() const {
+  SessionServices out = services_;
+  out.limits = limits_;
+  return out;
+}
+
 Status Registry::checkRoom() const {
-  if (std::ssize(sessions_) + std::ssize(inTransition_) < services_.limits.maxSessions) return {};
-  return exhausted("max_sessions", "max_sessions: this server has " + std::to_string(sessions_.size()) +
-                                       " sessions, allowed are " + std::to_string(services_.limits.maxSessions));
+  if (std::ssize(sessions_) + std::ssize(inTransition_) < limits_.maxSessions) return {};
+  return exhausted(Reason::kMaxSessions, "max_sessions",
+                   "max_sessions: this server has " + std::to_string(sessions_.size()) + " sessions, allowed are " +
+                       std::to_string(limits_.maxSessions));
 }
 
 Status Registry::checkNew(const std::string& wantedId) const {
-  if (draining_) return Status(Code::kUnavailable, "draining: this server takes no new sessions; ask another");
+  if (draining_)
+    return Status(Code::kUnavailable, Reason::kDraining, "draining: this server takes no new sessions; ask another");
   if (!wantedId.empty()) {
     if (Status s = checkId(wantedId); !s.ok()) return s;
     if (sessions_.contains(wantedId) || durableSessions_.contains(wantedId)) {
-      return Status(Code::kAlreadyExists, "session \"" + wantedId + "\" exists; choose another id or leave it empty",
-                    "session_id");
+      return Status(Code::kAlreadyExists, Reason::kNameTaken,
+                    "session \"" + wantedId + "\" exists; choose another id or leave it empty", "session_id");
     }
   }
   if (Status s = services_.journal->available(); !s.ok()) return s;
@@ -80,7 +89,7 @@ Expected<SessionPtr> Registry::create(const std::string& wantedId, const Lightin
   }
   std::string first;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto repeated = requests_.find(requestId);
     const auto now = std::chrono::system_clock::now();
     if (!requestId.empty() && repeated != requests_.end() && now - repeated->second.when <= kRequestMemory) {
@@ -90,24 +99,24 @@ Expected<SessionPtr> Registry::create(const std::string& wantedId, const Lightin
     if (first.empty()) {
       if (Status s = checkNew(wantedId); !s.ok()) return s;
       const std::string id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
-      return registerNew(std::make_shared<Session>(id, nextKey_++, epoch_, options, policy, services_), requestId);
+      return registerNew(std::make_shared<Session>(id, nextKey_++, epoch_, options, policy, servicesNow()), requestId);
     }
   }
   return find(first);
 }
 
 Expected<SessionPtr> Registry::create(const std::string& wantedId, SavedSession state) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (Status s = checkNew(wantedId); !s.ok()) return s;
   state.id = wantedId.empty() ? std::string("s").append(randomHex(6)) : wantedId;
   state.created = std::chrono::system_clock::now();
   state.clients.clear();
-  const auto session = std::make_shared<Session>(nextKey_++, epoch_, state, services_);
+  const auto session = std::make_shared<Session>(nextKey_++, epoch_, state, servicesNow());
   if (Status s = session->checkCost(); !s.ok()) return s;
   return registerNew(session, {});
 }
 
-/// Takes a new session in and gives it to the journal. With the lock held.
+/// Takes a new session in and gives it to the journal.
 SessionPtr Registry::registerNew(const SessionPtr& session, const std::string& requestId) {
   const auto now = std::chrono::system_clock::now();
   sessions_[session->id()] = session;
@@ -119,14 +128,17 @@ SessionPtr Registry::registerNew(const SessionPtr& session, const std::string& r
 }
 
 /// Until nobody brings the session back or removes it; other sessions' work goes on.
-void Registry::waitForMove(std::unique_lock<std::mutex>& lock, const std::string& id) {
+void Registry::waitForMove(MutexLock& lock, const std::string& id) {
   if (!inTransition_.contains(id)) return;
-  services_.pool->blockingSection([&] { transitionDone_.wait(lock, [&] { return !inTransition_.contains(id); }); });
+  services_.pool->blockingSection([&] {
+    mutex_.assertHeld();
+    while (inTransition_.contains(id)) transitionDone_.wait(lock);
+  });
 }
 
 Expected<SessionPtr> Registry::find(const std::string& id) {
   {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     waitForMove(lock, id);
     if (const auto found = sessions_.find(id); found != sessions_.end()) {
       found->second->touch();
@@ -136,21 +148,22 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
       return Status(Code::kNotFound,
                     "there is no session \"" + truncatedUtf8(id) + "\" on this server; it may have expired", "session");
     }
-    if (draining_) return Status(Code::kUnavailable, "draining: this server ends; ask another");
+    if (draining_) return Status(Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another");
     if (Status s = checkRoom(); !s.ok()) return s;
     inTransition_.insert(id);
   }
   Expected<SessionPtr> session = SessionPtr();
   services_.pool->blockingSection([&] { session = restore(id); });
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     inTransition_.erase(id);
-    // Nobody would freeze it any more.
-    if (session && draining_) session = Status(Code::kUnavailable, "draining: this server ends; ask another");
-    if (session) (*session)->setLimits(services_.limits);  // they may have changed meanwhile
+    // The server drains: nothing would drain this session any more.
+    if (session && draining_)
+      session = Status(Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another");
+    if (session) (*session)->setLimits(limits_);  // they may have changed meanwhile
     if (session) sessions_[id] = *session;
   }
-  transitionDone_.notify_all();
+  transitionDone_.notifyAll();
   return session;
 }
 
@@ -163,8 +176,8 @@ Expected<SessionPtr> Registry::restore(const std::string& id) {
   std::uint64_t epoch = 0;
   SessionServices services;
   {
-    const std::lock_guard lock(mutex_);
-    services = services_;
+    const MutexLock lock(mutex_);
+    services = servicesNow();
     key = nextKey_++;
     epoch = epoch_ = std::max(epoch_, state->epoch + 1);
   }
@@ -184,7 +197,7 @@ void Registry::removeIf(const std::string& id, const std::function<bool(const Se
   SessionPtr session;
   Position gone = 0;
   {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     waitForMove(lock, id);
     const auto found = sessions_.find(id);
     if (found == sessions_.end() && !durableSessions_.contains(id)) {
@@ -203,25 +216,25 @@ void Registry::removeIf(const std::string& id, const std::function<bool(const Se
   if (session) session->close(Closing::kDeleted);
   {
     // Behind everything that the session gave the journal, and before the id is free again.
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     gone = services_.journal->remove(id);
     durableSessions_.erase(id);
     inTransition_.erase(id);
     if (services_.access) services_.access->forget(id);
   }
-  transitionDone_.notify_all();
+  transitionDone_.notifyAll();
   services_.journal->whenDurable(id, gone, std::move(done));
 }
 
 std::vector<SessionPtr> Registry::all() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<SessionPtr> out;
   for (const auto& [id, session] : sessions_) out.push_back(session);
   return out;
 }
 
 std::size_t Registry::keptCount() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return durableSessions_.size();
 }
 
@@ -246,7 +259,7 @@ std::vector<SessionSummary> Registry::summaries() {
   std::vector<std::string> kept;
   for (const SessionPtr& session : all()) out[session->id()] = session->summary();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, session] : durableSessions_) {
       if (!out.contains(id)) kept.push_back(id);
     }
@@ -260,19 +273,19 @@ std::vector<SessionSummary> Registry::summaries() {
 }
 
 Limits Registry::limits() const {
-  const std::lock_guard lock(mutex_);
-  return services_.limits;
+  const MutexLock lock(mutex_);
+  return limits_;
 }
 
 void Registry::setLimits(const Limits& limits) {
-  const std::lock_guard lock(mutex_);
-  services_.limits = limits;
+  const MutexLock lock(mutex_);
+  limits_ = limits;
   for (const auto& [id, session] : sessions_) session->setLimits(limits);
 }
 
 Status Registry::quiesce() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     draining_ = true;
   }
   for (const SessionPtr& session : all()) session->quiesce(Closing::kDraining);
@@ -286,7 +299,7 @@ void Registry::drain() {
 
 void Registry::sweepLater() {
   services_.timers->at(Clock::now() + kSweepInterval, [this, life = life_] {
-    const std::lock_guard lock(life->mutex);
+    const MutexLock lock(life->mutex);
     if (life->ended) return;
     sweep();
     services_.counters->lastSweep = Clock::now();
@@ -302,7 +315,7 @@ void Registry::sweep() {
   }
   evictExpired(now);
   forgetKept(now);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(requests_, [now](const auto& entry) { return now - entry.second.when > kRequestMemory; });
 }
 
@@ -316,7 +329,7 @@ void Registry::evictExpired(std::chrono::system_clock::time_point now) {
       }
       continue;
     }
-    const std::lock_guard lock(mutex_);  // nobody finds the session while it is decided whether it goes
+    const MutexLock lock(mutex_);  // nobody finds the session while it is decided whether it goes
     auto used = session->useToKeep(now);
     if (const auto last = session->evict(now)) {
       used = last;
@@ -336,7 +349,7 @@ void Registry::report(SessionEvent incident, const std::string& id) const {
   if (services_.onEvent) services_.onEvent(incident, id, {});
 }
 
-/// Unless somebody uses it again. What is told is told when it is gone.
+/// Removes the session unless it is in use again; reports the event after removal.
 void Registry::removeIfUnused(const std::string& id, SessionEvent incident,
                               const std::function<bool(const SessionPtr&)>& over) {
   removeIf(id, over, [tell = services_.onEvent, incident, id](const Status& gone) {
@@ -351,14 +364,16 @@ void Registry::forgetKept(std::chrono::system_clock::time_point now) {
   };
   std::vector<std::string> over;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, kept] : durableSessions_) {
       if (!sessions_.contains(id) && !inTransition_.contains(id) && overdue(kept)) over.push_back(id);
     }
   }
   for (const std::string& id : over) {
-    removeIfUnused(id, SessionEvent::kRetentionEnded,
-                   [&](const SessionPtr& session) { return session == nullptr && overdue(durableSessions_.at(id)); });
+    removeIfUnused(id, SessionEvent::kRetentionEnded, [&](const SessionPtr& session) {
+      mutex_.assertHeld();
+      return session == nullptr && overdue(durableSessions_.at(id));
+    });
   }
 }
 

@@ -1,16 +1,15 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "base/mutex.h"
 #include "session/session.h"
 
 namespace lpv {
@@ -76,13 +75,15 @@ class Registry {
   void sweep();
 
  private:
-  Status checkNew(const std::string& wantedId) const;
+  /// What a new session gets: with the limits of now.
+  SessionServices servicesNow() const LPV_REQUIRES(mutex_);
+  Status checkNew(const std::string& wantedId) const LPV_REQUIRES(mutex_);
   /// As remove(), but ABORTED where `over`, asked with the lock held, says no of the session (null: not in memory).
   void removeIf(const std::string& id, const std::function<bool(const SessionPtr&)>& over,
                 std::function<void(const Status&)> done);
-  Status checkRoom() const;
-  SessionPtr registerNew(const SessionPtr& session, const std::string& requestId);
-  void waitForMove(std::unique_lock<std::mutex>& lock, const std::string& id);
+  Status checkRoom() const LPV_REQUIRES(mutex_);
+  SessionPtr registerNew(const SessionPtr& session, const std::string& requestId) LPV_REQUIRES(mutex_);
+  void waitForMove(MutexLock& lock, const std::string& id) LPV_REQUIRES(mutex_);
   Expected<SessionPtr> restore(const std::string& id);
   void evictExpired(std::chrono::system_clock::time_point now);
   void removeIfUnused(const std::string& id, SessionEvent incident, const std::function<bool(const SessionPtr&)>& over);
@@ -90,25 +91,28 @@ class Registry {
   void sweepLater();
   void report(SessionEvent incident, const std::string& id) const;
 
-  SessionServices services_;  ///< its limits are read and change with the lock held
+  const SessionServices services_;  ///< with the limits of the beginning
   const std::chrono::seconds retain_;
-  mutable std::mutex mutex_;
-  std::condition_variable transitionDone_;
-  std::map<std::string, SessionPtr> sessions_;
-  std::map<std::string, SessionHead> durableSessions_;  ///< with those in memory; empty where nothing is kept
-  std::set<std::string> inTransition_;  ///< being brought back, or removed: wait for transitionDone_
+  mutable Mutex mutex_;
+  Limits limits_ LPV_GUARDED_BY(mutex_);
+  ConditionVariable transitionDone_;
+  std::map<std::string, SessionPtr> sessions_ LPV_GUARDED_BY(mutex_);
+  std::map<std::string, SessionHead> durableSessions_
+      LPV_GUARDED_BY(mutex_);  ///< with those in memory; empty where nothing is kept
+  std::set<std::string> inTransition_
+      LPV_GUARDED_BY(mutex_);  ///< being brought back, or removed: wait for transitionDone_
   struct Requested {
     std::string session;
     std::chrono::system_clock::time_point when;
   };
-  std::map<std::string, Requested> requests_;
-  SessionKey nextKey_ = 1;
-  std::uint64_t epoch_ = 1;
-  bool draining_ = false;
+  std::map<std::string, Requested> requests_ LPV_GUARDED_BY(mutex_);
+  SessionKey nextKey_ LPV_GUARDED_BY(mutex_) = 1;
+  std::uint64_t epoch_ LPV_GUARDED_BY(mutex_) = 1;
+  bool draining_ LPV_GUARDED_BY(mutex_) = false;
   /// What the timer of the next sweep knows of this registry.
   struct SweepGuard {
-    std::mutex mutex;  ///< held by a sweep
-    bool ended = false;
+    Mutex mutex;  ///< held by a sweep
+    bool ended LPV_GUARDED_BY(mutex) = false;
   };
   std::shared_ptr<SweepGuard> life_ = std::make_shared<SweepGuard>();
 };

@@ -7,10 +7,11 @@ namespace lpv {
 Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const LightingSettings& options,
                  SessionPolicy policy, const SessionServices& services)
     : id_(std::move(id)),
-      key_(key),
       epoch_(epoch),
+      key_(key),
       services_(services),
       created_(std::chrono::system_clock::now()),
+      limits_(services.limits),
       policy_(std::move(policy)),
       document_(options, services.limits, services.hasher),
       blobs_(services.limits),
@@ -18,23 +19,26 @@ Session::Session(std::string id, SessionKey key, std::uint64_t epoch, const Ligh
       history_(services.limits),
       presence_(services.limits),
       lastUsed_(created_),
-      keptUse_(created_) {
+      keptUse_(created_),
+      delivery_(*this, id_, key, epoch, services) {
   predictCosts();
 }
 
 Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state, const SessionServices& services)
     : id_(state.id),
-      key_(key),
       epoch_(epoch),
+      key_(key),
       services_(services),
       created_(state.created),
+      limits_(services.limits),
       policy_(state.policy),
       document_(state.document, services.limits, services.hasher),
       blobs_(services.limits),
       members_(services.limits),
       history_(services.limits),
       presence_(services.limits),
-      lastUsed_(std::chrono::system_clock::now()) {
+      lastUsed_(std::chrono::system_clock::now()),
+      delivery_(*this, id_, key, epoch, services) {
   for (const ClientState& client : state.clients) members_.restore(client);
   predictCosts();
   // What was accepted once stays, where limits have become lower since too; new uploads meet them.
@@ -44,29 +48,31 @@ Session::Session(SessionKey key, std::uint64_t epoch, const SavedSession& state,
 std::chrono::seconds Session::journalCreation(const std::string& requestId) {
   SavedSession now = state();
   now.requestId = requestId;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   lastJournalled_ = services_.journal->create(now);
   return policy_.ttl;
 }
 
 Limits Session::limits() const {
-  const std::lock_guard lock(mutex_);
-  return services_.limits;
+  const MutexLock lock(mutex_);
+  return limits_;
 }
 
 void Session::setLimits(const Limits& limits) {
-  const std::lock_guard lock(mutex_);
-  services_.limits = limits;
-  document_.setLimits(limits);
-  blobs_.setLimits(limits);
-  members_.setLimits(limits);
-  history_.setLimits(limits);
-  presence_.setLimits(limits);
-  scheduleTick();
+  {
+    const MutexLock lock(mutex_);
+    limits_ = limits;
+    document_.setLimits(limits);
+    blobs_.setLimits(limits);
+    members_.setLimits(limits);
+    history_.setLimits(limits);
+    presence_.setLimits(limits);
+  }
+  delivery_.setLimits(limits);
 }
 
 Status Session::checkCost() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.checkCost();
 }
 
@@ -77,8 +83,10 @@ void Session::predictCosts() {
 Session::~Session() { services_.engine->forget(key_); }
 
 SessionSummary Session::summary() const {
-  const std::lock_guard lock(mutex_);
   SessionSummary out;
+  out.subscribers = delivery_.subscriberCount();
+  out.measured = delivery_.measured();
+  const MutexLock lock(mutex_);
   out.id = id_;
   out.displayName = policy_.displayName;
   out.options = document_.options();
@@ -91,36 +99,35 @@ SessionSummary Session::summary() const {
   out.surfaces = document_.surfaceCount();
   out.triangles = document_.triangleCount();
   out.clients = members_.count();
-  out.subscribers = subscribers_.size();
   out.blobs = blobs_.count();
   out.blobBytes = blobs_.bytes();
   out.lastUsed = lastUsed_;
-  out.measured = measured_;
   out.durability = durability();
   return out;
 }
 
 std::uint64_t Session::revision() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.revision();
 }
 
 Status Session::verify(const ClientIdentity& client) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return members_.verify(client);
 }
 
 Status Session::closedStatus(const char* field) const {
   if (closed_ == Closing::kDraining)
-    return {Code::kUnavailable, "draining: this server ends; ask another, or this one again later"};
+    return {Code::kUnavailable, Reason::kDraining, "draining: this server ends; ask another, or this one again later"};
   if (closed_ == Closing::kEvicted) {
-    return {Code::kUnavailable, "session \"" + id_ + "\" was idle and is being put away; repeat the call"};
+    return {Code::kUnavailable, Reason::kEvicting,
+            "session \"" + id_ + "\" was idle and is being evicted; repeat the call"};
   }
-  return {Code::kNotFound, "session \"" + id_ + "\" was deleted", field};
+  return {Code::kNotFound, Reason::kSessionDeleted, "session \"" + id_ + "\" was deleted", field};
 }
 
 Expected<bool> Session::addBlob(const BlobPtr& blob) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_) return closedStatus("session");
   lastUsed_ = std::chrono::system_clock::now();
   if (Status s = services_.journal->writable(id_); !s.ok()) return s;
@@ -133,47 +140,44 @@ Expected<bool> Session::addBlob(const BlobPtr& blob) {
 }
 
 BlobPtr Session::findBlob(const BlobHash& hash) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   blobs_.touch(hash, Clock::now());
   return blobs_.find(hash);
 }
 
 MeshPtr Session::findMeshInUse(const BlobHash& hash) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.meshInUse(hash);
 }
 
-ScenePtr Session::scene() {
-  const std::lock_guard lock(mutex_);
-  return document_.snapshot();
-}
+ScenePtr Session::scene() { return moment().scene; }
 
 Changes Session::changesSince(std::optional<std::uint64_t> since,
                               std::map<std::string, std::uint64_t>* clientSequences) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (clientSequences) *clientSequences = members_.sequencesSince(since.value_or(0));
   return document_.changesSince(since);
 }
 
 std::vector<Versioned<Light>> Session::lights() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.lights();
 }
 
 std::vector<Versioned<Surface>> Session::surfaces() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.surfaces();
 }
 
 std::vector<std::pair<std::string, Camera>> Session::cameras() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return document_.cameras();
 }
 
 std::uint64_t Session::watch(std::function<void()> changed, std::function<void(Closing)> closed,
                              const std::string& client) {
-  const std::lock_guard lock(mutex_);
-  const std::uint64_t key = nextKey_++;
+  const MutexLock lock(mutex_);
+  const std::uint64_t key = nextWatcher_++;
   if (closed_) {
     services_.pool->post([closed = std::move(closed), why = *closed_] { closed(why); });
   } else {
@@ -183,7 +187,7 @@ std::uint64_t Session::watch(std::function<void()> changed, std::function<void(C
 }
 
 void Session::unwatch(std::uint64_t watcher) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = watchers_.find(watcher);
   if (found == watchers_.end()) return;
   markActive(found->second.client);
@@ -194,42 +198,46 @@ void Session::unwatch(std::uint64_t watcher) {
 void Session::tellWatchers() {
   std::vector<std::function<void()>> calls;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [key, watcher] : watchers_) calls.push_back(watcher.changed);
   }
   for (const auto& call : calls) call();
 }
 
 void Session::touch() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   lastUsed_ = std::chrono::system_clock::now();
 }
 
 bool Session::expired(std::chrono::system_clock::time_point now) const {
-  const std::lock_guard lock(mutex_);
-  return policy_.ttl.count() > 0 && !busy() && now - lastUsed_ > policy_.ttl;
+  if (delivery_.busy()) return false;
+  const MutexLock lock(mutex_);
+  return policy_.ttl.count() > 0 && watchers_.empty() && now - lastUsed_ > policy_.ttl;
 }
 
-bool Session::busy() const { return !subscribers_.empty() || !watchers_.empty() || !calls_.empty(); }
-
 std::optional<std::chrono::system_clock::time_point> Session::evict(std::chrono::system_clock::time_point now) {
-  const std::lock_guard lock(mutex_);
-  if (closed_ || policy_.ttl.count() == 0 || busy() || now - lastUsed_ <= policy_.ttl) return std::nullopt;
-  closed_ = Closing::kEvicted;  // nobody is there to be told
-  return lastUsed_;
+  std::optional<std::chrono::system_clock::time_point> used;
+  delivery_.ifIdle([&] {
+    const MutexLock lock(mutex_);
+    if (closed_ || policy_.ttl.count() == 0 || !watchers_.empty() || now - lastUsed_ <= policy_.ttl) return;
+    closed_ = Closing::kEvicted;  // nobody is there to be told
+    used = lastUsed_;
+  });
+  return used;
 }
 
 std::optional<std::chrono::system_clock::time_point> Session::useToKeep(std::chrono::system_clock::time_point now) {
   constexpr std::chrono::minutes kEvery{1};
-  const std::lock_guard lock(mutex_);
-  const std::chrono::system_clock::time_point used = busy() ? now : lastUsed_;
+  const bool read = delivery_.busy();
+  const MutexLock lock(mutex_);
+  const std::chrono::system_clock::time_point used = read || !watchers_.empty() ? now : lastUsed_;
   if (used - keptUse_ < kEvery) return std::nullopt;
   keptUse_ = used;
   return used;
 }
 
 SavedSession Session::state() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   SavedSession out;
   out.id = id_;
   out.epoch = epoch_;
@@ -241,7 +249,7 @@ SavedSession Session::state() const {
 }
 
 void Session::dropUnusedBlobs() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (closed_ || !services_.journal->writable(id_).ok()) return;
   std::set<BlobHash> used = document_.hashesInUse();
   history_.addHashesInUse(used);
@@ -253,32 +261,59 @@ void Session::dropUnusedBlobs() {
 }
 
 void Session::quiesce(Closing why) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!closed_) closed_ = why;
 }
 
 void Session::close(Closing why) {
   quiesce(why);
-  std::vector<std::shared_ptr<ResultSink>> sinks;
   std::map<std::uint64_t, Watcher> watchers;
-  std::list<std::shared_ptr<WaitingCall>> calls;
   Status gone;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(closeTold_, true)) return;
     why = *closed_;
-    for (const auto& [id, subscriber] : subscribers_) {
-      if (auto sink = subscriber->sink.lock()) sinks.push_back(std::move(sink));
-    }
     watchers.swap(watchers_);
-    calls.swap(calls_);
     gone = closedStatus("session");
   }
-  for (const auto& sink : sinks) sink->close(why);
+  delivery_.close(why, gone);
   for (const auto& [key, watcher] : watchers) watcher.closed(why);
-  for (const auto& call : calls) {
-    if (call->done) call->done(gone);
+}
+
+SceneMoment Session::moment() {
+  const MutexLock copying(copyMutex_);
+  SceneMoment out;
+  SceneUpdate update;
+  {
+    const MutexLock lock(mutex_);
+    update = document_.takeUpdate();
+    out.lookup = document_.options().lookup;
+    out.clientSequences = members_.sequencesSince(0);
   }
+  copy_.apply(update);
+  out.scene = copy_.scene();
+  return out;
+}
+
+ScenePtr Session::viewScene() const {
+  const MutexLock lock(mutex_);
+  return document_.viewScene();
+}
+
+std::optional<Camera> Session::camera(const std::string& name) const {
+  const MutexLock lock(mutex_);
+  return document_.camera(name);
+}
+
+Status Session::accepting() const {
+  const MutexLock lock(mutex_);
+  return closed_ ? closedStatus("session") : Status();
+}
+
+void Session::markUsed(const std::string& client) {
+  const MutexLock lock(mutex_);
+  lastUsed_ = std::chrono::system_clock::now();
+  members_.markActive(client, Clock::now());
 }
 
 }  // namespace lpv

@@ -12,7 +12,7 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
     if (!vertices) continue;
     MeshPtr base;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       base = document_.meshOf(vertices->object);
     }
     // A failure here is found again, with its place in the edit, when the document applies it.
@@ -20,16 +20,16 @@ EditOutcome Session::apply(const ClientIdentity& client, Edit edit) {
   }
   EditOutcome outcome;
   {
-    const std::lock_guard lock(mutex_);
-    outcome = applyLocked(client, edit);
+    const MutexLock lock(mutex_);
+    outcome = applyEdit(client, edit);
   }
-  countAndTell(outcome);
+  announce(outcome);
   return outcome;
 }
 
 EditOutcome Session::recordRejected(const ClientIdentity& client, std::uint64_t sequence, const Status& why) {
   services_.counters->editsRejected.add(why);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   EditOutcome outcome;
   outcome.sequence = sequence;
   outcome.revision = document_.revision();
@@ -49,7 +49,7 @@ EditOutcome Session::recordRejected(const ClientIdentity& client, std::uint64_t 
   return outcome;
 }
 
-EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit) {
+EditOutcome Session::applyEdit(const ClientIdentity& client, const Edit& edit) {
   EditOutcome outcome;
   if (!admit(client, edit.sequence, &outcome)) return outcome;
   const Status locked = locks_.check(client.id, edit, Clock::now());
@@ -62,7 +62,6 @@ EditOutcome Session::applyLocked(const ClientIdentity& client, const Edit& edit)
     history_.recordWrites(client.id, edit, *names, document_);
   }
   recordOutcome(client, outcome);
-  if (names) scheduleTick();
   return outcome;
 }
 
@@ -90,7 +89,7 @@ void Session::journal(JournalStep step) { lastJournalled_ = services_.journal->a
 void Session::whenDurable(std::function<void(const Status&)> kept) const {
   Position position = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     position = lastJournalled_;
   }
   services_.journal->whenDurable(id_, position, std::move(kept));
@@ -109,7 +108,7 @@ void Session::confirmWhenDurable(EditOutcome outcome, std::function<void(const E
 
 Status Session::changeSettings(const std::function<Expected<SessionSettings>(const SessionSettings&)>& change) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (closed_) return closedStatus("name");
     if (Status s = services_.journal->writable(id_); !s.ok()) return s;
     const std::uint64_t before = document_.revision();
@@ -122,16 +121,17 @@ Status Session::changeSettings(const std::function<Expected<SessionSettings>(con
     step.settings = *changed;
     journal(std::move(step));
     lastUsed_ = std::chrono::system_clock::now();
-    scheduleTick();
   }
+  delivery_.sceneChanged();
   tellWatchers();
   return {};
 }
 
-/// Of an edit, or of a step back or forth. Without the lock.
-void Session::countAndTell(const EditOutcome& outcome) {
+/// Counts an edit, an undo or a redo, and tells readers and watchers.
+void Session::announce(const EditOutcome& outcome) {
   if (outcome.status.ok()) {
     ++services_.counters->editsAccepted;
+    delivery_.sceneChanged();
     tellWatchers();
   } else {
     services_.counters->editsRejected.add(outcome.status);

@@ -13,31 +13,31 @@ CommitQueue::CommitQueue(std::unique_ptr<Backend> backend, CommitQueueOptions op
 
 CommitQueue::~CommitQueue() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     waiting_.clear();
   }
-  wake_.notify_all();
+  wake_.notifyAll();
   thread_.join();
 }
 
 Status CommitQueue::available() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return failure_;
 }
 
 Status CommitQueue::writable(const std::string& session) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return failure_.ok() ? fences_.now(session) : failure_;
 }
 
 std::int64_t CommitQueue::queued() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return std::int64_t(given_ - durablePosition_);
 }
 
 std::int64_t CommitQueue::commits() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return commits_;
 }
 
@@ -52,18 +52,18 @@ Position CommitQueue::takeOver(const std::string& session, Change change) {
 Position CommitQueue::take(const std::string& session, bool takesOver, Change change) {
   Position position = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     position = ++given_;
     queue_.push_back({position, session, takesOver, std::move(change)});
   }
-  wake_.notify_all();
+  wake_.notifyAll();
   return position;
 }
 
 void CommitQueue::whenDurable(const std::string& session, Position position, Told told) {
   Status status;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (position <= durablePosition_) {
       status = fences_.at(session, position);
     } else if (failure_.ok()) {
@@ -77,9 +77,9 @@ void CommitQueue::whenDurable(const std::string& session, Position position, Tol
 }
 
 Status CommitQueue::flush() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   const Position last = given_;
-  settled_.wait(lock, [&] { return durablePosition_ >= last || !failure_.ok(); });
+  while (durablePosition_ < last && failure_.ok()) settled_.wait(lock);
   return durablePosition_ >= last ? Status() : failure_;
 }
 
@@ -111,12 +111,13 @@ void CommitQueue::run() {
 
 /// Waits for changes, or after a failure for the next attempt. False: nothing more is to be written.
 bool CommitQueue::nextGroup() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   if (failure_.ok()) {
     pause_ = options_.retry;
-    wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+    while (!stopping_ && queue_.empty()) wake_.wait(lock);
   } else {
-    wake_.wait_for(lock, pause_, [this] { return stopping_; });
+    const auto next = std::chrono::steady_clock::now() + pause_;
+    while (!stopping_ && wake_.waitUntil(lock, next)) continue;
     if (stopping_) return false;
     pause_ = std::min(pause_ * 2, std::max(options_.retry, options_.retryAtMost));
   }
@@ -128,7 +129,7 @@ bool CommitQueue::nextGroup() {
 /// Writes the group. `fences` are those that hold once it is committed.
 Status CommitQueue::commit(Fences* fences) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     *fences = fences_;
   }
   Status status = backend_->begin();
@@ -157,7 +158,7 @@ void CommitQueue::settle(const Status& status, Fences fences) {
   std::vector<Notice> notices;
   bool changed = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     changed = failure_.ok() != status.ok();
     failure_ = status;
     if (status.ok()) {
@@ -172,7 +173,7 @@ void CommitQueue::settle(const Status& status, Fences fences) {
       notices.push_back({std::move(told), status.ok() ? fences_.at(session, it->first) : status});
     }
   }
-  settled_.notify_all();
+  settled_.notifyAll();
   if (changed && options_.onChange) options_.onChange(status);
   tell(std::move(notices));
 }

@@ -17,16 +17,15 @@
 // refused, writable() of that session says why, whoever waits for them is told why, and other sessions go on.
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 
+#include "base/mutex.h"
 #include "store/backend.h"
 #include "store/fences.h"
 
@@ -115,17 +114,17 @@ class CommitQueue {
   const std::unique_ptr<Backend> backend_;
   const CommitQueueOptions options_;
 
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;  ///< there is something to write
-  std::condition_variable settled_;  ///< a group has ended
-  std::deque<Entry> queue_;
-  std::multimap<Position, Waiter> waiting_;
-  Fences fences_;
-  Position given_ = 0;
-  Position durablePosition_ = 0;
-  Status failure_;
-  std::int64_t commits_ = 0;
-  bool stopping_ = false;
+  mutable Mutex mutex_;
+  ConditionVariable wake_;  ///< there is something to write
+  ConditionVariable settled_;  ///< a group has ended
+  std::deque<Entry> queue_ LPV_GUARDED_BY(mutex_);
+  std::multimap<Position, Waiter> waiting_ LPV_GUARDED_BY(mutex_);
+  Fences fences_ LPV_GUARDED_BY(mutex_);
+  Position given_ LPV_GUARDED_BY(mutex_) = 0;
+  Position durablePosition_ LPV_GUARDED_BY(mutex_) = 0;
+  Status failure_ LPV_GUARDED_BY(mutex_);
+  std::int64_t commits_ LPV_GUARDED_BY(mutex_) = 0;
+  bool stopping_ LPV_GUARDED_BY(mutex_) = false;
 
   // The queue's thread's own.
   std::deque<Entry> group_;  ///< in progress, or the one that failed

@@ -14,7 +14,7 @@ in vec2 textureUv;
 layout(location = 0) out vec4 emission;
 
 void main() {
-  emission = vec4(gl_FrontFacing ? draw.colour.rgb : draw.backColour.rgb, 1.0);
+  emission = vec4(gl_FrontFacing ? draw.colour : draw.backColour, 1.0);
 #if LPV_TEXTURE
   emission.rgb *= texture(radianceTexture, textureUv).rgb;
 #endif

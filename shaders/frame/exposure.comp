@@ -24,7 +24,7 @@ vec2 pixelSum(int first) {
   vec2 sum = vec2(0.0);
   for (int i = int(gl_LocalInvocationID.x); i < kExposurePixels; i += kExposureGroup) {
     const int pixel = first + i;
-    if (pixel >= frame.dims.w) break;
+    if (pixel >= frame.pixels) break;
     const vec4 c = texelFetch(radiance, ivec2(pixel % width, pixel / width), 0);
     if (c.a > 0.0) sum += vec2(pow(luminanceOf(c.rgb), 1.0 / 3.0), 1.0);
   }
@@ -32,7 +32,7 @@ vec2 pixelSum(int first) {
 }
 
 vec2 sumOfSums() {
-  const int groups = (frame.dims.w + kExposurePixels - 1) / kExposurePixels;
+  const int groups = (frame.pixels + kExposurePixels - 1) / kExposurePixels;
   vec2 sum = vec2(0.0);
   for (int i = int(gl_LocalInvocationID.x); i < groups; i += kExposureGroup) sum += sums[i].xy;
   return sum;
@@ -42,7 +42,7 @@ void main() {
 #if LPV_FINISH
   partial[gl_LocalInvocationID.x] = sumOfSums();
 #else
-  const int group = int(frame.exposure.z) + int(gl_WorkGroupID.x);
+  const int group = int(frame.exposure.firstGroup) + int(gl_WorkGroupID.x);
   partial[gl_LocalInvocationID.x] = pixelSum(group * kExposurePixels);
 #endif
   barrier();
@@ -50,8 +50,8 @@ void main() {
   vec2 sum = vec2(0.0);
   for (int i = 0; i < kExposureGroup; ++i) sum += partial[i];
 #if LPV_FINISH
-  const float automatic = sum.x > 0.0 ? log2(frame.exposure.y) - 3.0 * log2(sum.x / sum.y) : 0.0;
-  exposure.y = automatic + log2(frame.exposure.x);
+  const float automatic = sum.x > 0.0 ? log2(frame.exposure.key) - 3.0 * log2(sum.x / sum.y) : 0.0;
+  exposure.y = automatic + log2(frame.exposure.factor);
   exposure.x = exp2(exposure.y);
 #else
   sums[group] = vec4(sum, 0.0, 0.0);

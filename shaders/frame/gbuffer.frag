@@ -30,7 +30,7 @@ vec3 surfaceNormal() {
 }
 
 void main() {
-  albedo = vec4(draw.colour.rgb, 1.0);
+  albedo = vec4(draw.colour, 1.0);
 #if LPV_TEXTURE
   albedo.rgb *= texture(albedoTexture, textureUv).rgb;
 #endif

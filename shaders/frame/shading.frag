@@ -9,15 +9,14 @@
 #ifndef LPV_DISPLAY
 #error "LPV_DISPLAY: 0 or 1"
 #endif
-// LPV_DIRECT: where receivers look at the lights themselves: 0 nowhere, 1 beyond the grid, 2 near emitters too, 3
-// everywhere.
-#ifndef LPV_DIRECT
-#error "LPV_DIRECT: 0, 1, 2 or 3"
+// LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
+#ifndef LPV_NEAR_FIELD
+#error "LPV_NEAR_FIELD: LPV_NEAR_FIELD_NOWHERE, _OUTSIDE, _EMITTERS or _EVERYWHERE (shaders/layout.h)"
 #endif
-#if LPV_DIRECT
+#if LPV_NEAR_FIELD != LPV_NEAR_FIELD_NOWHERE
 #include "transport/emitter_list.glsl"
 #endif
-#if LPV_DIRECT == 2
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
 layout(binding = kEmitterDistance) uniform sampler3D emitterDistance;
 #endif
 
@@ -32,17 +31,17 @@ layout(location = 0) out vec4 colour;
 
 /// Grid position of what is seen in this pixel at a stored depth.
 vec3 gridPosition(float depth) {
-  const vec2 uv = gl_FragCoord.xy * frame.depth.zw;
-  const vec3 ray = frame.rayOrigin.xyz + uv.x * frame.rayRight.xyz + uv.y * frame.rayDown.xyz;
-  return frame.eye.xyz + frame.depth.x / (depth + frame.depth.y) * ray;
+  const vec2 uv = gl_FragCoord.xy * frame.pixelSize;
+  const vec3 ray = frame.rayOrigin + uv.x * frame.rayRight + uv.y * frame.rayDown;
+  return frame.eye + frame.depthScale / (depth + frame.depthOffset) * ray;
 }
 
-#if LPV_DIRECT == 1 || LPV_DIRECT == 2
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
 /// As in server/scene/emitter_list.h.
 float farFromEmitters(vec3 p) {
-  const vec3 dims = vec3(frame.dims.xyz);
+  const vec3 dims = vec3(frame.dims);
   if (any(lessThan(p, vec3(-0.5))) || any(greaterThan(p, dims + 0.5))) return 0.0;
-#if LPV_DIRECT == 1
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE
   return 1.0;
 #else
   return smoothstep(kNearFieldBegin, kNearFieldEnd, textureLod(emitterDistance, p / dims, 0.0).x);
@@ -51,11 +50,11 @@ float farFromEmitters(vec3 p) {
 #endif
 
 vec3 irradiance(vec3 p, vec3 n) {
-#if LPV_DIRECT == 3
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
   return directIrradiance(p, n);
 #else
-  const vec3 e = irradianceAt(p, n, frame.dims.xyz, frame.palette.rgb);
-#if LPV_DIRECT == 1 || LPV_DIRECT == 2
+  const vec3 e = irradianceAt(p, n, frame.dims, frame.palette);
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
   const float far = farFromEmitters(p);
   if (far < 1.0) return mix(directIrradiance(p, n), e, far);
 #endif
@@ -80,6 +79,6 @@ void main() {
     colour = vec4(reflected(pixel, surface), 1.0);
   }
 #if LPV_DISPLAY
-  colour = vec4(displayFromRadiance(colour.rgb, frame.exposure.x), 1.0);
+  colour = vec4(displayFromRadiance(colour.rgb, frame.exposure.factor), 1.0);
 #endif
 }

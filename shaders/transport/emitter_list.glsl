@@ -7,6 +7,8 @@
 // front, and the records of shaders/transport/vpls.glsl. Grid space.
 #include "layout.h"
 #include "common/angles.glsl"
+#define LPV_RECEIVERS 1
+#include "transport/vpl_kernel.glsl"
 
 layout(binding = kDirect) uniform samplerBuffer direct;
 
@@ -48,37 +50,10 @@ float polygonIrradiance(int first, int triangles, vec3 x, vec3 n, float sides) {
   return sum;
 }
 
-/// Mean of the positive values of what is even over [t - spread, t + spread] (shaders/transport/vpls.glsl).
-float positivePart(float t, float spread) {
-  const float within = clamp(t, -spread, spread);
-  return (within + spread) * (within + spread) / (4.0 * spread) + max(t - spread, 0.0);
-}
-
-const float kNoSpread = 1e-12;
-
-/// As gather.comp expands it. Where the horizon of n goes through the extent, what is above it counts.
 vec3 vplIrradiance(int at, int stride, vec3 x, vec3 n, float sides) {
-  const vec4 first = texelFetch(direct, at), second = texelFetch(direct, at + 1);
-  const vec4 diagonal = texelFetch(direct, at + 2), others = texelFetch(direct, at + 3);
-  const mat3 extent = mat3(diagonal.x, others.x, others.y, others.x, diagonal.y, others.z, others.y, others.z, diagonal.z);
-  const vec3 d = first.xyz - x;
-  const float inverse = inversesqrt(max(dot(d, d), 1e-6));
-  const float away = dot(second.xyz, d), facing = -away * inverse, spread = second.w;
-  float intensity = positivePart(facing, spread), slope = clamp(0.5 * (facing / spread + 1.0), 0.0, 1.0);
-  if (sides > 1.5) {
-    intensity += positivePart(-facing, spread);
-    slope = 2.0 * slope - 1.0;
-  }
-  const float near = min(inverse, 2.0), falloff = near * near;
-  const vec3 m = extent * d, bent = extent * second.xyz;
-  const float steady = kSteadiness * diagonal.w * falloff;
-  const float weight = slope * falloff * falloff / (1.0 + steady * steady * steady * steady);
-  const vec3 flux =
-      (intensity * falloff * inverse +
-       weight * falloff * (4.0 * dot(bent, d) + away * (2.0 * diagonal.w - 12.0 * falloff * dot(m, d)))) * d +
-      4.0 * weight * falloff * away * m - weight * bent;
-  const float height = dot(n, d), heights = max(sqrt(max(3.0 * dot(n, extent * n), 0.0)), kNoSpread);
-  const float e = max(0.0, dot(n, flux) + length(flux) * inverse * (positivePart(height, heights) - height));
+  const VplEntry v = vplEntry(texelFetch(direct, at), texelFetch(direct, at + 1), texelFetch(direct, at + 2),
+                              texelFetch(direct, at + 3));
+  const float e = irradianceFrom(v, v.position - x, n, sides > 1.5);
   return stride == kTexturedRecordTexels ? e * texelFetch(direct, at + 4).rgb : vec3(e);
 }
 

@@ -17,18 +17,18 @@
 layout(local_size_x = kCellGroup) in;
 
 layout(std140, binding = kParams) uniform Block { InjectParams params; };
-layout(std430, binding = kVoxelCells) readonly buffer Voxels { uint header[kVoxelHeaderWords]; uvec2 voxels[]; };
+layout(std430, binding = kVoxelCells) readonly buffer Voxels { VoxelHeader voxelHeader; uvec2 voxels[]; };
 layout(std430, binding = kVoxelMoments) readonly buffer Moments { vec4 moments[]; };
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 layout(std430, binding = kLobeCounts) buffer LobeCounts { float lobeCounts[]; };
 layout(std430, binding = kCounters) buffer CounterBlock { Counters counters; };
 
-int firstChannel() { return params.dims.w * LPV_CHANNELS; }
-int countOf(int cell) { return params.dims.w * params.dims.x * params.dims.y * params.dims.z + cell; }
+int firstChannel() { return params.group * LPV_CHANNELS; }
+int countOf(int cell) { return params.group * params.dims.x * params.dims.y * params.dims.z + cell; }
 
 #ifdef LPV_ADD
 vec4 lobesOf(vec4 moment) {
-  return vec4(kLobe0 * params.lobe.x * moment.x, kLobe1 * params.lobe.y * moment.zwy);
+  return vec4(kLobe0 * params.sides * moment.x, kLobe1 * params.band1Factor * moment.zwy);
 }
 
 /// Threads that run in step count together: all of them come here at once and wait for one number.
@@ -44,15 +44,15 @@ void countTouched(bool first) {
 }
 
 void addLight(uint slot, int cell, ivec3 position) {
-  const float lobes = params.lobe.x * float(voxels[slot].y);
+  const float lobes = params.sides * float(voxels[slot].y);
   for (int k = 0; k < LPV_CHANNELS; ++k) {
     if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
 #if LPV_TEXTURED
-    const vec4 moment = moments[slot * 3u + uint(k)];
+    const vec4 moment = moments[slot * uint(kColours) + uint(k)];
 #else
     const vec4 moment = moments[slot];
 #endif
-    const int at = haloIndex(position, params.dims.xyz, firstChannel() + k);
+    const int at = haloIndex(position, params.dims, firstChannel() + k);
 #ifdef LPV_DIVIDE
     field[at] = params.weight[k] * lobesOf(moment) / lobes;
 #else
@@ -72,13 +72,13 @@ void addLight(uint slot, int cell, ivec3 position) {
 void main() {
   const uint slot = gl_GlobalInvocationID.x;
 #ifdef LPV_ADD
-  if (slot == 0u) atomicAdd(counters.degenerate, header[4]);
+  if (slot == 0u) atomicAdd(counters.degenerate, voxelHeader.degenerate);
 #endif
-  if (slot >= header[3]) return;
+  if (slot >= voxelHeader.count) return;
   const int cell = int(voxels[slot].x);
-  const ivec3 position = cellOfIndex(cell, params.dims.xyz);
+  const ivec3 position = cellOfIndex(cell, params.dims);
 #if defined(LPV_RETIRE)
-  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims.xyz, firstChannel() + k)] = vec4(0.0);
+  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims, firstChannel() + k)] = vec4(0.0);
   lobeCounts[countOf(cell)] = 0.0;
 #elif defined(LPV_ADD)
   addLight(slot, cell, position);
@@ -86,6 +86,6 @@ void main() {
   const float n = lobeCounts[countOf(cell)];
   if (n < 0.0) return;  // divided: another light's dispatch was here
   lobeCounts[countOf(cell)] = -n;
-  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims.xyz, firstChannel() + k)] /= n;
+  for (int k = 0; k < LPV_CHANNELS; ++k) field[haloIndex(position, params.dims, firstChannel() + k)] /= n;
 #endif
 }

@@ -13,16 +13,16 @@ layout(std430, binding = kTreeRecords) readonly buffer Records { vec4 records[];
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 
 void main() {
-  const ivec3 size = params.boxSize.xyz;
+  const ivec3 size = params.boxSize;
   const int leaf = int(gl_GlobalInvocationID.x);
   if (leaf >= size.x * size.y * size.z || nodes[leaf].z == 0u) return;
-  const ivec3 cell = params.boxLower.xyz + ivec3(leaf % size.x, (leaf / size.x) % size.y, leaf / (size.x * size.y));
+  const ivec3 cell = params.boxLower + ivec3(leaf % size.x, (leaf / size.x) % size.y, leaf / (size.x * size.y));
   const int header = int(nodes[leaf].w);
   const int vpls = int(records[header * kRecordTexels + 1].x);
   vec4 emitted[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
   for (int i = 1; i <= vpls; ++i) {
     const int at = (header + i) * kRecordTexels;
-    const vec4 lobes = vec4(kLobe0 * params.lobe.x * records[at].w, kLobe1 * params.lobe.y * records[at + 1].yzx);
+    const vec4 lobes = vec4(kLobe0 * params.sides * records[at].w, kLobe1 * params.band1Factor * records[at + 1].yzx);
     for (int k = 0; k < LPV_CHANNELS; ++k) {
 #if LPV_TEXTURED
       emitted[k] += lobes * records[at + 4][k];
@@ -32,6 +32,6 @@ void main() {
     }
   }
   for (int k = 0; k < LPV_CHANNELS; ++k) {
-    field[haloIndex(cell, params.dims.xyz, params.dims.w * LPV_CHANNELS + k)] += params.weight[k] * emitted[k];
+    field[haloIndex(cell, params.dims, params.group * LPV_CHANNELS + k)] += params.weight[k] * emitted[k];
   }
 }

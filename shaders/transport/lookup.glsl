@@ -4,14 +4,10 @@
 
 #include "common/angles.glsl"
 
-// The values of lpv::Lookup.
-#define LPV_LOOKUP_SH2 0
-#define LPV_LOOKUP_CAP 1
-#define LPV_LOOKUP_NEAREST 2
 #ifndef LPV_LOOKUP
-#error "LPV_LOOKUP: 0 (trilinear, SH2), 1 (trilinear, CAP) or 2 (nearest cell, SH2)"
+#error "LPV_LOOKUP: LPV_LOOKUP_SH2, _CAP or _NEAREST (shaders/layout.h)"
 #elif LPV_LOOKUP < LPV_LOOKUP_SH2 || LPV_LOOKUP > LPV_LOOKUP_NEAREST
-#error "LPV_LOOKUP is 0, 1 or 2"
+#error "LPV_LOOKUP: no such value in shaders/layout.h"
 #endif
 
 #ifndef LPV_GROUPS

@@ -59,12 +59,12 @@ vec4 gathered(vec4 xm, vec4 xp, vec4 ym, vec4 yp, vec4 zm, vec4 zp) {
 
 void main() {
   // Channels lie side by side along the dispatch's y, each over the same box.
-  const int channel = int(gl_WorkGroupID.y) / params.upper.w;
-  const int groupY = int(gl_WorkGroupID.y) % params.upper.w;
-  ivec3 cell = params.lower.xyz + ivec3(int(gl_GlobalInvocationID.x), groupY * kFieldGroupY + int(gl_LocalInvocationID.y),
+  const int channel = int(gl_WorkGroupID.y) / params.groupsPerChannel;
+  const int groupY = int(gl_WorkGroupID.y) % params.groupsPerChannel;
+  ivec3 cell = params.lower + ivec3(int(gl_GlobalInvocationID.x), groupY * kFieldGroupY + int(gl_LocalInvocationID.y),
                                         int(gl_WorkGroupID.z) * kFieldMarch);
   if (cell.x >= params.upper.x || cell.y >= params.upper.y) return;
-  const ivec3 dims = params.dims.xyz;
+  const ivec3 dims = params.dims;
   const int row = dims.x + 2, slab = row * (dims.y + 2);
   int i = haloIndex(cell, dims, channel);
   vec4 behind = texelFetch(fieldIn, i - slab), here = texelFetch(fieldIn, i);

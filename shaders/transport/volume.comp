@@ -2,7 +2,8 @@
 // towards the light, cut back to phi >= 0 and |D| <= phi. LPV_INJECTED: the injected field as it is, with its colours.
 //
 // LPV_TEXTURES: into 3D textures for frames; a field of one channel stays one texture, its colour is applied on
-// reading, and the groups of lights lie one behind the other along z. LPV_BUFFER: into the buffer that is read back, 3 colours x 4 coefficients per cell.
+// reading, and the groups of lights lie one behind the other along z. LPV_BUFFER: into the buffer that is
+// read back (kProduct).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/field.glsl"
@@ -41,7 +42,7 @@ vec4 productOf(vec4 u, inout bool cut) {
 #if LPV_INJECTED
   return u;
 #else
-  vec4 c = u * vec4(params.factors.x, vec3(params.factors.y));
+  vec4 c = u * vec4(params.band0Factor, vec3(params.band1Factor));
   if (c.x < 0.0) {
     cut = true;
     return vec4(0.0);
@@ -56,24 +57,24 @@ vec4 productOf(vec4 u, inout bool cut) {
 }
 
 vec4 channelOf(ivec3 cell, int k) {
-  return texelFetch(fieldIn, haloIndex(cell, params.dims.xyz, params.group.y + k));
+  return texelFetch(fieldIn, haloIndex(cell, params.dims, params.firstChannel + k));
 }
 
 #if LPV_BUFFER
 int cells() { return params.dims.x * params.dims.y * params.dims.z; }
 
 void store(ivec3 cell, int colour, vec4 c) {
-  const int base = ((cellIndex(cell, params.dims.xyz) + params.group.x * cells()) * 3 + colour) * 4;
-  for (int j = 0; j < 4; ++j) product[base + j] = c[j];
+  const int base = (cellIndex(cell, params.dims) + params.group * cells()) * kProductFloats + colour * kCoefficients;
+  for (int j = 0; j < kCoefficients; ++j) product[base + j] = c[j];
 }
 #endif
 
 void main() {
-  const ivec3 cell = ivec3(gl_GlobalInvocationID.xy, params.dims.w + int(gl_WorkGroupID.z));
+  const ivec3 cell = ivec3(gl_GlobalInvocationID.xy, params.firstSlice + int(gl_WorkGroupID.z));
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
-  const ivec3 texel = cell + ivec3(0, 0, params.group.x * params.dims.z);
+  const ivec3 texel = cell + ivec3(0, 0, params.group * params.dims.z);
 #if LPV_PROXIMITY
-  if (params.group.x == 0) imageStore(emitterDistanceOut, cell, vec4(emitterDistance[cellIndex(cell, params.dims.xyz)]));
+  if (params.group == 0) imageStore(emitterDistanceOut, cell, vec4(emitterDistance[cellIndex(cell, params.dims)]));
 #endif
   bool cut = false;
 #if LPV_CHANNELS == 1
@@ -93,7 +94,7 @@ void main() {
 #endif
 #endif
 #if LPV_BUFFER
-  for (int i = 0; i < 3; ++i) store(cell, i, colours[i]);
+  for (int i = 0; i < kColours; ++i) store(cell, i, colours[i]);
 #endif
   if (cut) atomicAdd(counters.clamped, 1u);
 }

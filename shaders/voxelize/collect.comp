@@ -11,7 +11,7 @@ layout(std430, binding = kVoxelMoments) writeonly buffer Moments { vec4 moments[
 #if LPV_SETS
 /// Lobes of the triangles in a set, rounded and summed as addLobes() does.
 ivec3 sumOfSet(uint set) {
-  const float scale = float(params.scale.x);
+  const float scale = float(params.momentUnits);
   ivec3 sum = ivec3(0);
   for (; set != 0u; set &= set - 1u) sum += ivec3(roundEven(scale * params.normals[findLSB(set)].xyz));
   return sum;
@@ -35,7 +35,7 @@ float fixedPoint(int at) {
 
 void main() {
   const uint slot = gl_GlobalInvocationID.x;
-  if (slot >= voxelHeader[3]) return;
+  if (slot >= voxelHeader.count) return;
   const int base = int(voxels[slot].x) * kAccumulatorWords;
 #if LPV_SETS
   const uint set = words[base];
@@ -43,21 +43,21 @@ void main() {
 #else
   const uint count = words[base];
 #endif
-  const float unit = float(1.0lf / params.scale.x);
+  const float unit = float(1.0lf / params.momentUnits);
   words[base] = 0u;
   voxels[slot].y = count;
 #if LPV_SETS
   moments[slot] = vec4(float(count), vec3(sumOfSet(set)) * unit);
 #elif LPV_FLUX || LPV_TEXTURED
-  const int stride = LPV_FLUX == 1 ? 2 : 1;
-  for (int k = 0; k < kSets; ++k) {
+  const int stride = LPV_FLUX == 1 ? kWideWords : 1;
+  for (int k = 0; k < kMomentsPerCell; ++k) {
     vec4 m;
-    for (int i = 0; i < 4; ++i) m[i] = fixedPoint(base + 1 + stride * (4 * k + i)) * unit;
-    moments[int(slot) * kSets + k] = m;
+    for (int i = 0; i < kMomentParts; ++i) m[i] = fixedPoint(base + kFirstSum + stride * (kMomentParts * k + i)) * unit;
+    moments[int(slot) * kMomentsPerCell + k] = m;
   }
 #else
   vec3 directions;
-  for (int i = 0; i < 3; ++i) directions[i] = fixedPoint(base + 1 + i) * unit;
+  for (int i = 0; i < 3; ++i) directions[i] = fixedPoint(base + kFirstSum + i) * unit;
   moments[slot] = vec4(float(count), directions);
 #endif
 }

@@ -36,23 +36,23 @@ void deposit(EmittingTriangle e, ivec3 cell, dvec2 lambda, uint samples) {
 
 void main() {
   const uint thread = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(kVoxelizeGroup) + gl_LocalInvocationID.x;
-  const uint local = thread / params.triangles.w;
-  if (local >= params.triangles.y) return;
-  const uint first = thread % params.triangles.w * uint(kSamplesPerThread);
+  const uint local = thread / params.threadsPerTriangle;
+  if (local >= params.triangleCount) return;
+  const uint first = thread % params.threadsPerTriangle * uint(kSamplesPerThread);
   EmittingTriangle e;
-  if (!loadTriangle(params.triangles.x + local, e)) {
-    if (first == 0u) atomicAdd(voxelHeader[4], 1u);
+  if (!loadTriangle(params.firstTriangle + local, e)) {
+    if (first == 0u) atomicAdd(voxelHeader.degenerate, 1u);
     return;
   }
   const dvec3 a = gridPoint(objectVertex(e.corners.x));
   const dvec3 ab = gridPoint(objectVertex(e.corners.y)) - a, ac = gridPoint(objectVertex(e.corners.z)) - a;
-  const uint last = min(first + uint(kSamplesPerThread), params.triangles.z);
+  const uint last = min(first + uint(kSamplesPerThread), params.samplesPerTriangle);
   for (uint i = first; i < last; ++i) {
     const dvec2 lambda = samplePoint(e.index, i);
-    const dvec3 at = a + lambda.x * ab + lambda.y * ac, upper = dvec3(params.dims.xyz);
+    const dvec3 at = a + lambda.x * ab + lambda.y * ac, upper = dvec3(params.dims);
     // The grid's outer upper face belongs to its last cell.
     const dvec3 p = mix(floor(at), upper - 1.0lf, equal(at, upper));
-    if (any(lessThan(p, dvec3(0.0lf))) || any(greaterThanEqual(p, dvec3(params.dims.xyz)))) continue;
-    deposit(e, ivec3(p), lambda, params.triangles.z);
+    if (any(lessThan(p, dvec3(0.0lf))) || any(greaterThanEqual(p, dvec3(params.dims)))) continue;
+    deposit(e, ivec3(p), lambda, params.samplesPerTriangle);
   }
 }

@@ -1,11 +1,8 @@
 // Where a light's voxels are summed: integers only, so that the sums do not depend on the order of the additions and are
 // the same bits on every run and from every injector.
 //
-// Words of a cell: how many VPLs came (COUNT: lobes, N of eq. 1; FLUX: pairs), then moments in fixed point.
-//   plain COUNT     sum of lobe directions (x, y, z); the zeroth moment is N itself         1 + 3 words
-//   plain FLUX      area, area x direction (x, y, z), 64 bits each: low word, high word     1 + 8
-//   LPV_SETS        plain COUNT of at most kSetTriangles: which triangles came, a bit each, and nothing else    1
-//   textured        (C, C x direction) per colour: 4 moments for each of red, green, blue  1 + 12, 1 + 24
+// Words of a cell: shaders/layout.h. LPV_TEXTURED: moments of each colour. LPV_SETS: COUNT of a light with at most
+// kSetTriangles triangles keeps which of them came, and no sums.
 // LPV_VPLS: FLUX for GATHER has a table of VPLs instead, shaders/voxelize/vpl_table.glsl.
 #ifndef LPV_FLUX
 #error "LPV_FLUX: 0 (COUNT) or 1"
@@ -23,18 +20,20 @@
 #endif
 
 #if LPV_TEXTURED
-const int kSets = 3;
+const int kMomentsPerCell = kColours;
 #else
-const int kSets = 1;
+const int kMomentsPerCell = 1;
 #endif
-#if LPV_FLUX
-const int kAccumulatorWords = 1 + 8 * kSets;
+#if LPV_FLUX && LPV_TEXTURED
+const int kAccumulatorWords = kTexturedFluxWords;
+#elif LPV_FLUX
+const int kAccumulatorWords = kFluxWords;
 #elif LPV_SETS
-const int kAccumulatorWords = 1;
+const int kAccumulatorWords = kSetWords;
 #elif LPV_TEXTURED
-const int kAccumulatorWords = 13;
+const int kAccumulatorWords = kTexturedCountWords;
 #else
-const int kAccumulatorWords = 4;
+const int kAccumulatorWords = kCountWords;
 #endif
 
 #if LPV_VPLS
@@ -45,7 +44,7 @@ layout(std430, binding = kRecordedPairs) buffer Recorded { uint recordedCount; u
 #else
 layout(std430, binding = kAccumulators) buffer Accumulators { uint words[]; };
 #endif
-layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHeaderWords]; uvec2 voxels[]; };
+layout(std430, binding = kVoxelCells) buffer Voxels { VoxelHeader voxelHeader; uvec2 voxels[]; };
 #endif
 
 #ifndef LPV_RECORD_PAIRS
@@ -53,9 +52,9 @@ layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHea
 /// `count` more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
 /// since it also counts triangles without area. The number of the first.
 uint appendToList(uint count) {
-  const uint slot = atomicAdd(voxelHeader[3], count);
+  const uint slot = atomicAdd(voxelHeader.count, count);
   const uint groups = (slot + count - 1u) / uint(kCellGroup) - (max(slot, 1u) - 1u) / uint(kCellGroup);
-  if (groups > 0u) atomicAdd(voxelHeader[0], groups);
+  if (groups > 0u) atomicAdd(voxelHeader.groupsX, groups);
   return slot;
 }
 
@@ -74,13 +73,13 @@ uint nextInList() {
 }
 
 #if !LPV_VPLS
-/// Adds to a cell's first word; the first VPL of a cell appends it to the list.
+/// Adds to a cell's first word; the first VPL of a cell appends it to the list. Returns where the cell's sums begin.
 int touchedCell(ivec3 position, uint lobes) {
   const int cell = (position.z * params.dims.y + position.y) * params.dims.x + position.x;
   if (atomicAdd(words[cell * kAccumulatorWords], lobes) == 0u) {
     voxels[nextInList()].x = uint(cell);
   }
-  return cell * kAccumulatorWords + 1;
+  return cell * kAccumulatorWords + kFirstSum;
 }
 #endif
 
@@ -95,38 +94,39 @@ void addWide(int at, double value) {
   if (carried != 0u) atomicAdd(words[at + 1], carried);
 }
 
-#if LPV_VPLS
-
 void addWide3(int at, dvec3 value) {
-  for (int i = 0; i < 3; ++i) addWide(at + 2 * i, value[i]);
+  for (int i = 0; i < 3; ++i) addWide(at + kWideWords * i, value[i]);
 }
+
+#if LPV_VPLS
 
 /// `area` of emitter, as a share of what the light's scale was made for, about `offset` from the cell's lower corner.
 void addVpl(ivec3 cell, double area, vec3 offset, dvec3 direction, dvec3 colour) {
-  const double zeroth = params.scale.x * area;
+  const double zeroth = params.momentUnits * area;
   if (zeroth < 0.5lf) return;  // a corner cut so small has no area in fixed point: a VPL without one is no light
   const int at = vplPlace(cell, normalBin(vec3(direction)));
   if (at < 0) return;
-  addWide(at + 1, zeroth);
-  addWide3(at + 3, zeroth * direction);
+  addWide(at + kVplArea, zeroth);
+  addWide3(at + kVplDirection, zeroth * direction);
 #if LPV_TEXTURED
   const double weight = zeroth * max(colour.r, max(colour.g, colour.b));
-  addWide3(at + 15, zeroth * colour);
-  addWide(at + 21, weight);
+  addWide3(at + kVplColour, zeroth * colour);
+  addWide(at + kVplWeight, weight);
 #else
   const double weight = zeroth;
 #endif
-  addWide3(at + 9, weight * dvec3(offset));
+  addWide3(at + kVplOffset, weight * dvec3(offset));
 }
 
 #elif LPV_FLUX
 /// `area` x (colour, colour x direction), a direction for each colour, area as a share of what the light's scale was made for.
 void addMoments(ivec3 cell, double area, dmat3 direction, dvec3 colour) {
   const int base = touchedCell(cell, 1u);
-  for (int k = 0; k < kSets; ++k) {
-    const double zeroth = params.scale.x * area * colour[k];
-    addWide(base + 8 * k, zeroth);
-    for (int i = 0; i < 3; ++i) addWide(base + 8 * k + 2 + 2 * i, zeroth * direction[k][i]);
+  for (int k = 0; k < kMomentsPerCell; ++k) {
+    const double zeroth = params.momentUnits * area * colour[k];
+    const int at = base + kWideWords * kMomentParts * k;
+    addWide(at, zeroth);
+    addWide3(at + kWideWords, zeroth * direction[k]);
   }
 }
 #elif LPV_SETS
@@ -136,11 +136,12 @@ void addToSet(ivec3 cell, uint index) { touchedCell(cell, 1u << index); }
 /// `lobes` of one colour, the sum of their directions given.
 void addLobes(ivec3 cell, uint lobes, vec3 directions, vec3 colour) {
   const int base = touchedCell(cell, lobes);
-  const float scale = float(params.scale.x);
+  const float scale = float(params.momentUnits);
 #if LPV_TEXTURED
-  for (int k = 0; k < 3; ++k) {
-    addWord(base + 4 * k, scale * colour[k] * float(lobes));
-    for (int i = 0; i < 3; ++i) addWord(base + 4 * k + 1 + i, scale * colour[k] * directions[i]);
+  for (int k = 0; k < kColours; ++k) {
+    const int at = base + kMomentParts * k;
+    addWord(at, scale * colour[k] * float(lobes));
+    for (int i = 0; i < 3; ++i) addWord(at + 1 + i, scale * colour[k] * directions[i]);
   }
 #else
   for (int i = 0; i < 3; ++i) addWord(base + i, scale * directions[i]);

@@ -53,9 +53,9 @@ vec3 boxColour(Varying v, dvec2 centre, dvec2 corners[4]) {
   }
   const vec2 texels = vec2(most - least);
   const float level = log2(max(max(texels.x, texels.y), 1.0));
-  const dvec2 uv = (uvAt(v, centre) + 0.5lf) / dvec2(params.texture.xy);
-  const float finest = float(params.texture.z - 1);
-  return textureLod(lightTexture, vec2(uv - floor(uv)), min(level, finest)).rgb * float(params.scale.y);
+  const dvec2 uv = (uvAt(v, centre) + 0.5lf) / dvec2(params.textureSize);
+  const float finest = float(params.textureLevels - 1);
+  return textureLod(lightTexture, vec2(uv - floor(uv)), min(level, finest)).rgb * float(params.colourScale);
 }
 #endif
 

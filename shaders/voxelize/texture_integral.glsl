@@ -16,17 +16,17 @@ const int kMostSteps = 16384 + 8;
 int wrapped(int i, int size) { return i - size * int(floor(double(i) / double(size))); }
 
 vec3 storedTexel(int x, int y) {
-  const ivec2 size = params.texture.xy;
+  const ivec2 size = params.textureSize;
   return texelFetch(lightTexture, ivec2(wrapped(x, size.x), wrapped(y, size.y)), 0).rgb;
 }
 
-vec3 texel(int x, int y) { return storedTexel(x, y) * float(params.scale.y); }
+vec3 texel(int x, int y) { return storedTexel(x, y) * float(params.colourScale); }
 
 /// Integral along row y from texel centre 0 to centre x; like the texels of a TexelSquare not yet a share of the brightest.
 dvec3 rowIntegral(int x, int y) {
-  const int width = params.texture.x;
+  const int width = params.textureSize.x;
   const int at = wrapped(x, width);
-  const int row = wrapped(y, params.texture.y) * (width + 1);
+  const int row = wrapped(y, params.textureSize.y) * (width + 1);
   const int i = 3 * (row + at), whole = 3 * (row + width);
   const double turns = double((x - at) / width);
   return dvec3(rowIntegrals[i], rowIntegrals[i + 1], rowIntegrals[i + 2]) +
@@ -51,7 +51,7 @@ dvec3 integralTo(TexelSquare s, dvec2 p) {
 dvec3 lineIntegral(dvec2 p, dvec2 q) {
   const dvec2 d = q - p;
   if (d.y == 0.0lf) return dvec3(0.0lf);
-  if (abs(d.x) + abs(d.y) > kMostSquares) return dvec3(params.textureMean.rgb) * (0.5lf * (p.x + q.x) * d.y);
+  if (abs(d.x) + abs(d.y) > kMostSquares) return dvec3(params.textureMean) * (0.5lf * (p.x + q.x) * d.y);
   dvec3 sum = dvec3(0.0lf);
   // Where the line leaves the square in x and in y.
   const dvec2 step_ = abs(1.0lf / d);
@@ -82,7 +82,7 @@ dvec3 lineIntegral(dvec2 p, dvec2 q) {
     }
     from = to;
   }
-  return sum * (d.y * params.scale.y);
+  return sum * (d.y * params.colourScale);
 }
 
 /// The bilinear texture at one point of texel space.

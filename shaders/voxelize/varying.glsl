@@ -41,7 +41,7 @@ Varying varyingOf(uvec3 corners, vec3 normal) {
     v.direction[i] = vertexDirection(corners[i], normal);
 #endif
 #if LPV_TEXTURED
-    v.uv[i] = (vertexUv(corners[i]) - repeats) * dvec2(params.texture.xy) - 0.5lf;
+    v.uv[i] = (vertexUv(corners[i]) - repeats) * dvec2(params.textureSize) - 0.5lf;
 #endif
   }
   return v;

@@ -19,7 +19,7 @@ layout(local_size_x = kVoxelizeGroup) in;
 layout(local_size_x = kColumnGroup) in;
 #endif
 
-layout(std430, binding = kLargeTriangles) buffer Large { uint largeHeader[kListHeaderWords]; uint large[]; };
+layout(std430, binding = kLargeTriangles) buffer Large { ListHeader largeHeader; uint large[]; };
 
 const bool kVarying = LPV_DIRECTIONS == 1 || LPV_TEXTURED == 1;
 const int kSlices = kVarying ? kMaxVaryingSlices : kMaxSlices;
@@ -39,21 +39,21 @@ Shares sharesOf(LatticeTriangle t, int columns) {
 #ifdef LPV_SMALL
 
 void handOn(uint local, int slices) {
-  const uint slot = atomicAdd(largeHeader[3], uint(slices));
-  atomicAdd(largeHeader[0], uint(slices));
+  const uint slot = atomicAdd(largeHeader.count, uint(slices));
+  atomicAdd(largeHeader.groupsX, uint(slices));
   for (int i = 0; i < slices; ++i) large[slot + uint(i)] = local * uint(kSlices) + uint(i);
 }
 
 void main() {
   const uint local = gl_GlobalInvocationID.x;
-  if (local >= params.triangles.y) return;
+  if (local >= params.triangleCount) return;
   EmittingTriangle e;
-  if (!loadTriangle(params.triangles.x + local, e)) {
-    atomicAdd(voxelHeader[4], 1u);
+  if (!loadTriangle(params.firstTriangle + local, e)) {
+    atomicAdd(voxelHeader.degenerate, 1u);
     return;
   }
   const int columns = columnCount(e.lattice);
-  const int most = kVarying ? kSmallVaryingColumns : params.triangles.y < kManyTriangles ? kSmallColumns : kManyColumns;
+  const int most = kVarying ? kSmallVaryingColumns : params.triangleCount < kManyTriangles ? kSmallColumns : kManyColumns;
   if (columns > most || (columns > 1 && laborious(e.varying_))) handOn(local, sharesOf(e.lattice, columns).slices);
   else if (columns > 0) voxelizeRows(e, 0, 1, 0, 1);
 }
@@ -63,7 +63,7 @@ void main() {
 void main() {
   const uint item = large[gl_WorkGroupID.x];
   EmittingTriangle e;
-  if (!loadTriangle(params.triangles.x + item / uint(kSlices), e)) return;
+  if (!loadTriangle(params.firstTriangle + item / uint(kSlices), e)) return;
   const Shares shares = sharesOf(e.lattice, columnCount(e.lattice));
   const int thread = int(item) % kSlices * kColumnGroup + int(gl_LocalInvocationID.x);
   const int rowStep = shares.slices * kColumnGroup / shares.perRow, row = thread / shares.perRow;

@@ -65,7 +65,7 @@ void main() {
   EmittingTriangle e;
   if (!loadTriangle(vertexTriangle[0], e)) {
 #ifndef LPV_RECORD_PAIRS
-    atomicAdd(voxelHeader[4], 1u);
+    atomicAdd(voxelHeader.degenerate, 1u);
 #endif
     return;
   }

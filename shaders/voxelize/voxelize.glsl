@@ -71,7 +71,7 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   e.q = vec3(gridQ);
   e.r = vec3(gridR);
 #endif
-  e.lattice = latticeTriangle(snapToLattice(gridP), snapToLattice(gridQ), snapToLattice(gridR), params.dims.xyz);
+  e.lattice = latticeTriangle(snapToLattice(gridP), snapToLattice(gridQ), snapToLattice(gridR), params.dims);
   return true;
 }
 

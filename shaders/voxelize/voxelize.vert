@@ -6,6 +6,6 @@ layout(std140, binding = kParams) uniform Block { VoxelizeParams params; };
 flat out uint vertexTriangle;
 
 void main() {
-  vertexTriangle = params.triangles.x + uint(gl_VertexID) / 3u;
+  vertexTriangle = params.firstTriangle + uint(gl_VertexID) / 3u;
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
 }

@@ -2,18 +2,16 @@
 // size follows from the VPLs there are, not from the cells. Where a VPL lies in it depends on the order of arrival; its
 // sums, and the order that the tree gives it, do not.
 //
-// Words of an entry: key (0: free; else cell of the light's box x 64 + bin + 1), then 64 bits each, low word first:
-//   area, area x direction (x, y, z), weight x offset in the cell (x, y, z)   plain: the weight is the area
-//   area x colour (r, g, b), weight: area x brightest channel                 textured
+// Words of an entry: shaders/layout.h.
 
 #if LPV_TEXTURED
-const int kVplWords = 23;
+const int kVplWords = kTexturedVplWords;
 #else
-const int kVplWords = 15;
+const int kVplWords = kPlainVplWords;
 #endif
 
 layout(std430, binding = kAccumulators) buffer Table { uint words[]; };
-layout(std430, binding = kVoxelCells) buffer Voxels { uint voxelHeader[kVoxelHeaderWords]; uvec2 voxels[]; };
+layout(std430, binding = kVoxelCells) buffer Voxels { VoxelHeader voxelHeader; uvec2 voxels[]; };
 
 ivec3 cellInBox(int index, ivec3 size) { return ivec3(index % size.x, (index / size.x) % size.y, index / (size.x * size.y)); }
 
@@ -33,14 +31,14 @@ uint nextInList();
 
 /// First word of the entry of a cell and bin, made where there is none; -1, counted, when the table is too full.
 int vplPlace(ivec3 cell, int bin) {
-  const ivec3 at = cell - params.boxLower.xyz, size = params.boxSize.xyz;
+  const ivec3 at = cell - params.boxLower, size = params.boxSize;
   const int leaf = (at.z * size.y + at.y) * size.x + at.x;
-  const uint key = uint(leaf) * 64u + uint(bin) + 1u;
-  const uint last = uint(params.boxSize.w) - 1u;
+  const uint key = ((uint(leaf) << kBinBits) | uint(bin)) + 1u;
+  const uint last = params.tableEntries - 1u;
   uint entry = mixed(key) & last;
   for (int probe = 0; probe < kMostProbes; ++probe) {
     const int base = int(entry) * kVplWords;
-    const uint found = atomicCompSwap(words[base], 0u, key);
+    const uint found = atomicCompSwap(words[base + kVplKey], 0u, key);
     if (found == key) return base;
     if (found == 0u) {
       voxels[nextInList()].x = entry;
@@ -49,7 +47,7 @@ int vplPlace(ivec3 cell, int bin) {
     }
     entry = (entry + 1u) & last;
   }
-  atomicAdd(voxelHeader[5], 1u);
+  atomicAdd(voxelHeader.lost, 1u);
   return -1;
 }
 

@@ -26,9 +26,9 @@ uint placeOf(uvec2 bins, uint bin) {
 
 bool hasBin(uvec2 bins, uint bin) { return ((bin < 32u ? bins.x >> bin : bins.y >> (bin - 32u)) & 1u) != 0u; }
 
-ivec3 levelLower(int level) { return params.lower.xyz >> level; }
-ivec3 levelSize(int level) { return ((params.upper.xyz - 1) >> level) - levelLower(level) + 1; }
-int levelOffset(int level) { return int(params.offsets[level / 4][level % 4]); }
+ivec3 levelLower(int level) { return params.lower >> level; }
+ivec3 levelSize(int level) { return ((params.upper - 1) >> level) - levelLower(level) + 1; }
+int levelOffset(int level) { return int(params.nodesBefore[level / 4][level % 4]); }
 
 int nodeIndex(int level, ivec3 block) {
   const ivec3 size = levelSize(level), at = block - levelLower(level);

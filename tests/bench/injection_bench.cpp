@@ -90,8 +90,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-void finish(GpuTask pieces) {
-  while (!pieces.done()) pieces.resume();
+void finish(GpuTask task) {
+  task.runToEnd();
   glFinish();
 }
 

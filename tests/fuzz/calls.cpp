@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "api/call/admission.h"
+#include "api/call/method_table.h"
 #include "convert/blob_content.h"
 #include "fuzz/check.h"
 #include "fuzz/message_input.h"
@@ -14,6 +16,11 @@ using google::protobuf::Message;
 namespace pb = lpv::v1;
 
 namespace {
+
+/// What the call driver says to the role of whoever makes a call, before its handler sees it.
+Status allowed(const Message& request, const api::Context& context) {
+  return api::authorize(context, *api::methodOf(*request.GetDescriptor()), request);
+}
 
 /// Messages that one stream gives at once, at most: a watcher of an engine that is done at once never runs dry.
 constexpr int kMostMessages = 20;
@@ -142,6 +149,7 @@ void Caller::finishUploads(Call::RequestCase next) {
 template <typename Request, typename Response>
 void Caller::ask(Status (*function)(const api::Context&, const Request&, Response*), const Request& request,
                  const api::Context& context) {
+  if (const Status status = allowed(request, context); !status.ok()) return answered(status, nullptr);
   Response response;
   const Status status = function(context, request, &response);
   answered(status, status.ok() ? &response : nullptr);
@@ -150,6 +158,7 @@ void Caller::ask(Status (*function)(const api::Context&, const Request&, Respons
 template <typename Request, typename Response>
 void Caller::askLater(void (*function)(const api::Context&, const Request&, Response*, api::Done),
                       const Request& request, const api::Context& context) {
+  if (const Status status = allowed(request, context); !status.ok()) return answered(status, nullptr);
   Response response;
   int answers = 0;
   function(context, request, &response, [&](const Status& status) {
@@ -163,7 +172,13 @@ template <typename Request, typename Response>
 void Caller::say(Call::RequestCase kind, api::StreamPtr<Request, Response> (*open)(const api::Context&),
                  const Request& request, const api::Context& context) {
   std::unique_ptr<OpenStream>& place = streams_[kind];
-  if (!place) place = std::make_unique<Flow<Request, Response>>(*this, open(context));
+  if (!place) {
+    if (const Status status = allowed(request, context); !status.ok()) {
+      streams_.erase(kind);
+      return answered(status, nullptr);
+    }
+    place = std::make_unique<Flow<Request, Response>>(*this, open(context));
+  }
   last_ = place.get();
   static_cast<Flow<Request, Response>&>(*place).receive(request);
 }

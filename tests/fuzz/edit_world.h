@@ -7,6 +7,7 @@
 #include <string>
 
 #include "fuzz/world.h"
+#include "persistence/snapshot.h"
 #include "session/session.h"
 
 namespace lpv::fuzz {

@@ -178,7 +178,7 @@ class Run {
     if (in_.ConsumeBool()) options.grid.longest = in_.ConsumeIntegralInRange(0, 6);
     const std::uint64_t before = session_->revision();
     const Status status = session_->changeSettings([&](const SessionSettings&) {
-      return Expected<SessionSettings>(Settings{options, {}});
+      return Expected<SessionSettings>(SessionSettings{options, {}});
     });
     if (status.ok()) return;
     checkRefusal(status);

@@ -75,6 +75,7 @@ World::~World() {
 api::Context World::contextOf(Role role) {
   Machinery& m = machinery();
   api::Context context{&registry_, &m.pool, &m.timers, &m.counters, services_.limits, {}, "fuzz", {}, &access_};
+  context.caches = caches_;
   if (access_.required() && role != Role::kAdmin) context.caller = {role, "room", "token"};
   return context;
 }

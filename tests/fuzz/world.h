@@ -2,6 +2,8 @@
 // A server without doors, a GPU or a disk, for one input: a registry with one session, "room", that has a light "Lamp",
 // a surface "Wall", a camera "Front" and two members.
 
+#include <google/protobuf/message_lite.h>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,7 @@ class World {
 
  private:
   Access access_;
+  const std::shared_ptr<api::ResultCaches> caches_ = api::makeResultCaches();
   SessionServices services_;
   Registry registry_;
   ClientIdentity a_;

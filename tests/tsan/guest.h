@@ -1,6 +1,6 @@
 #pragma once
-// A streaming call as a door drives it (grpc/reactors.h): the first message before anything else, later ones on one
-// thread, answers pulled on whichever thread wakes, cancellation whenever it comes.
+// A streaming call as a door drives it (api/call/call_driver.h): the first message before anything else, later ones on
+// one thread, answers pulled on whichever thread wakes, cancellation whenever it comes.
 
 #include <condition_variable>
 #include <deque>

@@ -39,7 +39,7 @@ Status checkGlb(const std::string& path, std::uint64_t size) {
   const std::string head = firstBytes(path, 20);
   if (head.size() < 20 || head.compare(0, 4, "glTF") != 0) return broken(path, "not a binary glTF file");
   if (uint32At(head, 4) != 2) {
-    return broken(path, "binary glTF version " + std::to_string(uint32At(head, 4)) + "; version 2 can be read");
+    return broken(path, "binary glTF version " + std::to_string(uint32At(head, 4)) + "; only version 2 can be read");
   }
   if (size < uint32At(head, 8)) return cutShort(path, size, uint32At(head, 8));
   if (head.compare(16, 4, "JSON") != 0) return broken(path, "its first chunk is not JSON");
@@ -47,7 +47,7 @@ Status checkGlb(const std::string& path, std::uint64_t size) {
   return {};
 }
 
-/// A text STL begins with "solid" and has no zero byte; so do some binary ones begin, but their size is exact.
+/// A text STL begins with "solid" and has no zero byte. Some binary ones begin so too, but their size is exact.
 Status checkStl(const std::string& path, std::uint64_t size) {
   const std::string head = firstBytes(path, 512);
   const std::uint64_t wanted = 84 + 50ULL * uint32At(head, 80);
@@ -65,8 +65,8 @@ Status checkStl(const std::string& path, std::uint64_t size) {
 struct PlyElement {
   std::string name;
   std::uint64_t count = 0;
-  std::uint64_t bytes = 0;  ///< of one, without its lists' items
-  std::size_t words = 0;    ///< of one in a text file, without its lists' items
+  std::uint64_t bytes = 0;  ///< of one element, without the items of its lists
+  std::size_t words = 0;    ///< of one element in a text file, without the items of its lists
   bool lists = false;
   std::uint64_t listCountBytes = 0;
   std::uint64_t listItemBytes = 0;
@@ -87,7 +87,7 @@ std::uint64_t plyTypeBytes(const std::string& type) {
   return type == "double" || type == "float64" ? 8 : 0;
 }
 
-/// One header line; false where it makes no sense.
+/// Parses one header line; false if it is malformed.
 bool readPlyLine(const std::string& line, PlyHeader& header) {
   std::istringstream words(line);
   std::string word;
@@ -135,7 +135,7 @@ bool readPlyHeader(const std::string& text, PlyHeader& header) {
   return false;
 }
 
-/// The number of words a line of this element needs; a list in front (as faces have it) says how many follow.
+/// Number of words that a line of this element needs; a list that comes first (as in faces) begins with its length.
 std::size_t plyWords(const PlyElement& element, const std::string& line) {
   return element.words + (element.lists ? std::size_t(std::max(0L, std::strtol(line.c_str(), nullptr, 10))) : 0);
 }
@@ -145,7 +145,7 @@ std::size_t countWords(const std::string& line) {
   return std::size_t(std::distance(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>()));
 }
 
-/// As many lines as the header announces, with as many words as their elements have.
+/// Checks that the file has the lines that its header announces, each with the words of its element.
 Status checkPlyText(const std::string& path, const PlyHeader& header) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(std::streamoff(header.bytes));
@@ -166,7 +166,7 @@ Status checkPlyText(const std::string& path, const PlyHeader& header) {
   return {};
 }
 
-/// At least as many bytes as the header's elements need (a face has 3 corners).
+/// Checks that the file has at least the bytes that its header's elements need (3 corners per face).
 Status checkPly(const std::string& path, std::uint64_t size) {
   PlyHeader header;
   const std::string head = firstBytes(path, 65536);
@@ -195,14 +195,14 @@ Status checkSceneFile(const std::string& path) {
   const std::string extension = extensionOf(path);
   const std::string known[] = {"glb", "gltf", "obj", "ply", "stl"};
   if (std::find(std::begin(known), std::end(known), extension) == std::end(known)) {
-    return broken(path, "files of kind '" + extension + "' cannot be read; glb, gltf, obj, ply and stl can");
+    return broken(path, "files of type '" + extension + "' cannot be read; only glb, gltf, obj, ply and stl");
   }
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return broken(path, "is a folder");
+  if (std::filesystem::is_directory(path, error)) return broken(path, "this is a folder, not a file");
   const std::uint64_t size = std::filesystem::file_size(path, error);
   if (error) return broken(path, error.message());
-  if (!std::ifstream(path)) return broken(path, "cannot be opened");
-  if (size == 0) return broken(path, "is empty");
+  if (!std::ifstream(path)) return broken(path, "the file cannot be opened");
+  if (size == 0) return broken(path, "the file is empty");
   if (extension == "glb") return checkGlb(path, size);
   if (extension == "stl") return checkStl(path, size);
   if (extension == "ply") return checkPly(path, size);

@@ -1,5 +1,5 @@
 #pragma once
-// Files that are cut short are told from their own headers, before a parser guesses at what is left.
+// Detects truncated files by their own headers, before a parser guesses at the rest.
 
 #include <string>
 
@@ -10,8 +10,8 @@ namespace lpv::cli {
 /// The lower-case extension without the dot.
 std::string extensionOf(const std::string& path);
 
-/// INVALID_ARGUMENT for a file that cannot be read, whose extension is none of glb, gltf, obj, ply, stl, or whose size
-/// is not what its header announces (GLB, binary STL, PLY).
+/// INVALID_ARGUMENT if the file cannot be read, its extension is none of glb, gltf, obj, ply, stl, or its size differs
+/// from what its header announces (GLB, binary STL, PLY).
 Status checkSceneFile(const std::string& path);
 
 }  // namespace lpv::cli

@@ -17,20 +17,20 @@ namespace {
 using google::protobuf::Struct;
 using google::protobuf::Value;
 
-/// The JSON of a glTF file: a .glb's first chunk, or all of a .gltf.
+/// The JSON of a glTF file: the first chunk of a .glb, all of a .gltf.
 std::string jsonOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (extensionOf(path) == "glb") {
     std::uint32_t head[5] = {};
     if (!file.read(reinterpret_cast<char*>(head), sizeof(head))) return {};
-    std::string json(head[3], '\0');  // checkSceneFile has held this against the file's size
+    std::string json(head[3], '\0');  // checkSceneFile has compared this with the file's size
     file.read(json.data(), std::streamsize(json.size()));
     return file ? json.substr(0, json.find_last_not_of(std::string(" \0", 2)) + 1) : std::string();
   }
   return std::string((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
 }
 
-/// The value at a path of object keys; null where there is none.
+/// The value at a path of object keys; null if there is none.
 const Value* at(const Struct& object, const std::vector<const char*>& keys) {
   const Struct* inside = &object;
   const Value* value = nullptr;
@@ -61,7 +61,7 @@ const google::protobuf::ListValue& listAt(const Struct& object, const char* key)
   return value == nullptr ? google::protobuf::ListValue::default_instance() : value->list_value();
 }
 
-/// yfov of the node's camera, 0 without one.
+/// yfov of the node's camera, radians; 0 without a camera.
 double verticalFovOf(const Struct& node, const google::protobuf::ListValue& cameras) {
   const Value* index = at(node, {"camera"});
   if (index == nullptr || !(index->number_value() >= 0.0 && index->number_value() < cameras.values_size())) return 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-// What a glTF file says and Assimp 5.2 does not, or not in a way to rely on: emissive strengths, cameras' angles.
+// Properties of a glTF file that Assimp 5.2 drops or reports unreliably: emissive strengths, cameras' fields of view.
 
 #include <glm/glm.hpp>
 #include <map>
@@ -17,14 +17,14 @@ struct EmissiveMaterial {
 
 struct GltfExtras {
   std::vector<EmissiveMaterial> emissive;
-  std::map<std::string, double> verticalFov;  ///< radians, of the camera at the node of that name
+  std::map<std::string, double> verticalFov;  ///< radians, by the name of the camera's node
 
-  /// Strength of the material of this name and factor (importers renumber materials, so both together identify it);
-  /// 1 where there is none.
+  /// Strength of the material with this name and factor; 1 if there is none. Importers renumber materials, so name and
+  /// factor together identify one.
   double strengthOf(const std::string& name, const glm::dvec3& factor) const;
 };
 
-/// Empty for files that are neither .glb nor .gltf, or cannot be read.
+/// Empty for files that are neither .glb nor .gltf or that cannot be read.
 GltfExtras readGltfExtras(const std::string& path);
 
 }  // namespace lpv::cli

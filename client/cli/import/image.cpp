@@ -21,8 +21,8 @@ struct Reader {
   std::string error;
 };
 
-/// The module beside this program, as built or as installed. It costs most of a second to load: only those pay who
-/// have an image to read.
+/// Loads the module beside this program, built or installed. Loading takes most of a second, so it happens when the
+/// first image is read.
 Reader loadReader() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -30,10 +30,10 @@ Reader loadReader() {
   void* handle = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return {nullptr, dlerror()};
   auto* read = reinterpret_cast<ReadImage*>(dlsym(handle, "lpvReadImage"));
-  return {read, read == nullptr ? "it is of another version" : ""};
+  return {read, read == nullptr ? "it belongs to another version of lpvctl" : ""};
 }
 
-/// Image libraries write to stderr when they meet a bad file; ours is the only line there.
+/// Redirects stderr to /dev/null while it lives: image libraries write there about bad files; we report one line.
 class QuietStderr {
  public:
   QuietStderr() : kept_(dup(STDERR_FILENO)) {

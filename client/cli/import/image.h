@@ -1,5 +1,5 @@
 #pragma once
-// Image files to textures.
+// Reads image files as textures.
 
 #include <glm/glm.hpp>
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace lpv::cli {
 
-/// Any format OpenImageIO reads. 8-bit images stay sRGB bytes; deeper integers are decoded to linear halves; floating
-/// point images are linear: halves where their range suffices. One or two channels are grey; alpha is ignored and
-/// does not darken the colours; negative and not finite texels become 0.
+/// Reads any format that OpenImageIO reads. 8-bit images stay sRGB bytes; deeper integers become linear halves;
+/// floating point images are taken as linear, stored as halves if their range suffices. One or two channels are grey.
+/// Alpha is ignored and not multiplied in. Texels that are negative or not finite become 0.
 Expected<Texture> readImage(const std::string& path);
 
-/// The same from a file's bytes in memory; `format` is a file extension without the dot ("png").
+/// Reads an image file held in memory; `format` is a file extension without the dot ("png").
 Expected<Texture> decodeImage(const std::string& bytes, const std::string& format);
 
-/// Mean of the linear texels.
+/// Mean of the texels, linear.
 glm::dvec3 meanColour(const Texture& texture);
 
 }  // namespace lpv::cli

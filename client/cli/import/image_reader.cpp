@@ -1,4 +1,4 @@
-// The module lpv_images: OpenImageIO and the 300 libraries it brings, loaded when the first image is read.
+// The module lpv_images: wraps OpenImageIO and its 300 libraries, which are loaded when the first image is read.
 
 #include "import/image_reader.h"
 
@@ -19,10 +19,10 @@ namespace {
 constexpr int kMaxEdge = 16384;
 
 Status unreadable(const std::string& name, const std::string& why) {
-  return invalid("texture", name + ": " + (why.empty() ? "not an image that can be read" : why));
+  return invalid("texture", name + ": " + (why.empty() ? "the image cannot be read" : why));
 }
 
-/// R, G, B of a texel with `channels` channels: grey is repeated.
+/// R, G, B of a texel with `channels` channels; a grey value is repeated.
 template <typename T>
 void rgbOf(const T* texel, int channels, T* rgb) {
   for (int c = 0; c < 3; ++c) rgb[c] = texel[channels >= 3 ? c : 0];
@@ -46,7 +46,7 @@ std::vector<std::uint8_t> bytesOf(const std::vector<T>& values) {
   return bytes;
 }
 
-/// Linear texels at the precision they need.
+/// Linear texels: halves if their range suffices, else floats.
 void setLinear(Texture& texture, std::vector<float> rgb) {
   float largest = 0.0F;
   for (float& value : rgb) {
@@ -68,7 +68,7 @@ Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name) 
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.width < 1 || spec.height < 1 || spec.width > kMaxEdge || spec.height > kMaxEdge || spec.nchannels < 1) {
     return unreadable(name, "the image has " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
-                                " texels; 1..16384 along each side are possible");
+                                " texels; allowed are 1..16384 along each side");
   }
   Texture texture;
   texture.width = spec.width;
@@ -95,7 +95,7 @@ Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memor
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(name, &config, memory);
   if (!input) return unreadable(name, OIIO::geterror());
   Expected<Texture> texture = readTexture(*input, name);
-  OIIO::geterror();  // whatever is left would be printed at exit
+  OIIO::geterror();  // an error left pending would be printed at exit
   return texture;
 }
 

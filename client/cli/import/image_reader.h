@@ -1,5 +1,5 @@
 #pragma once
-// What the module lpv_images offers, under the name "lpvReadImage".
+// The interface of the module lpv_images, exported as "lpvReadImage".
 
 #include <string>
 
@@ -8,7 +8,7 @@
 
 namespace lpv::cli {
 
-/// Reads the file `name`, or `bytes` as a file of that name's kind.
+/// Reads the file `name`, or `bytes` as a file with the extension of `name`.
 using ReadImage = void(const std::string& name, const std::string* bytes, Expected<Texture>& out);
 
 }  // namespace lpv::cli

@@ -27,7 +27,7 @@ std::optional<glm::dvec3> colour(const aiMaterial& material, const char* key, un
   return glm::max(rgb, glm::dvec3(0.0));
 }
 
-/// "%20" and the like, as glTF's addresses have them.
+/// Decodes "%20" and the like in glTF's addresses.
 std::string unescaped(const std::string& uri) {
   std::string out;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -59,7 +59,7 @@ Materials::Materials(const aiScene& scene, const std::string& path, const GltfEx
 Material Materials::read(const aiMaterial& material) {
   Material out;
   if (extension_ == "ply" || extension_ == "stl")
-    return out;  // these files have no materials; the importer makes one up
+    return out;  // these files have no materials; the importer invents one
   const glm::dvec3 emissive = colour(material, AI_MATKEY_COLOR_EMISSIVE).value_or(glm::dvec3(0.0));
   out.radiance = emissive * extras_.strengthOf(nameOf(material), emissive);
   out.radiance = glm::clamp(out.radiance, 0.0, kLargestRadiance);
@@ -83,7 +83,7 @@ Material Materials::read(const aiMaterial& material) {
   return out;
 }
 
-/// The first of the kinds that the material has.
+/// The first of the texture types that the material has.
 void Materials::setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out) {
   for (const aiTextureType type : types) {
     aiString name;
@@ -99,7 +99,7 @@ TexturePtr Materials::texture(const std::string& name) {
   const auto known = textures_.find(name);
   if (known != textures_.end()) return known->second;
   Expected<Texture> loaded = load(name);
-  if (!loaded) warnings_.push_back("left out texture " + loaded.status().message());
+  if (!loaded) warnings_.push_back("ignored texture " + loaded.status().message());
   TexturePtr result = loaded ? std::make_shared<const Texture>(std::move(*loaded)) : nullptr;
   return textures_[name] = result;
 }
@@ -114,7 +114,7 @@ Expected<Texture> Materials::load(const std::string& name) const {
   std::replace(relative.begin(), relative.end(), '\\', '/');
   const std::filesystem::path path = std::filesystem::path(folder_) / relative;
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return invalid("texture", path.string() + ": there is no such file");
+  if (!std::filesystem::exists(path, error)) return invalid("texture", path.string() + ": the file does not exist");
   return readImage(path.string());
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Assimp's materials as radiance or albedo, with their textures.
+// Converts Assimp's materials to radiance or albedo, with their textures.
 
 #include <assimp/material.h>
 #include <assimp/scene.h>
@@ -15,21 +15,21 @@
 
 namespace lpv::cli {
 
-/// What a material says, as far as a light or a surface can use it.
+/// The properties of a material that a light or a surface can use.
 struct Material {
-  glm::dvec3 radiance{0.0};  ///< W/(sr m^2); 0: it does not emit
+  glm::dvec3 radiance{0.0};  ///< W/(sr m^2); 0: the material does not emit
   glm::dvec3 albedo{0.8};
   double roughness = 1.0;
   double metalness = 0.0;
   bool doubleSided = false;
-  bool oneSidedSurface = false;  ///< the format says that backs are not seen
-  TexturePtr texture;            ///< of the radiance, or of the albedo
-  unsigned uvChannel = 0;        ///< that the texture uses
+  bool oneSidedSurface = false;  ///< the file says that back faces are not drawn
+  TexturePtr texture;            ///< multiplies the radiance of an emitter, else the albedo
+  unsigned uvChannel = 0;        ///< the texture's uv channel
 
   bool emits() const { return radiance.x > 0.0 || radiance.y > 0.0 || radiance.z > 0.0; }
 };
 
-/// Reads materials of one file; textures are read once. Those that cannot be read are left out with a warning.
+/// Reads the materials of one file. Each texture is read once; one that cannot be read is ignored with a warning.
 class Materials {
  public:
   Materials(const aiScene& scene, const std::string& path, const GltfExtras& extras, const ImportOptions& options);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kLongest = 200;
 
-/// Bytes of the UTF-8 character that begins at `at`; 0 where there is none.
+/// Bytes of the UTF-8 character that begins at `at`; 0 if none does.
 std::size_t characterBytes(const std::string& text, std::size_t at) {
   const auto lead = static_cast<unsigned char>(text[at]);
   const std::size_t bytes = lead < 0x80                   ? 1

@@ -20,8 +20,8 @@
 
 namespace Assimp {
 
-/// Debian's Assimp keeps its assertions, which would end the process for some malformed files, and does not offer its
-/// setter for their handler. The program's definition wins over the library's: here they are errors like others.
+/// Debian's Assimp is built with assertions, which would end the process for some malformed files, and does not export
+/// the setter of their handler. This definition overrides the library's and turns a failed assertion into an error.
 void aiAssertViolation(const char* expression, const char* file, int line);
 void aiAssertViolation(const char* expression, const char*, int) {
   throw std::runtime_error(std::string("malformed: not ") + expression);
@@ -32,7 +32,7 @@ void aiAssertViolation(const char* expression, const char*, int) {
 namespace lpv::cli {
 namespace {
 
-/// World from file: the wanted unit and +Y up.
+/// worldFromFile: scales to metres and turns +Y up.
 glm::dmat4 worldFromFile(const ImportOptions& options) {
   glm::dmat4 matrix(options.scale);
   if (options.zUp) {
@@ -57,7 +57,7 @@ const aiScene* parse(const std::string& path, unsigned flags, Assimp::Importer& 
 Status readFile(const std::string& path, const ImportOptions& options, Assimp::Importer& importer) {
   if (Status status = checkSceneFile(path); !status.ok()) return status;
   unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs | aiProcess_ValidateDataStructure;
-  if (!options.keepVertices) {  // flat normals, too, would multiply vertices
+  if (!options.keepVertices) {  // flat normals would duplicate vertices too
     flags |= aiProcess_JoinIdenticalVertices;
     flags |= extensionOf(path) == "ply" ? aiProcess_GenSmoothNormals : aiProcess_GenNormals;
   }
@@ -66,12 +66,12 @@ Status readFile(const std::string& path, const ImportOptions& options, Assimp::I
   const aiScene* scene = parse(path, flags, importer, error);
   if (scene == nullptr) return invalid("file", path + ": " + error);
   if (scene->mRootNode == nullptr || scene->mNumMeshes == 0) {
-    return invalid("file", path + ": holds no triangle");
+    return invalid("file", path + ": the file has no triangle");
   }
   return {};
 }
 
-/// Calls visit(node, world from node) for every node, parents first.
+/// Calls visit(node, worldFromNode) for every node, parents first.
 void forEachNode(const aiScene& scene, const glm::dmat4& root,
                  const std::function<void(const aiNode&, const glm::dmat4&)>& visit) {
   std::vector<std::pair<const aiNode*, glm::dmat4>> open{{scene.mRootNode, root}};
@@ -84,7 +84,7 @@ void forEachNode(const aiScene& scene, const glm::dmat4& root,
   }
 }
 
-/// Builds lights and surfaces out of (node, mesh) pairs.
+/// Builds lights and surfaces from (node, mesh) pairs.
 class SceneBuilder {
  public:
   SceneBuilder(const aiScene& scene, const std::string& path, const ImportOptions& options)
@@ -119,13 +119,14 @@ class SceneBuilder {
     Expected<MeshPtr> mesh = sharedMesh(meshIndex, material.uvChannel);
     if (!mesh) return mesh.status().within(name);
     const Expected<Transform> transform = transformFromMatrix(world);
-    if (!transform) {  // shear: into the vertices
+    if (!transform) {  // a Transform cannot shear: bake the matrix into the vertices
       Expected<Mesh> flat = baked(**mesh, world);
       if (!flat) return flat.status().within(name);
       mesh = std::make_shared<const Mesh>(std::move(*flat));
     }
     const TexturePtr texture = (*mesh)->uvs.empty() ? nullptr : material.texture;
-    if (!texture && material.texture) out_.warnings.push_back(name + " has a texture and no texture coordinates");
+    if (!texture && material.texture)
+      out_.warnings.push_back(name + " has a texture but no texture coordinates: ignored it");
     addMaterialised(name, *mesh, transform ? *transform : Transform(), material, texture);
     return {};
   }
@@ -168,7 +169,7 @@ class SceneBuilder {
   void addCamera(const aiCamera& source) {
     const auto node = worldFromNode_.find(source.mName.C_Str());
     const glm::dmat4 world = node == worldFromNode_.end() ? glm::dmat4(1.0) : node->second;
-    // glTF's cameras stand in their node's origin and look along its -z; no other format here has cameras.
+    // A glTF camera is at its node's origin and looks along -z; no other format here has cameras.
     Camera camera;
     camera.eye = glm::dvec3(world[3]);
     camera.target = camera.eye - glm::dvec3(world[2]);
@@ -179,7 +180,7 @@ class SceneBuilder {
     camera.far = source.mClipPlaneFar > camera.near ? source.mClipPlaneFar : camera.near + 1000.0;
     const std::string name = objectName(source.mName.C_Str(), "camera", stem_);
     if (const Status status = checkCamera(camera); !status.ok()) {
-      out_.warnings.push_back("left out camera " + name + ": " + status.message());
+      out_.warnings.push_back("ignored camera " + name + ": " + status.message());
       return;
     }
     out_.cameras.emplace_back(name, camera);
@@ -208,7 +209,7 @@ Expected<ImportedScene> importScene(const std::string& path, const ImportOptions
   if (!status.ok()) return Status(status.code(), path + ": " + status.message(), status.field());
   builder.addCameras();
   ImportedScene out = builder.take();
-  if (out.lights.empty() && out.surfaces.empty()) return invalid("file", path + ": holds no triangle");
+  if (out.lights.empty() && out.surfaces.empty()) return invalid("file", path + ": the file has no triangle");
   return out;
 }
 
@@ -227,7 +228,7 @@ Expected<Mesh> importMesh(const std::string& path, const ImportOptions& options)
     }
   });
   if (!status.ok()) return Status(status.code(), path + ": " + status.message(), status.field());
-  if (all.triangles.empty()) return invalid("file", path + ": holds no triangle");
+  if (all.triangles.empty()) return invalid("file", path + ": the file has no triangle");
   return all;
 }
 

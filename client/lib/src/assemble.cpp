@@ -7,16 +7,17 @@
 namespace lpv::client {
 namespace {
 
-/// No picture of 4096 x 4096 float pixels, however encoded, is larger.
+/// Upper bound of an encoded frame of 4096 x 4096 float pixels, bytes.
 constexpr std::int64_t kMaxFrameBytes = std::int64_t(512) << 20;
 
-/// The base of two results in flight, and those two.
+/// Volumes kept: the base of two results in flight, and those two.
 constexpr std::size_t kMostHeld = 3;
 
 Status broken(const std::string& what) { return Status(Code::kInternal, "the server sent " + what); }
 
 Expected<wire::Format> formatOf(const v1::VolumeHeader& header) {
-  if (header.sh_bands() != 2) return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands, not 2");
+  if (header.sh_bands() != 2)
+    return broken("a volume of " + std::to_string(header.sh_bands()) + " SH bands; this client reads 2");
   if (header.brick_edge() != wire::kBrickEdge) return broken("bricks of another size than 8");
   switch (header.format()) {
     case v1::VOLUME_FORMAT_UNSPECIFIED:
@@ -55,11 +56,12 @@ wire::VolumeShape shapeOf(const v1::VolumeHeader& header, wire::Format format) {
   return shape;
 }
 
-/// The rule of parts: 0, 1, 2 ... of one result.
+/// Checks that the parts of one result have the indices 0, 1, 2 ... in order.
 Status checkPart(int index, int next, std::uint64_t id, std::uint64_t wanted, int count) {
   if (index != next || index >= count)
     return broken("part " + std::to_string(index) + ", expected " + std::to_string(next));
-  if (id != wanted) return broken("a part of result " + std::to_string(id) + " within " + std::to_string(wanted));
+  if (id != wanted)
+    return broken("a part of result " + std::to_string(id) + " between parts of result " + std::to_string(wanted));
   return {};
 }
 
@@ -92,7 +94,7 @@ Expected<std::optional<VolumeResult>> VolumeAssembler::add(const v1::VolumePart&
       return status;
     }
   }
-  if (!decoder_) return std::optional<VolumeResult>();  // the rest of a result that was given up
+  if (!decoder_) return std::optional<VolumeResult>();  // a later part of a result that was abandoned
   Status status = checkPart(part.index(), next_, part.result_id(), result_.header.result().result_id(),
                             result_.header.part_count());
   std::vector<wire::BrickRun> bricks;
@@ -119,7 +121,7 @@ Expected<VolumeResult> VolumeAssembler::finish() {
   return std::move(result_);
 }
 
-/// Bases only move forward, and are at most as far behind as results may be in flight.
+/// Drops bases older than the newest result's: bases only move forward.
 void VolumeAssembler::hold(wire::VolumeStatePtr state) {
   held_.erase(held_.begin(), held_.lower_bound(result_.header.base_result_id()));
   held_[result_.header.result().result_id()] = std::move(state);
@@ -142,7 +144,7 @@ Expected<std::optional<FrameResult>> FrameAssembler::add(const v1::FramePart& pa
   const v1::FrameHeader& header = result_.header;
   Status status = checkPart(part.index(), next_, part.result_id(), header.result().result_id(), header.part_count());
   if (status.ok() && std::int64_t(result_.file.size() + part.payload().size()) > header.size()) {
-    status = broken("more bytes of a frame than announced");
+    status = broken("more bytes of a frame than its header announced");
   }
   if (!status.ok()) {
     active_ = false;
@@ -151,9 +153,10 @@ Expected<std::optional<FrameResult>> FrameAssembler::add(const v1::FramePart& pa
   result_.file += part.payload();
   if (++next_ < header.part_count()) return std::optional<FrameResult>();
   active_ = false;
-  if (std::int64_t(result_.file.size()) != header.size()) return broken("fewer bytes of a frame than announced");
+  if (std::int64_t(result_.file.size()) != header.size())
+    return broken("fewer bytes of a frame than its header announced");
   if (wire::checksumBytes(result_.file.data(), result_.file.size()) != header.result().checksum()) {
-    return broken("a frame whose bytes do not give its checksum");
+    return broken("a frame with a wrong checksum");
   }
   return std::optional<FrameResult>(std::move(result_));
 }

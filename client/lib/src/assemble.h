@@ -1,5 +1,5 @@
 #pragma once
-// Results put together from their parts, with everything a server sends checked.
+// Assembles results from their parts and checks everything that the server sends.
 
 #include <chrono>
 #include <map>
@@ -12,11 +12,11 @@
 
 namespace lpv::client {
 
-/// Parts of volumes in, volumes out.
+/// Assembles volumes from VolumeParts.
 class VolumeAssembler {
  public:
-  /// The volume when this was its last part, nothing while parts are missing. After an error the next first part
-  /// starts afresh.
+  /// Returns the volume if this is its last part, nothing while parts are missing. After an error, assembly starts
+  /// again at the next first part of a result.
   Expected<std::optional<VolumeResult>> add(const v1::VolumePart& part);
 
  private:
@@ -24,7 +24,7 @@ class VolumeAssembler {
   Expected<VolumeResult> finish();
   void hold(wire::VolumeStatePtr state);
 
-  /// What deltas may be relative to: the base of the newest result and all after it, by result id.
+  /// Volumes that deltas may be relative to, by result id: the base of the newest result and all results after it.
   std::map<std::uint64_t, wire::VolumeStatePtr> held_;
   std::unique_ptr<wire::VolumeDecoder> decoder_;
   VolumeResult result_;
@@ -32,7 +32,7 @@ class VolumeAssembler {
   std::chrono::steady_clock::time_point began_;
 };
 
-/// Parts of frames in, frames out.
+/// Assembles frames from FrameParts.
 class FrameAssembler {
  public:
   Expected<std::optional<FrameResult>> add(const v1::FramePart& part);

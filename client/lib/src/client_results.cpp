@@ -1,4 +1,4 @@
-// Single results.
+// Calls for single results: volumes, frames, probes, picks.
 
 #include <algorithm>
 #include <bit>
@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t kPointsPerProbe = 16384;
 
-Status incomplete() { return Status(Code::kInternal, "the server ended the call before its answer was complete"); }
+Status incomplete() { return Status(Code::kInternal, "the server ended the call before the answer was complete"); }
 
-/// Reads parts until the assembler has a result; the rest of the stream must be its end.
+/// Reads parts until the assembler has a result. The stream must end after it.
 template <typename Result, typename Response, typename Assembler, typename Reader>
 Expected<Result> assembleAll(Reader& reader, Call& call, const std::string& address) {
   Assembler assembler;
@@ -52,7 +52,7 @@ std::string packPoints(const std::vector<SurfacePoint>& points, std::size_t firs
 
 Status appendAnswers(const v1::ProbeResponse& response, std::size_t count, std::vector<Irradiance>& out) {
   if (response.irradiance().size() != count * 24 || response.valid().size() != count) {
-    return Status(Code::kInternal, "the server answered another number of points than were asked");
+    return Status(Code::kInternal, "the server answered for another number of points than were sent");
   }
   for (std::size_t i = 0; i < count; ++i) {
     double rgb[3];

@@ -1,4 +1,4 @@
-// Blobs and the scene.
+// Calls for blobs and the scene.
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 namespace lpv::client {
 namespace {
 
-/// Reads every page of a listing; `items` returns a response's repeated field.
+/// Reads all pages of a listing; `items` returns a response's repeated field.
 template <typename Item, typename Stub, typename Request, typename Response, typename Items>
 Expected<Listing<Item>> listAll(Connection& connection, Stub& stub,
                                 grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),

@@ -1,4 +1,4 @@
-// The server, sessions and tokens.
+// Calls for the server, sessions and tokens.
 
 #include <grpcpp/generic/generic_stub.h>
 
@@ -20,7 +20,8 @@ Expected<v1::GetStatsResponse> Client::stats() {
 }
 
 Expected<bool> Client::healthy(const std::string& service) {
-  // The health protocol's two messages are, on the wire, a StringValue and an Int32Value: no generated code needed.
+  // The two messages of the health protocol are encoded like StringValue and Int32Value, so no generated code is
+// needed.
   using Stub = grpc::TemplatedGenericStub<google::protobuf::StringValue, google::protobuf::Int32Value>;
   Stub stub(connection_->channel);
   Call call(*connection_);

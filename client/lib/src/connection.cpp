@@ -24,7 +24,7 @@ Expected<std::shared_ptr<grpc::ChannelCredentials>> credentials(const TlsOptions
     return grpc::InsecureChannelCredentials();
   }
   if (tls.certFile.empty() != tls.keyFile.empty()) {
-    return invalid("cert", "a client certificate and its key go together; give both or none");
+    return invalid("cert", "a client certificate needs its key and the key its certificate; give both or none");
   }
   grpc::SslCredentialsOptions options;
   const std::pair<const std::string*, std::string*> files[] = {{&tls.caFile, &options.pem_root_certs},
@@ -41,19 +41,20 @@ Expected<std::shared_ptr<grpc::ChannelCredentials>> credentials(const TlsOptions
 
 grpc::ChannelArguments channelArguments() {
   grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1);  // identity only, as the server
+  arguments.SetInt(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET,
+                   1);  // identity only, like the server
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5000);  // which is how long one attempt may take
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5000);  // also the time limit of one attempt
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-  // A host that vanishes closes nothing: without pings every stream would be opened again on its dead connection.
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);  // the least that gRPC takes
+  // A host that vanishes does not close its connections. Pings detect that; streams would reconnect on a dead one.
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);  // the shortest that gRPC allows
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   return arguments;
 }
 
 Code codeFrom(grpc::StatusCode code) {
-  // lpvd names every refusal; UNKNOWN is what a connection that breaks behind a proxy looks like.
+  // lpvd never answers UNKNOWN; a connection that breaks behind a proxy does.
   if (code == grpc::StatusCode::UNKNOWN) return Code::kUnavailable;
   return static_cast<Code>(code);
 }
@@ -114,7 +115,7 @@ Status statusFrom(const grpc::Status& status, const std::string& address) {
   const Code code = codeFrom(status.error_code());
   std::string message = status.error_message();
   if (message.empty()) {
-    message = code == Code::kUnimplemented ? "this server does not have that call" : "the server gave no reason";
+    message = code == Code::kUnimplemented ? "the server does not implement this call" : "the server gave no reason";
   }
   if (code == Code::kUnavailable || code == Code::kDeadlineExceeded) message = address + ": " + message;
   return Status(code, std::move(message), std::move(field));
@@ -122,11 +123,11 @@ Status statusFrom(const grpc::Status& status, const std::string& address) {
 
 bool isRetryable(const grpc::Status& status) {
   switch (status.error_code()) {
-    case grpc::StatusCode::OK:  // the server finished a stream that has no end of its own
+    case grpc::StatusCode::OK:  // the server finished a stream that should not end
     case grpc::StatusCode::UNAVAILABLE:
     case grpc::StatusCode::UNKNOWN:
     case grpc::StatusCode::INTERNAL:
-    case grpc::StatusCode::CANCELLED:  // our watchdog; a caller's stop is looked at first
+    case grpc::StatusCode::CANCELLED:  // by our watchdog; stop() was checked before
       return true;
     default:
       return false;

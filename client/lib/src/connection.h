@@ -1,5 +1,5 @@
 #pragma once
-// One channel, its stubs, and the calls in flight on it. The only header that shows gRPC.
+// One channel, its stubs, and the calls in flight on it.
 
 #include <grpcpp/grpcpp.h>
 
@@ -19,7 +19,7 @@
 
 namespace lpv::client {
 
-/// Largest message in either direction, and what a part carries so that it stays below with its other fields.
+/// Largest message in either direction, and the payload of an upload's part, which leaves room for its other fields.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t(1) << 20U;
 inline constexpr std::size_t kPartBytes = kMaxMessageBytes - 4096;
 
@@ -27,7 +27,7 @@ class Connection {
  public:
   Connection(ConnectOptions options, std::shared_ptr<grpc::Channel> channel);
 
-  /// Cancels every Call in flight and to come.
+  /// Cancels all Calls, those in flight and later ones.
   void cancel();
   bool cancelled() const;
 
@@ -46,12 +46,12 @@ class Connection {
   bool cancelled_ = false;
 };
 
-/// One call's context: authorization and deadline set, reachable by Connection::cancel while it lives.
+/// The context of one call, with authorization and deadline set. Connection::cancel cancels it while it lives.
 class Call {
  public:
-  /// With the connection's timeout plus `extra`.
+  /// A unary call with the connection's timeout plus `extra`.
   explicit Call(Connection& connection, std::chrono::milliseconds extra = std::chrono::milliseconds(0));
-  /// Without a deadline: a stream.
+  /// A stream, without a deadline.
   struct Stream {};
   Call(Connection& connection, Stream);
   ~Call();
@@ -65,16 +65,16 @@ class Call {
   Connection& connection_;
 };
 
-/// More time for a transfer of this size: 1 s per 256 KiB.
+/// Extra time for an upload of this size: 1 s per 256 KiB.
 std::chrono::milliseconds timeFor(std::uint64_t bytes);
 
-/// The domain's status of a call, with the field of a FieldViolation where the server named one.
+/// Converts a call's status, with the field of its FieldViolation if the server named one.
 Status statusFrom(const grpc::Status& status, const std::string& address);
 
-/// True where opening a stream again can help.
+/// True if reconnecting the stream can cure this status.
 bool isRetryable(const grpc::Status& status);
 
-/// One unary call: `method` is a stub's member.
+/// Makes one unary call; `method` is a member of a stub.
 template <typename Response, typename Stub, typename Request>
 Expected<Response> unary(Connection& connection, Stub& stub,
                          grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),

@@ -7,18 +7,18 @@
 #include <utility>
 
 #include "connection.h"
-#include "reopening.h"
+#include "reconnect_loop.h"
 
 namespace lpv::client {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// The server stops reading at as many queued edits.
+/// The server, too, stops reading at this number of queued edits.
 constexpr std::size_t kMaxUnanswered = 256;
 constexpr int kAttempts = 4;
 
-/// Repeats a call whose answer was lost: its sequence sees to it that it is done once.
+/// Repeats a call whose answer was lost. Its sequence makes sure that the edit is applied once.
 template <typename Request, typename Response>
 Expected<Response> retryWhileUnavailable(Connection& connection,
                                          grpc::Status (v1::SceneService::Stub::*method)(grpc::ClientContext*,
@@ -139,7 +139,7 @@ struct EditStream::State {
       if (known) {
         acknowledge(response.ack());
       } else {
-        context.TryCancel();  // opens again, and repeats what is unanswered
+        context.TryCancel();  // makes the loop reconnect and resend unanswered edits
       }
     }
     {
@@ -149,7 +149,7 @@ struct EditStream::State {
     return open->Finish();
   }
 
-  /// First the greeting, then everything unanswered, in order; new edits wait behind.
+  /// Sends the first message, then all unanswered edits in order. New edits wait until that is done.
   void sendPending(Stream& open) {
     const std::lock_guard lock(writing);
     v1::StreamEditsRequest first;
@@ -174,7 +174,7 @@ struct EditStream::State {
   void acknowledge(const v1::EditAck& ack) {
     {
       const std::lock_guard lock(mutex);
-      if (unanswered.empty() || ack.sequence() < unanswered.front().sequence()) return;  // answered before
+      if (unanswered.empty() || ack.sequence() < unanswered.front().sequence()) return;  // repeated acknowledgement
       while (!unanswered.empty() && unanswered.front().sequence() <= ack.sequence()) unanswered.pop_front();
     }
     changed.notify_all();
@@ -198,13 +198,13 @@ struct EditStream::State {
   OnEnd onEnd;
   std::shared_ptr<LatencyLog> latency;
 
-  std::mutex writing;         ///< the order of edits and the stream they go to; taken before mutex
+  std::mutex writing;         ///< serialises sending; locked before mutex
   Stream* stream = nullptr;
-  std::mutex mutex;           ///< unanswered, ended
+  std::mutex mutex;           ///< guards unanswered, ended
   std::condition_variable changed;
   std::deque<v1::Edit> unanswered;
   Status ended;
-  ReconnectLoop loop;             ///< last: its thread uses all of the above
+  ReconnectLoop loop;             ///< last member: its thread uses all others
 };
 
 EditStream::EditStream(const Editor& editor, OnAck onAck, OnEnd onEnd, std::shared_ptr<LatencyLog> latency)
@@ -225,7 +225,7 @@ Expected<std::uint64_t> EditStream::send(v1::Edit edit) {
     state_->unanswered.push_back(edit);
   }
   if (state_->latency) state_->latency->sent(edit.sequence());
-  // A failure shows in the next Read: sent again.
+  // A failed write shows in the next Read, after which the edit is resent.
   if (state_->stream != nullptr) state_->stream->Write(State::requestOf(edit));
   return edit.sequence();
 }
@@ -234,7 +234,8 @@ Status EditStream::drain(std::chrono::milliseconds timeout) {
   std::unique_lock lock(state_->mutex);
   const auto over = [&] { return state_->unanswered.empty() || !state_->ended.ok(); };
   if (!state_->changed.wait_for(lock, timeout, over)) {
-    return Status(Code::kDeadlineExceeded, std::to_string(state_->unanswered.size()) + " edits are unanswered");
+    return Status(Code::kDeadlineExceeded,
+                  std::to_string(state_->unanswered.size()) + " edits are not acknowledged yet");
   }
   return state_->unanswered.empty() ? Status() : state_->ended;
 }

@@ -7,7 +7,7 @@
 namespace lpv::client {
 namespace {
 
-/// Writes the given parts of a transform and names them in the mask.
+/// Writes the given parts of a transform and adds their paths to the mask.
 template <typename Update>
 void writeMove(const Move& move, v1::Transform& transform, Update& update) {
   if (move.translation) {

@@ -5,7 +5,7 @@
 namespace lpv::client {
 namespace {
 
-/// The smallest value that at least this share of the sorted values does not exceed.
+/// Percentile: the smallest of the sorted values that at least this share of them does not exceed.
 double quantile(const std::vector<double>& sorted, double share) {
   const auto rank = std::size_t(share * double(sorted.size()));
   return sorted[std::min(rank, sorted.size() - 1)];

@@ -1,5 +1,5 @@
 #pragma once
-// What volume and frame watchers share: credit, order, faults. `Kind` says what differs between the two.
+// What volume and frame watchers share: credit, order, faults. `Kind` has what differs between the two.
 
 #include <functional>
 #include <memory>
@@ -9,7 +9,7 @@
 #include "assemble.h"
 #include "connection.h"
 #include "lpv/watch.h"
-#include "reopening.h"
+#include "reconnect_loop.h"
 
 namespace lpv::client {
 
@@ -39,7 +39,7 @@ class ResultStream {
     return out;
   }
 
-  /// Changes what a reopened stream starts with and tells an open one.
+  /// Changes the subscription that a reconnect starts with, and updates the open stream.
   template <typename Change>
   void update(const Change& change) {
     const std::lock_guard lock(mutex_);
@@ -53,7 +53,7 @@ class ResultStream {
   using Response = typename Kind::Response;
   using Stream = grpc::ClientReaderWriter<Request, Response>;
 
-  /// With mutex_ held.
+  /// The caller holds mutex_.
   void write(const v1::SubscriberUpdate& update) {
     if (stream_ == nullptr) return;
     Request request;
@@ -122,14 +122,14 @@ class ResultStream {
   }
 
   std::shared_ptr<Connection> connection_;
-  mutable std::mutex mutex_;  ///< subscription_, stream_ and writing to it, stats_
+  mutable std::mutex mutex_;  ///< guards subscription_, stream_ and writing to it, stats_
   Subscription subscription_;
   Stream* stream_ = nullptr;
   WatchStats stats_;
   std::function<void(Result)> onResult_;
   WatchHooks hooks_;
-  std::pair<std::uint64_t, std::uint64_t> newest_;  ///< (epoch, revision) delivered; reading thread only
-  ReconnectLoop loop_;                                  ///< last: its thread uses all of the above
+  std::pair<std::uint64_t, std::uint64_t> newest_;  ///< newest (epoch, revision) delivered; reading thread only
+  ReconnectLoop loop_;                                  ///< last member: its thread uses all others
 };
 
 }  // namespace lpv::client

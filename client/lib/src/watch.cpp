@@ -112,7 +112,7 @@ struct SceneWatcher::State {
   }
 
   void handle(const v1::WatchSceneResponse& response) {
-    // A change counts when its last part is here: a stream that breaks between parts starts again before it.
+    // A revision counts as seen with its last part; after a break between parts the stream resumes before it.
     if (response.has_snapshot() && !response.snapshot().more()) {
       revision = response.snapshot().revision();
       epoch = response.snapshot().epoch();

@@ -16,14 +16,15 @@ class AdmissionSlot {
   AdmissionSlot(const AdmissionSlot&) = delete;
   AdmissionSlot& operator=(const AdmissionSlot&) = delete;
 
-  /// RESOURCE_EXHAUSTED (`limit`) where all are taken.
-  Status enter(const char* limit, int most) {
+  /// RESOURCE_EXHAUSTED (`reason`, and `limit` as its message names it) where all are taken.
+  Status enter(Reason reason, const char* limit, int most) {
     const int before = taken_.fetch_add(1);
     here_ = true;
     if (before < most) return {};
     leave();
-    return exhausted(limit, std::string(limit) + ": the server is busy with " + std::to_string(before) +
-                                ", allowed at once are " + std::to_string(most) + "; try again in a while");
+    return exhausted(reason, limit,
+                     std::string(limit) + ": the server is busy with " + std::to_string(before) +
+                         ", allowed at once are " + std::to_string(most) + "; try again in a while");
   }
   void leave() {
     if (here_.exchange(false)) --taken_;

@@ -21,13 +21,6 @@ Status allow(const Context& context, const std::string& id, Role needed) {
           "authorization"};
 }
 
-Status allowAdmin(const Context& context, const char* what) {
-  if (context.caller.role == Role::kAdmin) return {};
-  return {Code::kPermissionDenied,
-          std::string(what) + " needs the admin token, the access token's role is " + roleName(context.caller.role),
-          "authorization"};
-}
-
 Expected<MintedToken> ownerToken(const Context& context, const std::string& id) {
   if (!context.access->required()) return MintedToken();
   return context.access->mint(id, Role::kOwner, kDefaultTokenLife);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "engine/engine.h"
@@ -10,8 +11,12 @@
 
 namespace lpv::api {
 
-/// What a call can reach, and who makes it. The doors copy the server's for every call; what is pointed to outlives
-/// them.
+struct ResultCaches;  // api/results/result_caches.h
+/// Empty ones.
+std::shared_ptr<ResultCaches> makeResultCaches();
+
+/// What a call can reach, and who makes it. The server's is copied for every call; what is pointed to outlives the
+/// calls.
 struct Context {
   Registry* registry = nullptr;
   WorkerPool* pool = nullptr;
@@ -23,12 +28,11 @@ struct Context {
   std::chrono::system_clock::time_point started;
   Access* access = nullptr;
   Grant caller = {};
+  std::shared_ptr<ResultCaches> caches = makeResultCaches();  ///< encodings that calls share
 };
 
 /// PERMISSION_DENIED unless the caller may do in session `id` what `needed` may.
 Status allow(const Context& context, const std::string& id, Role needed);
-/// PERMISSION_DENIED unless the caller is an admin; `what` is what only admins do.
-Status allowAdmin(const Context& context, const char* what);
 /// The access token of a new session's owner, whose position is after the session's own; an empty one where tokens are
 /// off.
 Expected<MintedToken> ownerToken(const Context& context, const std::string& id);

@@ -3,9 +3,9 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <utility>
 
+#include "base/mutex.h"
 #include "base/timers.h"
 
 namespace lpv::api {
@@ -22,7 +22,7 @@ class Deadline {
   void restart(Clock::duration after, std::function<void()> call) {
     Timers::Key old;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       const std::uint64_t mine = ++*generation_;
       old = std::exchange(timer_,
                           timers_.at(Clock::now() + after, [generation = generation_, mine, call = std::move(call)] {
@@ -34,7 +34,7 @@ class Deadline {
   void stop() {
     Timers::Key old;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       ++*generation_;
       old = std::exchange(timer_, {});
     }
@@ -43,8 +43,8 @@ class Deadline {
 
  private:
   Timers& timers_;
-  std::mutex mutex_;
-  Timers::Key timer_;
+  Mutex mutex_;
+  Timers::Key timer_ LPV_GUARDED_BY(mutex_);
   /// For a call that has begun already.
   std::shared_ptr<std::atomic<std::uint64_t>> generation_ = std::make_shared<std::atomic<std::uint64_t>>(0);
 };

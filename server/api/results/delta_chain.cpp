@@ -31,7 +31,7 @@ bool same(const std::optional<Bounds>& a, const std::optional<Bounds>& b) {
 }  // namespace
 
 EncodingPtr DeltaChain::encode(const Result& result, const VolumeEncodingRequest& order) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const wire::VolumeStatePtr target = stateOf(result, order);
   const bool inChain = find(result.meta.resultId) != nullptr;
   wire::VolumeStatePtr base = inChain && result.baseId != 0 ? find(result.baseId) : nullptr;
@@ -85,18 +85,13 @@ wire::EncodedVolume DeltaChain::make(const wire::VolumeState& target, const wire
 
 std::shared_ptr<DeltaChain> VolumeChains::get(const SessionPtr& session, const VolumeEncodingRequest& order,
                                               Counters& counters) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(chains_, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<DeltaChain>& chain =
       chains_[{session->id(), session->epoch(), order.stage, order.format, order.toleranceClass}];
   std::shared_ptr<DeltaChain> live = chain.lock();
   if (!live) chain = live = std::make_shared<DeltaChain>(counters);
   return live;
-}
-
-VolumeChains& deltaChains() {
-  static VolumeChains chains;
-  return chains;
 }
 
 }  // namespace lpv::api

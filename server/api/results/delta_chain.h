@@ -7,11 +7,11 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <tuple>
 
-#include "session/delivery/results.h"
+#include "base/mutex.h"
+#include "session/delivery/result.h"
 #include "session/session.h"
 #include "wire/publish.h"
 #include "wire/volume_codec.h"
@@ -56,15 +56,15 @@ class DeltaChain {
     EncodingPtr encoding;
   };
 
-  wire::VolumeStatePtr stateOf(const Result& result, const VolumeEncodingRequest& order);
-  wire::VolumeStatePtr find(std::uint64_t resultId) const;
+  wire::VolumeStatePtr stateOf(const Result& result, const VolumeEncodingRequest& order) LPV_REQUIRES(mutex_);
+  wire::VolumeStatePtr find(std::uint64_t resultId) const LPV_REQUIRES(mutex_);
   wire::EncodedVolume make(const wire::VolumeState& target, const wire::VolumeState* base,
                            const VolumeEncodingRequest& order);
 
   Counters& counters_;
-  std::mutex mutex_;  ///< held while encoding: a second reader waits instead of encoding again
-  std::deque<Published> published_;  ///< oldest first
-  std::list<CachedEncoding> encodings_;  ///< newest first
+  Mutex mutex_;  ///< held while encoding: a second reader waits instead of encoding again
+  std::deque<Published> published_ LPV_GUARDED_BY(mutex_);  ///< oldest first
+  std::list<CachedEncoding> encodings_ LPV_GUARDED_BY(mutex_);  ///< newest first
 };
 
 /// The chains that live subscribers share: one is gone when its last reader is.
@@ -74,11 +74,8 @@ class VolumeChains {
 
  private:
   using Key = std::tuple<std::string, std::uint64_t, VolumeStage, wire::Format, int>;
-  std::mutex mutex_;
-  std::map<Key, std::weak_ptr<DeltaChain>> chains_;
+  Mutex mutex_;
+  std::map<Key, std::weak_ptr<DeltaChain>> chains_ LPV_GUARDED_BY(mutex_);
 };
-
-/// The process's.
-VolumeChains& deltaChains();
 
 }  // namespace lpv::api

@@ -4,7 +4,7 @@ namespace lpv::api {
 
 void HeartbeatEmitter::start(std::function<void()> wake) {
   {
-    const std::lock_guard lock(state_->mutex);
+    const MutexLock lock(state_->mutex);
     state_->wake = std::move(wake);
   }
   beatLater(state_);
@@ -12,25 +12,25 @@ void HeartbeatEmitter::start(std::function<void()> wake) {
 
 void HeartbeatEmitter::stop() {
   state_->deadline.stop();
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   state_->wake = nullptr;
 }
 
 void HeartbeatEmitter::close(Closing why) {
   {
-    const std::lock_guard lock(state_->mutex);
+    const MutexLock lock(state_->mutex);
     if (!state_->closing) state_->closing = why;
   }
   wake(*state_);
 }
 
 void HeartbeatEmitter::quiet() {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   state_->beatDue = false;
 }
 
 bool HeartbeatEmitter::over() const {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return state_->over;
 }
 
@@ -39,7 +39,7 @@ void HeartbeatEmitter::beatLater(const std::shared_ptr<State>& state) {
     const std::shared_ptr<State> self = weak.lock();
     if (!self) return;
     {
-      const std::lock_guard lock(self->mutex);
+      const MutexLock lock(self->mutex);
       if (!self->wake) return;
       self->beatDue = true;
     }
@@ -51,26 +51,26 @@ void HeartbeatEmitter::beatLater(const std::shared_ptr<State>& state) {
 void HeartbeatEmitter::wake(State& state) {
   std::function<void()> call;
   {
-    const std::lock_guard lock(state.mutex);
+    const MutexLock lock(state.mutex);
     call = state.wake;
   }
   if (call) call();
 }
 
 std::optional<Closing> HeartbeatEmitter::takeClosing() {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   if (!state_->closing || state_->over) return std::nullopt;
   state_->over = true;
   return state_->closing;
 }
 
 bool HeartbeatEmitter::takeBeat() {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return std::exchange(state_->beatDue, false) && !state_->over;
 }
 
 bool HeartbeatEmitter::takeReadOnly(bool readOnly) {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return std::exchange(state_->readOnly, readOnly) != readOnly;
 }
 

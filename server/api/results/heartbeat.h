@@ -5,10 +5,10 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "api/call/deadline.h"
+#include "base/mutex.h"
 #include "lpv/v1/scene.pb.h"
 #include "session/session.h"
 
@@ -55,12 +55,12 @@ class HeartbeatEmitter {
   struct State {
     explicit State(Timers& timers) : deadline(timers) {}
     Deadline deadline;
-    std::mutex mutex;
-    std::function<void()> wake;
-    bool beatDue = false;
-    bool readOnly = false;  ///< as it was told
-    std::optional<Closing> closing;
-    bool over = false;
+    Mutex mutex;
+    std::function<void()> wake LPV_GUARDED_BY(mutex);
+    bool beatDue LPV_GUARDED_BY(mutex) = false;
+    bool readOnly LPV_GUARDED_BY(mutex) = false;  ///< as it was told
+    std::optional<Closing> closing LPV_GUARDED_BY(mutex);
+    bool over LPV_GUARDED_BY(mutex) = false;
   };
   static void beatLater(const std::shared_ptr<State>& state);
   static void wake(State& state);

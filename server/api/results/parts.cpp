@@ -18,7 +18,7 @@ std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
 }  // namespace
 
 EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRequest& order, Counters& counters) {
-  const std::lock_guard lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
+  const MutexLock lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
   for (const Entry& entry : entries_) {
     const bool coding = entry.format == order.format && entry.compression == order.compression;
     if (coding && entry.volume.lock() == volume) return entry.encoding;
@@ -31,11 +31,6 @@ EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRe
   entries_.push_front({volume, order.format, order.compression, encoding});
   if (entries_.size() > kCachedEncodings) entries_.pop_back();
   return encoding;
-}
-
-VolumeEncodings& volumeEncodings() {
-  static VolumeEncodings encodings;
-  return encodings;
 }
 
 VolumeParts::VolumeParts(const Result& result, const VolumeEncodingRequest& order, EncodingPtr encoding)

@@ -3,13 +3,13 @@
 
 #include <list>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "api/results/delta_chain.h"
+#include "base/mutex.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
-#include "session/delivery/results.h"
+#include "session/delivery/result.h"
 
 namespace lpv::api {
 
@@ -27,12 +27,9 @@ class VolumeEncodings {
     wire::Compression compression;
     EncodingPtr encoding;
   };
-  std::mutex mutex_;
-  std::list<Entry> entries_;  // newest first
+  Mutex mutex_;
+  std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // newest first
 };
-
-/// The process's cache.
-VolumeEncodings& volumeEncodings();
 
 /// A finished result, ready to be pulled part by part.
 class VolumeParts {

@@ -14,8 +14,10 @@ Expected<ProbePoints> probePoints(const std::string& bytes, const Limits& limits
   }
   const std::size_t count = bytes.size() / kPointBytes;
   if (std::int64_t(count) > limits.maxProbePoints) {
-    return invalid("points", "max_probe_points: points has " + std::to_string(count) + ", allowed are " +
-                                 std::to_string(limits.maxProbePoints) + " in one message");
+    return Status(Code::kInvalidArgument, Reason::kMaxProbePoints,
+                  "max_probe_points: points has " + std::to_string(count) + ", allowed are " +
+                      std::to_string(limits.maxProbePoints) + " in one message",
+                  "points");
   }
   ProbePoints out(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lpv/v1/result.pb.h"
-#include "session/delivery/results.h"
+#include "session/delivery/result.h"
 #include "session/limits.h"
 
 namespace lpv::api {

@@ -3,7 +3,7 @@
 
 #include "api/results/delta_chain.h"
 #include "lpv/v1/result.pb.h"
-#include "session/delivery/results.h"
+#include "session/delivery/subscription.h"
 #include "session/session.h"
 
 namespace lpv::api {

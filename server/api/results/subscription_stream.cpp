@@ -11,14 +11,15 @@ namespace lpv::api {
 template <typename Event>
 Status SubscriptionStream<Event>::start(const Subscription& subscription, std::function<void()> wake) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     wake_ = wake;
   }
   heartbeat_.start(std::move(wake));
-  const Expected<std::shared_ptr<Subscriber>> subscriber = session_->subscribe(subscription, this->shared_from_this());
+  const Expected<std::shared_ptr<Subscriber>> subscriber =
+      session_->delivery().subscribe(subscription, this->shared_from_this());
   if (!subscriber) return subscriber.status();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     subscriber_ = *subscriber;
   }
   return {};
@@ -26,7 +27,7 @@ Status SubscriptionStream<Event>::start(const Subscription& subscription, std::f
 
 template <typename Event>
 bool SubscriptionStream<Event>::next(Event* event) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!subscriber_ || heartbeat_.over()) return false;
   if (!subscribedSent_) {
     subscribedSent_ = true;
@@ -51,7 +52,7 @@ void SubscriptionStream<Event>::push(std::uint64_t resultId, std::function<bool(
                                      std::int64_t bytes) {
   std::function<void()> wake;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (resultId < newest_) {  // its credit comes back with the later one's acknowledgement
       ++context_.counters->resultsCoalesced;
       return;
@@ -69,16 +70,21 @@ void SubscriptionStream<Event>::stop() {
   heartbeat_.stop();
   std::shared_ptr<Subscriber> subscriber;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     wake_ = nullptr;
     subscriber = subscriber_;
   }
-  if (subscriber) session_->unsubscribe(subscriber);
+  if (subscriber) session_->delivery().unsubscribe(subscriber);
 }
 
 template <typename Event>
 Status SubscriptionStream<Event>::update(const pb::SubscriberUpdate& update) {
-  return applyUpdate(session_, subscriber_, update, context_.limits);
+  std::shared_ptr<Subscriber> subscriber;
+  {
+    const MutexLock lock(mutex_);
+    subscriber = subscriber_;
+  }
+  return applyUpdate(session_, subscriber, update, context_.limits);
 }
 
 template class SubscriptionStream<pb::VolumeEvent>;
@@ -119,7 +125,7 @@ void FrameSubscription::offer(const Result& result) {
 
 Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, const pb::VolumeSubscription& in,
                                                        std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
@@ -137,13 +143,13 @@ Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, c
 
 Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& in,
                                                       std::function<void()> wake) {
-  const Expected<SessionPtr> session = findSession(context, "session", in.session(), Role::kViewer);
+  const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
   if (Status s = (*session)->verify(client); !s.ok()) return s;
   const Expected<FrameEncodingRequest> order = encodingRequestFrom(in, context.limits);
   if (!order) return order.status();
-  if (Status s = (*session)->checkCamera(order->subscription.camera); !s.ok()) return s;
+  if (Status s = (*session)->delivery().checkCamera(order->subscription.camera); !s.ok()) return s;
   Subscription subscription;
   subscription.frame = order->subscription;
   subscription.clientId = client.id;
@@ -162,22 +168,23 @@ Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, co
 Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
                    const pb::SubscriberUpdate& update, const Limits& limits) {
   if (Status s = checkRate(update.max_rate()); !s.ok()) return s;
-  if (update.request_key_frame()) session->resend(subscriber);
+  if (update.request_key_frame()) session->delivery().resend(subscriber);
   // Who acknowledges what was never taken would have results pile up here.
   const std::uint64_t acknowledged = update.acknowledge().result_id();
-  if (update.has_acknowledge() && acknowledged <= subscriber->taken) session->acknowledge(subscriber, acknowledged);
+  if (update.has_acknowledge() && acknowledged <= subscriber->taken)
+    session->delivery().acknowledge(subscriber, acknowledged);
   const bool rewishes = update.has_camera() || update.width() != 0 || update.height() != 0 || update.has_exposure() ||
                         update.max_rate() != 0.0;
   if (!rewishes) return {};
-  const Subscription now = session->subscriptionOf(subscriber);
+  const Subscription now = session->delivery().subscriptionOf(subscriber);
   FrameSettings subscription;
   if (now.frame) {
     const Expected<FrameSettings> next = updated(*now.frame, update, limits);
     if (!next) return next.status();
     subscription = *next;
   }
-  return session->updateSubscription(subscriber, subscription,
-                                     update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
+  return session->delivery().updateSubscription(
+      subscriber, subscription, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
 }
 
 Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {

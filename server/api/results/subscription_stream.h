@@ -5,12 +5,12 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 
 #include "api/call/context.h"
 #include "api/results/heartbeat.h"
-#include "api/results/parts.h"
+#include "api/results/result_caches.h"
 #include "api/results/subscription.h"
+#include "base/mutex.h"
 
 namespace lpv::api {
 
@@ -40,17 +40,17 @@ class SubscriptionStream : public ResultSink, public std::enable_shared_from_thi
 
  private:
   SessionPtr session_;
-  std::shared_ptr<Subscriber> subscriber_;
+  std::shared_ptr<Subscriber> subscriber_ LPV_GUARDED_BY(mutex_);
   HeartbeatEmitter heartbeat_;
-  std::mutex mutex_;
-  std::function<void()> wake_;
+  Mutex mutex_;
+  std::function<void()> wake_ LPV_GUARDED_BY(mutex_);
   struct Queued {
     std::uint64_t id;
     std::function<bool(Event*)> parts;
   };
-  std::deque<Queued> results_;
-  std::uint64_t newest_ = 0;  ///< result id
-  bool subscribedSent_ = false;
+  std::deque<Queued> results_ LPV_GUARDED_BY(mutex_);
+  std::uint64_t newest_ LPV_GUARDED_BY(mutex_) = 0;  ///< result id
+  bool subscribedSent_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 class VolumeSubscription final : public SubscriptionStream<pb::VolumeEvent> {
@@ -58,7 +58,7 @@ class VolumeSubscription final : public SubscriptionStream<pb::VolumeEvent> {
   VolumeSubscription(const Context& context, SessionPtr session, const VolumeEncodingRequest& order)
       : SubscriptionStream(context, std::move(session)),
         order_(order),
-        chain_(deltaChains().get(this->session(), order, *context.counters)) {}
+        chain_(context.caches->chains.get(this->session(), order, *context.counters)) {}
   void offer(const Result& result) override;
   void prepare(const Result& result) override { (void)chain_->encode(result, order_); }
 

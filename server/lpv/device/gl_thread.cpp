@@ -47,28 +47,28 @@ void noteLength(TickReport& report, double seconds, const char* stage) {
 
 void JobQueue::push(Job job) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     jobs_.push_back(std::move(job));
   }
-  arrived_.notify_one();
+  arrived_.notifyOne();
 }
 
 void JobQueue::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopped_ = true;
   }
-  arrived_.notify_one();
+  arrived_.notifyOne();
 }
 
 std::deque<Job> JobQueue::take(bool mayWait) {
-  std::unique_lock lock(mutex_);
-  if (mayWait) arrived_.wait(lock, [this] { return stopped_ || !jobs_.empty(); });
+  MutexLock lock(mutex_);
+  while (mayWait && !stopped_ && jobs_.empty()) arrived_.wait(lock);
   return std::exchange(jobs_, {});
 }
 
 bool JobQueue::stopped() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return stopped_;
 }
 

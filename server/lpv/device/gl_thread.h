@@ -2,15 +2,14 @@
 // The one thread that owns a device's context: takes jobs, and lets the ticks of different sessions take turns.
 
 #include <atomic>
-#include <condition_variable>
 #include <deque>
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <variant>
 
+#include "base/mutex.h"
 #include "engine/engine.h"
 #include "gpu/context.h"
 #include "lpv/device/fair_queue.h"
@@ -44,10 +43,10 @@ class JobQueue {
   bool stopped() const;
 
  private:
-  mutable std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::deque<Job> jobs_;
-  bool stopped_ = false;
+  mutable Mutex mutex_;
+  ConditionVariable arrived_;
+  std::deque<Job> jobs_ LPV_GUARDED_BY(mutex_);
+  bool stopped_ LPV_GUARDED_BY(mutex_) = false;
 };
 
 class GlThread {

@@ -18,8 +18,8 @@ std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, c
       item.texture = &resources.lightTextures.at(light->texture)->radiance;
     item.mirrored = light->transform.mirrors();
     item.params = placed(view, worldFromObject);
-    item.params.colour = glm::vec4(emittedRadiance(*light), 0.0);
-    item.params.backColour = light->twoSided ? item.params.colour : glm::vec4(0.0F);
+    item.params.colour = glm::vec3(emittedRadiance(*light));
+    item.params.backColour = light->twoSided ? item.params.colour : glm::vec3(0.0F);
   }
   return items;
 }

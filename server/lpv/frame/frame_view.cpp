@@ -28,13 +28,16 @@ layout::FrameParams FrameView::params(const Grid& grid) const {
   const glm::dvec3 forward = -eyeFromView[2];
   layout::FrameParams params{};
   params.clipFromEye = glm::mat4(clipFromView_ * viewFromEye_);
-  params.rayOrigin = glm::vec4((forward - right + up) / grid.cell, 0.0);
-  params.rayRight = glm::vec4(2.0 * right / grid.cell, 0.0);
-  params.rayDown = glm::vec4(-2.0 * up / grid.cell, 0.0);
-  params.eye = glm::vec4(grid.gridFromWorld(camera_.eye), 0.0);
+  params.rayOrigin = glm::vec3((forward - right + up) / grid.cell);
+  params.rayRight = glm::vec3(2.0 * right / grid.cell);
+  params.rayDown = glm::vec3(-2.0 * up / grid.cell);
+  params.eye = glm::vec3(grid.gridFromWorld(camera_.eye));
   // depth d = (A z + B) / -z with z = -view depth
-  params.depth = glm::vec4(clipFromView_[3][2], clipFromView_[2][2], 1.0 / size_.x, 1.0 / size_.y);
-  params.dims = glm::ivec4(grid.dims, size_.x * size_.y);
+  params.depthScale = float(clipFromView_[3][2]);
+  params.depthOffset = float(clipFromView_[2][2]);
+  params.pixelSize = glm::vec2(1.0 / glm::dvec2(size_));
+  params.dims = grid.dims;
+  params.pixels = size_.x * size_.y;
   return params;
 }
 

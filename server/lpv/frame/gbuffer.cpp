@@ -20,7 +20,7 @@ std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene,
     item.mirrored = surface->transform.mirrors();
     item.cullBack = !surface->twoSided;
     item.params = placed(view, worldFromObject);
-    item.params.colour = glm::vec4(surface->albedo, 1.0);
+    item.params.colour = glm::vec3(surface->albedo);
   }
   return items;
 }

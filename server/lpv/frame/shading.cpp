@@ -40,13 +40,21 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
   if (lit->volume->emitterDistance) lit->volume->emitterDistance.bind(layout::kEmitterDistance);
 }
 
-/// Where receivers look at the lights themselves: the values of LPV_DIRECT in shade.frag.
-enum class NearFieldMode { kNowhere, kBeyondTheGrid, kNearEmittersToo, kEverywhere };
+static_assert(int(Lookup::kSh2) == LPV_LOOKUP_SH2 && int(Lookup::kCap) == LPV_LOOKUP_CAP &&
+              int(Lookup::kNearest) == LPV_LOOKUP_NEAREST);
 
-NearFieldMode lightsSeen(const IrradianceSources& lit) {
+/// Where receivers evaluate the lights themselves.
+enum class NearFieldMode {
+  kNowhere = LPV_NEAR_FIELD_NOWHERE,
+  kOutside = LPV_NEAR_FIELD_OUTSIDE,
+  kEmitters = LPV_NEAR_FIELD_EMITTERS,
+  kEverywhere = LPV_NEAR_FIELD_EVERYWHERE
+};
+
+NearFieldMode nearFieldMode(const IrradianceSources& lit) {
   if (lit.volume == nullptr) return NearFieldMode::kEverywhere;
   if (lit.transport != Transport::kGather) return NearFieldMode::kNowhere;
-  return lit.nearField ? NearFieldMode::kNearEmittersToo : NearFieldMode::kBeyondTheGrid;
+  return lit.nearField ? NearFieldMode::kEmitters : NearFieldMode::kOutside;
 }
 
 void prepareFullScreen() {
@@ -80,8 +88,8 @@ bool FrameTargets::fits(const FrameRequest& request) const {
          bool(exposure) == (toDisplay && request.exposure.automatic);
 }
 
-glm::vec4 exposureParams(const Exposure& exposure) {
-  return {float(std::exp2(exposure.ev)), float(kAutoExposureKey), 0.0F, 0.0F};
+layout::ExposureParams exposureParams(const Exposure& exposure) {
+  return {.factor = float(std::exp2(exposure.ev)), .key = float(kAutoExposureKey), .firstGroup = 0, .pad0 = 0};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -114,11 +122,11 @@ void ShadingPass::bindExposure(const FrameTargets& targets) {
   targets.exposure.bindStorage(layout::kExposure);
 }
 
-GpuTask ShadingPass::findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing) {
+GpuTask ShadingPass::findExposure(FrameTargets& targets, layout::ExposureParams params, Pacing pacing) {
   const int groups = exposureGroups(targets.size);
   for (int first = 0; first < groups;) {
     const int count = std::clamp(pacing.unitsFor(Stage::kShade) / layout::kExposurePixels, 1, groups - first);
-    params.z = float(first);
+    params.firstGroup = std::uint32_t(first);
     targets.frameParams.update(offsetof(layout::FrameParams, exposure), gpu::bytesOfValue(params));
     bindExposure(targets);
     exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(count));
@@ -138,7 +146,7 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
   gpu::Program& program = shade_.get({{"LPV_CHANNELS", grid && lit.volume->channels > 1 ? "3" : "1"},
                                       {"LPV_GROUPS", std::to_string(grid ? lit.volume->groups : 1)},
                                       {"LPV_LOOKUP", std::to_string(int(lit.lookup))},
-                                      {"LPV_DIRECT", std::to_string(int(lightsSeen(lit)))},
+                                      {"LPV_NEAR_FIELD", std::to_string(int(nearFieldMode(lit)))},
                                       {"LPV_DISPLAY", direct ? "1" : "0"}});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;

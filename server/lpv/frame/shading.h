@@ -32,8 +32,8 @@ struct FrameTargets {
   bool fits(const FrameRequest& request) const;
 };
 
-/// What FrameParams::exposure begins with.
-glm::vec4 exposureParams(const Exposure& exposure);
+/// FrameParams::exposure, for the first of a picture's dispatches.
+layout::ExposureParams exposureParams(const Exposure& exposure);
 
 /// Where a surface's irradiance comes from.
 struct IrradianceSources {
@@ -58,7 +58,7 @@ class ShadingPass {
   GpuTask fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
                const Gbuffer& gbuffer, const IrradianceSources* lit, Pacing pacing);
   static void bindExposure(const FrameTargets& targets);
-  GpuTask findExposure(FrameTargets& targets, glm::vec4 params, Pacing pacing);
+  GpuTask findExposure(FrameTargets& targets, layout::ExposureParams params, Pacing pacing);
 
   gpu::ProgramVariants shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
   gpu::ProgramVariants display_{{"frame/fullscreen.vert", "frame/display.frag"}};

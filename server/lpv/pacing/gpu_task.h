@@ -3,6 +3,7 @@
 // GL commands, says `co_yield submitted(...)`, and goes on when its turn comes again; it never waits for the GPU
 // itself, `co_yield waitFor(fence)` lets others work meanwhile. One stage runs another with `co_await`.
 
+#include <chrono>
 #include <coroutine>
 #include <exception>
 #include <utility>
@@ -86,6 +87,16 @@ class [[nodiscard]] GpuTask {
   }
   /// Why it stands; valid after resume() while not done().
   const Pause& pause() const { return handle_.promise().pause; }
+
+  /// Runs all of it on this thread, waiting for what it waits for: where nobody else uses the device (tests, benches).
+  void runToEnd() {
+    while (!done()) {
+      resume();
+      if (done() || pause().kind != Pause::Kind::kFence) continue;
+      while (!pause().fence->wait(std::chrono::milliseconds(100))) {
+      }
+    }
+  }
 
   struct Awaiter {
     Handle child;

@@ -50,9 +50,8 @@ LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : momentsPerCell(
     return;
   }
   capacity = roomFor(box);
-  cells = gpu::Buffer("voxel cells",
-                      std::size_t(layout::kVoxelHeaderWords) * sizeof(std::uint32_t) + capacity * sizeof(glm::uvec2),
-                      gpu::BufferUse::kDynamic);
+  cells =
+      gpu::Buffer("voxel cells", sizeof(layout::VoxelHeader) + capacity * sizeof(glm::uvec2), gpu::BufferUse::kDynamic);
   moments = gpu::Buffer("voxel moments", capacity * std::size_t(s) * sizeof(glm::vec4));
 }
 

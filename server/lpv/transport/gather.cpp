@@ -15,9 +15,7 @@ const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
 
 glm::ivec3 blocksAcross(const glm::ivec3& dims) { return (dims + kBlock - 1) / kBlock; }
 
-std::uint32_t packed(const glm::ivec3& block) {
-  return std::uint32_t(block.x) | std::uint32_t(block.y) << 8 | std::uint32_t(block.z) << 16;
-}
+std::uint32_t packed(const glm::uvec3& block) { return layout::packedBlock(block.x, block.y, block.z); }
 
 /// What a block costs with a tree of so many records, in records visited: a walk sees most of a small tree, and of a
 /// large one what is near and a few nodes of each size.
@@ -26,10 +24,11 @@ double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double
 layout::GatherParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
                               const glm::dvec3& weight, double k) {
   layout::GatherParams params{};
-  params.dims = glm::ivec4(field.grid.dims, 0);
-  params.weight = glm::vec4(weight * voxels.radianceScale, 0.0);
-  params.rule.x = std::min(float(k), kFarthest);
-  params.tree = glm::ivec4(voxels.tree->entryCount, 0, light.group * field.channels, 0);
+  params.dims = field.grid.dims;
+  params.weight = glm::vec3(weight * voxels.radianceScale);
+  params.openingRatio = std::min(float(k), kFarthest);
+  params.entryCount = int(voxels.tree->entryCount);
+  params.firstChannel = light.group * field.channels;
   return params;
 }
 
@@ -43,7 +42,7 @@ ReceiverBlocks allBlocks(const glm::ivec3& dims) {
   const glm::ivec3 across = blocksAcross(dims);
   for (int z = 0; z < across.z; ++z) {
     for (int y = 0; y < across.y; ++y) {
-      for (int x = 0; x < across.x; ++x) blocks.push_back(packed({x, y, z}));
+      for (int x = 0; x < across.x; ++x) blocks.push_back(packed(glm::ivec3(x, y, z)));
     }
   }
   return blocks;
@@ -79,9 +78,9 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
       const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
       const std::uint32_t count =
           std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
-      params.dims.w = int(first);
+      params.firstBlock = first;
       for (int turn = 0; turn < dispatchesFor(*light.tree); ++turn) {
-        params.tree.w = turn;
+        params.turn = turn;
         params_.update(0, gpu::bytesOfValue(params));
         bind(field, light);
         program.dispatch(count);

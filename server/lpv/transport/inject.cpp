@@ -19,17 +19,20 @@ double cellsOf(const LightVoxels& voxels) {
 
 layout::InjectParams whereOf(const LightField& field, const LightVoxels& voxels) {
   layout::InjectParams params{};
-  params.dims = glm::ivec4(field.grid.dims, voxels.group);
+  params.dims = field.grid.dims;
+  params.group = voxels.group;
   return params;
 }
 
 layout::InjectParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
                               const glm::dvec3& weight) {
   layout::InjectParams params{};
-  params.dims = glm::ivec4(field.grid.dims, light.group);
+  params.dims = field.grid.dims;
+  params.group = light.group;
   const double face = field.grid.cell * field.grid.cell;  // m^2
-  params.weight = glm::vec4(weight * (face * voxels.areaScale * voxels.radianceScale), 0.0);
-  params.lobe = light.twoSided ? glm::vec4(2.0F, 0.0F, 0.0F, 0.0F) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
+  params.weight = glm::vec3(weight * (face * voxels.areaScale * voxels.radianceScale));
+  params.sides = light.twoSided ? 2.0F : 1.0F;
+  params.band1Factor = light.twoSided ? 0.0F : 1.0F;
   return params;
 }
 
@@ -105,8 +108,8 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     layout::InjectParams params = paramsOf(field, lights[i], *voxels[i], palette.weights[i]);
     params.weight /= float(voxels[i]->areaScale);  // VPLs have areas, not shares of one
     const glm::ivec3 size = tree.box.upper - tree.box.lower;
-    params.boxLower = glm::ivec4(tree.box.lower, 0);
-    params.boxSize = glm::ivec4(size, 0);
+    params.boxLower = tree.box.lower;
+    params.boxSize = size;
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
     tree.nodes.bindStorage(layout::kTreeNodes);

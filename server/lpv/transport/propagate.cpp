@@ -47,8 +47,8 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
   const FieldBuffer& from = iteration == 1 ? field.injected : field.pingPong[std::size_t(1 - field.result)];
   const glm::ivec3 size = box.upper - box.lower;
   const int groupsY = groupsOf(size.y, layout::kFieldGroupY);
-  params_.update(0, gpu::bytesOfValue(layout::PropagateParams{glm::ivec4(field.grid.dims, 0), glm::ivec4(box.lower, 0),
-                                                              glm::ivec4(box.upper, groupsY)}));
+  params_.update(0, gpu::bytesOfValue(layout::PropagateParams{
+                        .dims = field.grid.dims, .lower = box.lower, .upper = box.upper, .groupsPerChannel = groupsY}));
   params_.bindUniform(layout::kParams);
   from.texels.bind(layout::kFieldIn);
   field.injected.texels.bind(layout::kFieldSource);

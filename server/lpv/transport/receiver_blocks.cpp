@@ -51,7 +51,8 @@ class BlockMarks {
     for (int z = 0; z < across_.z; ++z) {
       for (int y = 0; y < across_.y; ++y) {
         for (int x = 0; x < across_.x; ++x) {
-          if (marks_[index(x, y, z)]) out.push_back(std::uint32_t(x) | std::uint32_t(y) << 8 | std::uint32_t(z) << 16);
+          if (marks_[index(x, y, z)])
+            out.push_back(layout::packedBlock(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
         }
       }
     }

@@ -12,10 +12,11 @@ namespace {
 
 layout::VolumeParams paramsOf(const LightField& field, const Palette& palette) {
   layout::VolumeParams params{};
-  for (std::size_t k = 0; k < 3; ++k) params.palette[k] = glm::vec4(palette.radiance[k], 0.0);
+  for (std::size_t k = 0; k < layout::kColours; ++k) params.palette[k] = glm::vec4(palette.radiance[k], 0.0);
   const double factor = 1.0 / (1.5 * field.grid.cell * field.grid.cell);
   const bool flux = field.transport == Transport::kPropagate;
-  params.factors = flux ? glm::vec4(factor, -factor, 0.0, 0.0) : glm::vec4(1.0F, 1.0F, 0.0F, 0.0F);
+  params.band0Factor = flux ? float(factor) : 1.0F;
+  params.band1Factor = flux ? float(-factor) : 1.0F;
   return params;
 }
 
@@ -59,8 +60,10 @@ GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, Volume
   for (int slab = 0; slab < dims.z * field.groups;) {
     const int group = slab / dims.z, z = slab % dims.z;
     const int slabs = std::clamp(int(pacing.unitsFor(Stage::kVolume) / slabCells), 1, dims.z - z);
-    params.dims = glm::ivec4(dims, z);
-    params.group = glm::ivec4(group, group * field.channels, 0, 0);
+    params.dims = dims;
+    params.firstSlice = z;
+    params.group = group;
+    params.firstChannel = group * field.channels;
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
     (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);

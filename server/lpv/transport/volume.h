@@ -33,7 +33,7 @@ class VolumeMaker {
  public:
   VolumeMaker();
 
-  /// Slab by slab. `textures` is written for kTextures, `product` (12 floats per cell) otherwise.
+  /// Slab by slab. `textures` is written for kTextures, `product` (layout::kProduct) otherwise.
   GpuTask run(const LightField& field, const Palette& palette, VolumeTarget target, const IncidentTextures* textures,
               const gpu::Buffer* product, Pacing pacing);
 

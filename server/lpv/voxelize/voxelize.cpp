@@ -29,12 +29,12 @@ bool keepsSets(const VoxelSource& source) {
          !source.textured() && !source.directed() && source.mesh->triangles.size() <= layout::kSetTriangles;
 }
 
-/// Words of a cell, as shaders/voxelize/deposit.glsl has them.
+/// Words of a cell's accumulators.
 std::size_t accumulatorWords(const VoxelSource& source) {
   const bool flux = source.method.injection == Injection::kFlux;
-  if (flux) return source.textured() ? 25 : 9;
-  if (keepsSets(source)) return 1;
-  return source.textured() ? 13 : 4;
+  if (flux) return source.textured() ? layout::kTexturedFluxWords : layout::kFluxWords;
+  if (keepsSets(source)) return layout::kSetWords;
+  return source.textured() ? layout::kTexturedCountWords : layout::kCountWords;
 }
 
 /// Lobes one triangle can put into one cell: a direction per vertex spreads them over at most 180 degrees each way.
@@ -55,8 +55,10 @@ gpu::Defines variantOf(const VoxelSource& source) {
 
 gpu::Defines treeVariantOf(const VoxelSource& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
 
-/// Words of a table's entry, as shaders/voxelize/vpl_table.glsl has them.
-std::size_t vplWords(const VoxelSource& source) { return source.textured() ? 23 : 15; }
+/// Words of an entry of the table of VPLs.
+std::size_t vplWords(const VoxelSource& source) {
+  return source.textured() ? layout::kTexturedVplWords : layout::kPlainVplWords;
+}
 
 constexpr double kMostEntries = 1 << 23;
 
@@ -75,16 +77,20 @@ GpuTask makeTable(LightField& field, const VoxelSource& source, std::uint32_t en
     co_await fillChunked(table);
     field.accumulators = std::move(table);
   }
-  const std::size_t listBytes = layout::kVoxelHeaderWords * sizeof(std::uint32_t) + entries * sizeof(glm::uvec2);
+  const std::size_t listBytes = sizeof(layout::VoxelHeader) + entries * sizeof(glm::uvec2);
   if (field.vplList.size() < listBytes) {
     field.vplList = {};
     field.vplList = gpu::Buffer("VPL list", listBytes, gpu::BufferUse::kDynamic, gpu::Undefined{});
   }
-  if (field.vplHeader.size() == 0)
-    field.vplHeader = gpu::Readback("VPL header", layout::kVoxelHeaderWords * sizeof(std::uint32_t));
+  if (field.vplHeader.size() == 0) field.vplHeader = gpu::Readback("VPL header", sizeof(layout::VoxelHeader));
 }
 
-constexpr std::array<std::uint32_t, layout::kVoxelHeaderWords> kEmptyList = {1, 1, 1};
+/// One group is always there: it also counts triangles without area.
+constexpr layout::VoxelHeader kEmptyList = [] {
+  layout::VoxelHeader header{};
+  header.groupsX = header.groupsY = header.groupsZ = 1;
+  return header;
+}();
 
 /// A triangle's area x outward normal, in the grid's unit, cell^2.
 glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& areaFromObject) {
@@ -147,14 +153,14 @@ void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxe
     // A little more than the sum, for its rounding. A light without area has nothing to scale.
     voxels.areaScale = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
     params.areaFromObject /= voxels.areaScale;
-    params.scale.x = std::ldexp(1.0, layout::kFluxBits);
-    voxels.roundingError = 0.5 * triangles / params.scale.x;
+    params.momentUnits = std::ldexp(1.0, layout::kFluxBits);
+    voxels.roundingError = 0.5 * triangles / params.momentUnits;
     return;
   }
   const Expected<FixedPoint> fixedPoint = fixedPointFor(std::uint64_t(triangles) * lobesPerTriangle(source));
   if (!fixedPoint.ok()) throw gpu::Failure(fixedPoint.status());
   voxels.areaScale = 1.0;
-  params.scale.x = std::ldexp(1.0, fixedPoint->shift);
+  params.momentUnits = std::ldexp(1.0, fixedPoint->shift);
   voxels.roundingError = fixedPoint->error;
 }
 
@@ -166,15 +172,16 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
   job.varying = source.textured() || source.directed();
   job.params.gridFromObject = source.gridFromObject;
   job.params.areaFromObject = 0.5 * outwardFromObject(source.gridFromObject);
-  job.params.dims = glm::ivec4(source.dims, 0);
+  job.params.dims = source.dims;
   const auto samples = std::uint32_t(source.method.denseSamples);
-  job.params.triangles.z = samples;
-  job.params.triangles.w = (samples + std::uint32_t(layout::kSamplesPerThread) - 1) / layout::kSamplesPerThread;
+  job.params.samplesPerTriangle = samples;
+  job.params.threadsPerTriangle = (samples + std::uint32_t(layout::kSamplesPerThread) - 1) / layout::kSamplesPerThread;
   voxels.radianceScale = texture != nullptr ? texture->radianceScale : 1.0;
-  job.params.scale.y = 1.0 / voxels.radianceScale;
+  job.params.colourScale = 1.0 / voxels.radianceScale;
   if (texture != nullptr) {
-    job.params.texture = glm::ivec4(texture->size, texture->levels, 0);
-    job.params.textureMean = glm::vec4(texture->mean / texture->radianceScale, 0.0);
+    job.params.textureSize = texture->size;
+    job.params.textureLevels = texture->levels;
+    job.params.textureMean = glm::vec3(texture->mean / texture->radianceScale);
   }
   if (keepsSets(source)) listNormals(job.params, *source.mesh);
   return job;
@@ -229,8 +236,8 @@ GpuTask Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLigh
   for (std::uint32_t first = 0; first < mesh.triangleCount;) {
     const std::uint32_t end = first + std::min(injector.limit(job), mesh.triangleCount - first);
     const Batch batch = nextBatch(of, first, end, pacing.unitsFor(Stage::kVoxelize));
-    job.params.triangles.x = first;
-    job.params.triangles.y = batch.count;
+    job.params.firstTriangle = first;
+    job.params.triangleCount = batch.count;
     params_.update(0, gpu::bytesOfValue(job.params));
     bind(field, mesh, texture, voxels);
     injector.dispatch(job);
@@ -244,9 +251,10 @@ GpuTask Voxelizer::buildVplTree(LightField& field, const GpuMesh& mesh, const Gp
                                 LightVoxels& voxels, const TriangleCosts& of, VoxelizeJob& job, Pacing pacing) {
   VplTree& tree = *voxels.tree;
   const gpu::Defines variant = treeVariantOf(voxels.source);
-  job.params.boxLower = glm::ivec4(tree.box.lower, 0);
+  job.params.boxLower = tree.box.lower;
+  job.params.boxSize = tree.box.upper - tree.box.lower;
   for (std::uint32_t entries = entriesFor(voxels, voxels.areaScale);; entries *= 2) {
-    job.params.boxSize = glm::ivec4(tree.box.upper - tree.box.lower, entries);
+    job.params.tableEntries = entries;
     co_await makeTable(field, voxels.source, entries);
     field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
     co_await trees_.prepare(tree);
@@ -259,7 +267,7 @@ GpuTask Voxelizer::buildVplTree(LightField& field, const GpuMesh& mesh, const Gp
     co_yield waitFor(counted);
     const VplCounts counts = TreeBuilder::read(field.vplHeader);
     if (counts.lost == 0) {
-      const TreeScales scales{voxels.areaScale, job.params.scale.x};
+      const TreeScales scales{voxels.areaScale, job.params.momentUnits};
       co_await trees_.build(tree, counts, variant, scales, bindLight);
       co_yield submitted(Stage::kVoxelize, 0.0);
       co_return;

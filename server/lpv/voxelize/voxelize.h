@@ -33,7 +33,7 @@ class TriangleVoxelizer {
   virtual ~TriangleVoxelizer() = default;
   /// The most triangles one call can take.
   virtual std::uint32_t limit(const VoxelizeJob& job) const = 0;
-  /// Triangles params.triangles.x .. + params.triangles.y.
+  /// params.triangleCount triangles from params.firstTriangle on.
   virtual void dispatch(const VoxelizeJob& job) = 0;
 };
 

@@ -4,7 +4,7 @@ namespace lpv {
 
 namespace {
 
-const layout::uvec4 kNoWork(0, 1, 1, 0);
+constexpr layout::ListHeader kNoWork{.groupsX = 0, .groupsY = 1, .groupsZ = 1, .count = 0};
 
 std::uint32_t groups(std::uint32_t threads, int perGroup) {
   return (threads + std::uint32_t(perGroup) - 1) / std::uint32_t(perGroup);
@@ -19,8 +19,8 @@ gpu::Defines compiledFor(gpu::Defines variant, const char* name) {
 
 ComputeVoxelizer::ComputeVoxelizer()
     : large_("large triangles",
-             std::size_t(layout::kListHeaderWords + layout::kMaxPieceTriangles * layout::kMaxSlices) *
-                 sizeof(std::uint32_t),
+             sizeof(layout::ListHeader) +
+                 std::size_t(layout::kMaxPieceTriangles * layout::kMaxSlices) * sizeof(std::uint32_t),
              gpu::BufferUse::kDynamic) {}
 
 std::uint32_t ComputeVoxelizer::limit(const VoxelizeJob& job) const {
@@ -32,7 +32,8 @@ void ComputeVoxelizer::dispatch(const VoxelizeJob& job) {
   large_.update(0, gpu::bytesOfValue(kNoWork));
   large_.bindStorage(layout::kLargeTriangles);
   large_.bindAsDispatchArguments();
-  programs_.get(compiledFor(job.variant, "LPV_SMALL")).dispatch(groups(job.params.triangles.y, layout::kVoxelizeGroup));
+  programs_.get(compiledFor(job.variant, "LPV_SMALL"))
+      .dispatch(groups(job.params.triangleCount, layout::kVoxelizeGroup));
   gpu::memoryBarrier();
   programs_.get(compiledFor(job.variant, "LPV_LARGE")).dispatchIndirect(0);
   gpu::memoryBarrier();

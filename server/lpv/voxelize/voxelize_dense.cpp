@@ -13,11 +13,11 @@ constexpr std::uint32_t kMostGroups = 65535;
 }  // namespace
 
 std::uint32_t DenseVoxelizer::limit(const VoxelizeJob& job) const {
-  return std::max(1u, kMostSamples / std::max(1u, job.params.triangles.z));
+  return std::max(1u, kMostSamples / std::max(1u, job.params.samplesPerTriangle));
 }
 
 void DenseVoxelizer::dispatch(const VoxelizeJob& job) {
-  const std::uint32_t threads = job.params.triangles.y * job.params.triangles.w;
+  const std::uint32_t threads = job.params.triangleCount * job.params.threadsPerTriangle;
   const std::uint32_t groups = (threads + std::uint32_t(layout::kVoxelizeGroup) - 1) / layout::kVoxelizeGroup;
   programs_.get(job.variant).dispatch(std::min(groups, kMostGroups), (groups + kMostGroups - 1) / kMostGroups);
   gpu::memoryBarrier();

@@ -19,7 +19,7 @@ RasterVoxelizer::~RasterVoxelizer() { glDeleteVertexArrays(1, &noVertices_); }
 std::uint32_t RasterVoxelizer::limit(const VoxelizeJob&) const { return kMostTriangles; }
 
 void RasterVoxelizer::dispatch(const VoxelizeJob& job) {
-  const glm::ivec4& dims = job.params.dims;
+  const glm::ivec3& dims = job.params.dims;
   const int edge = std::max({dims.x, dims.y, dims.z});
   if (target_.size().x < edge) target_ = gpu::Framebuffer::withoutAttachments("columns", glm::ivec2(edge));
   target_.bind();
@@ -31,7 +31,7 @@ void RasterVoxelizer::dispatch(const VoxelizeJob& job) {
   glDisable(GL_SCISSOR_TEST);
   glBindVertexArray(noVertices_);
   programs_.get(job.variant).use();
-  glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * job.params.triangles.y));
+  glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * job.params.triangleCount));
   gpu::memoryBarrier();
 }
 

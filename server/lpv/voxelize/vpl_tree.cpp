@@ -18,11 +18,6 @@ constexpr std::uint32_t kMostRecords = 1U << 24;
 constexpr std::uint32_t kThreadsAtOnce = 1U << 17;
 static_assert(kThreadsAtOnce % layout::kNodeGroup == 0);
 
-gpu::Defines with(gpu::Defines variant, const char* name) {
-  variant.emplace_back(name, "1");
-  return variant;
-}
-
 std::size_t recordBytes(const gpu::Defines& variant) {
   const bool textured =
       std::find(variant.begin(), variant.end(), gpu::Defines::value_type("LPV_TEXTURED", "1")) != variant.end();
@@ -48,22 +43,23 @@ TreeBuilder::TreeBuilder() : params_("tree params", sizeof(layout::TreeParams), 
 
 GpuTask TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
                           const std::function<void()>& bindLight) {
-  const gpu::Defines defines = with(variant, pass.name);
   layout::TreeParams shape{};
-  shape.lower = glm::ivec4(tree.box.lower, tree.levels);
-  shape.upper = glm::ivec4(tree.box.upper, pass.level);
-  for (int i = 0; i < tree.levels; ++i) shape.offsets[i / 4][i % 4] = tree.offsets[std::size_t(i)];
-  shape.scale.x = float(scales.areaScale);
-  shape.unit.x = 1.0 / scales.moment;
+  shape.lower = tree.box.lower;
+  shape.upper = tree.box.upper;
+  shape.levels = tree.levels;
+  shape.level = pass.level;
+  for (int i = 0; i < tree.levels; ++i) shape.nodesBefore[i / 4][i % 4] = tree.offsets[std::size_t(i)];
+  shape.areaScale = float(scales.areaScale);
+  shape.shareOfUnit = 1.0 / scales.moment;
   for (std::uint32_t first = 0; first < pass.threads; first += kThreadsAtOnce) {
     const std::uint32_t threads = std::min(kThreadsAtOnce, pass.threads - first);
-    shape.scale.y = float(first);
+    shape.firstThread = first;
     params_.update(0, gpu::bytesOfValue(shape));
     bindLight();
     params_.bindUniform(layout::kParams);
     tree.nodes.bindStorage(layout::kTreeNodes);
     if (tree.records) tree.records.bindStorage(layout::kTreeRecords);
-    programs_.get(defines).dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
+    pass.program.get(variant).dispatch((threads + layout::kNodeGroup - 1) / layout::kNodeGroup);
     gpu::memoryBarrier();
     if (threads == kThreadsAtOnce) co_yield submitted(Stage::kVoxelize, 0.0);
   }
@@ -74,13 +70,17 @@ GpuTask TreeBuilder::prepare(VplTree& tree) { co_await fillChunked(tree.nodes); 
 GpuTask TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
   const TreeScales none;
   for (int level = 0; level < tree.levels; ++level)
-    co_await pass(tree, variant, {"LPV_UP", level, nodesOf(tree, level)}, none, bindLight);
+    co_await pass(tree, variant, {count_, level, nodesOf(tree, level)}, none, bindLight);
 }
 
 VplCounts TreeBuilder::read(const gpu::Readback& header) {
-  std::array<std::uint32_t, layout::kVoxelHeaderWords> words{};
-  std::memcpy(words.data(), header.bytes().data(), sizeof words);
-  return {words[3], words[4], words[5], words[6], words[7]};
+  layout::VoxelHeader read{};
+  std::memcpy(&read, header.bytes().data(), sizeof read);
+  return {.vpls = read.count,
+          .degenerate = read.degenerate,
+          .lost = read.lost,
+          .records = read.treeEntries,
+          .cells = read.litCells};
 }
 
 GpuTask TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant,
@@ -97,10 +97,10 @@ GpuTask TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::De
   if (counts.records == 0) co_return;
   makeRoom(tree, counts.records * recordBytes(variant));
   for (int level = tree.levels - 1; level >= 0; --level)
-    co_await pass(tree, variant, {"LPV_DOWN", level, nodesOf(tree, level)}, scales, bindLight);
-  co_await pass(tree, variant, {"LPV_LEAVES", 0, counts.vpls}, scales, bindLight);
+    co_await pass(tree, variant, {number_, level, nodesOf(tree, level)}, scales, bindLight);
+  co_await pass(tree, variant, {leaves_, 0, counts.vpls}, scales, bindLight);
   for (int level = 1; level < tree.levels; ++level)
-    co_await pass(tree, variant, {"LPV_MERGE", level, nodesOf(tree, level)}, scales, bindLight);
+    co_await pass(tree, variant, {merge_, level, nodesOf(tree, level)}, scales, bindLight);
 }
 
 }  // namespace lpv

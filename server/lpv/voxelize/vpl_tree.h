@@ -45,7 +45,7 @@ class TreeBuilder {
 
  private:
   struct TreePass {
-    const char* name;
+    gpu::ProgramVariants& program;
     int level;
     std::uint32_t threads;
   };
@@ -53,7 +53,10 @@ class TreeBuilder {
                const std::function<void()>& bindLight);
 
   gpu::Buffer params_;
-  gpu::ProgramVariants programs_{{"voxelize/vpl_tree.comp"}};
+  gpu::ProgramVariants count_{{"voxelize/vpl_count.comp"}};
+  gpu::ProgramVariants number_{{"voxelize/vpl_number.comp"}};
+  gpu::ProgramVariants leaves_{{"voxelize/vpl_leaves.comp"}};
+  gpu::ProgramVariants merge_{{"voxelize/vpl_merge.comp"}};
 };
 
 }  // namespace lpv

@@ -16,14 +16,14 @@ Expected<bool> Blobs::add(const BlobPtr& blob, Clock::time_point now) {
     return true;
   }
   if (triangles_ + trianglesOf(*blob) > limits_.maxTriangles) {
-    return exhausted("max_triangles", "max_triangles: the session holds " + std::to_string(triangles_) +
-                                          " triangles, this mesh has " + std::to_string(trianglesOf(*blob)) +
-                                          ", allowed are " + std::to_string(limits_.maxTriangles));
+    return exhausted(Reason::kMaxTriangles, "max_triangles",
+                     "max_triangles: the session holds " + std::to_string(triangles_) + " triangles, this mesh has " +
+                         std::to_string(trianglesOf(*blob)) + ", allowed are " + std::to_string(limits_.maxTriangles));
   }
   if (texels_ + texelsOf(*blob) > limits_.maxTexels) {
-    return exhausted("max_texels", "max_texels: the session holds " + std::to_string(texels_) +
-                                       " texels, this texture has " + std::to_string(texelsOf(*blob)) +
-                                       ", allowed are " + std::to_string(limits_.maxTexels));
+    return exhausted(Reason::kMaxTexels, "max_texels",
+                     "max_texels: the session holds " + std::to_string(texels_) + " texels, this texture has " +
+                         std::to_string(texelsOf(*blob)) + ", allowed are " + std::to_string(limits_.maxTexels));
   }
   restore(blob, now);
   return false;

@@ -1,7 +1,6 @@
 #include "session/document/document.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "scene/error_goal.h"
 
@@ -19,6 +18,15 @@ void putBack(Map& objects, Before& before) {
   }
 }
 
+/// Calls `use` with each object that an edit replaced and -1, and with what is there instead and 1.
+template <typename Map, typename Before, typename Use>
+void forEachReplaced(const Map& objects, const Before& before, const Use& use) {
+  for (const auto& [name, was] : before) {
+    if (was) use(*was->object, -1);
+    if (const auto now = objects.find(name); now != objects.end()) use(*now->second.object, 1);
+  }
+}
+
 template <typename T>
 std::vector<Versioned<T>> newer(const std::map<std::string, Versioned<T>>& objects, std::uint64_t since, bool all) {
   std::vector<Versioned<T>> out;
@@ -29,16 +37,6 @@ std::vector<Versioned<T>> newer(const std::map<std::string, Versioned<T>>& objec
 }
 
 }  // namespace
-
-Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
-  if (tick.seconds <= limits.maxTickSeconds) return {};
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "max_tick_seconds: on this device a tick of the session is predicted to take %.1f s, most of it to %s; "
-                "allowed are %g s; use a coarser grid, fewer iterations, smaller lights or fewer light groups",
-                tick.seconds, tick.mostly.c_str(), limits.maxTickSeconds);
-  return exhausted("max_tick_seconds", text);
-}
 
 Document::Document(const LightingSettings& options, const Limits& limits, MeshHasher hasher)
     : limits_(limits), hasher_(std::move(hasher)), options_(options) {
@@ -54,7 +52,7 @@ MeshPtr Document::meshOf(const std::string& object) const {
 
 Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs& blobs) {
   if (edit.expectedRevision && *edit.expectedRevision != revision_) {
-    return Status(Code::kAborted,
+    return Status(Code::kAborted, Reason::kRevisionChanged,
                   "expected_revision is " + std::to_string(*edit.expectedRevision) + ", the session is at revision " +
                       std::to_string(revision_) + "; read the scene again and repeat",
                   "expected_revision");
@@ -86,6 +84,7 @@ Status Document::change(const std::function<Status(Rollback&)>& make) {
     return status;
   }
   noteChange(rollback);
+  noteStale(rollback);
   updateViewScene(rollback);
   while (tombstones_.size() > kMaxTombstones) {
     tombstoneHorizon_ = tombstones_.front().revision;
@@ -105,41 +104,19 @@ Status Document::applyAll(const Edit& edit, const Blobs& blobs, Rollback& rollba
   return {};
 }
 
-Status Document::checkAll(const Rollback& rollback) {
-  recount();
+Status Document::checkAll(Rollback& rollback) {
+  count(rollback);
   if (Status s = checkTotals(); !s.ok()) return s;
   if (Status s = checkGroups(rollback); !s.ok()) return s;
   if (rollback.contentAdded) {
     if (Status s = refit(false); !s.ok()) return s;
   }
-  return checkCost(options_, grid_);
-}
-
-void Document::predictWith(std::function<Prediction(const Workload&)> predict) {
-  predict_ = std::move(predict);
-  admittedWorkload_ = workload(options_, grid_);
-}
-
-Workload Document::workload(const LightingSettings& options, const Grid& grid) const {
-  Workload out(resolved(options), grid);
-  for (const auto& [name, light] : lights_) out.add(*light.object);
-  for (const auto& [name, surface] : surfaces_) out.add(*surface.object);
-  return out;
-}
-
-/// A change that makes nothing dearer is accepted: what was admitted once, when the device seemed faster, can be
-/// edited.
-Status Document::checkCost(const LightingSettings& options, const Grid& grid) {
-  if (!predict_) return {};
-  Workload after = workload(options, grid);
-  if (Status s = checkTickSeconds(predict_(after), limits_); !s.ok()) {
-    if (predict_(after).seconds > predict_(admittedWorkload_).seconds) return s;
-  }
-  admittedWorkload_ = std::move(after);
-  return {};
+  return sameWorkload(rollback) ? Status() : checkCost(options_, grid_);
 }
 
 void Document::rollBack(Rollback& rollback) {
+  uncount(rollback);
+  snapshot_.reset();
   putBack(lights_, rollback.lights);
   putBack(surfaces_, rollback.surfaces);
   putBack(cameras_, rollback.cameras);
@@ -147,43 +124,44 @@ void Document::rollBack(Rollback& rollback) {
   grid_ = rollback.grid;
   gridRevision_ = rollback.gridRevision;
   --revision_;
-  recount();
 }
 
 Status Document::checkTotals() const {
-  const auto over = [](const char* limit, std::int64_t have, std::int64_t allowed) {
-    return exhausted(limit, std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
-                                std::to_string(allowed));
+  const auto over = [](Reason reason, const char* limit, std::int64_t have, std::int64_t allowed) {
+    return exhausted(reason, limit,
+                     std::string(limit) + ": the session would hold " + std::to_string(have) + ", allowed are " +
+                         std::to_string(allowed));
   };
   if (std::int64_t(lights_.size()) > limits_.maxLights) {
-    return over("max_lights", std::int64_t(lights_.size()), limits_.maxLights);
+    return over(Reason::kMaxLights, "max_lights", std::int64_t(lights_.size()), limits_.maxLights);
   }
   if (std::int64_t(surfaces_.size()) > limits_.maxSurfaces) {
-    return over("max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
+    return over(Reason::kMaxSurfaces, "max_surfaces", std::int64_t(surfaces_.size()), limits_.maxSurfaces);
   }
   if (std::int64_t(cameras_.size()) > limits_.maxCameras) {
-    return over("max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
+    return over(Reason::kMaxCameras, "max_cameras", std::int64_t(cameras_.size()), limits_.maxCameras);
   }
-  if (triangles_ > limits_.maxTriangles) return over("max_triangles", triangles_, limits_.maxTriangles);
+  if (tally_.triangles > limits_.maxTriangles)
+    return over(Reason::kMaxTriangles, "max_triangles", tally_.triangles, limits_.maxTriangles);
   return {};
 }
 
 /// Names one of the groups that the edit brings where there are too many.
 Status Document::checkGroups(const Rollback& rollback) const {
-  std::set<std::string> all;
+  const std::size_t groups = tally_.lightsInGroup.size();
+  if (groups <= std::size_t(kMaxGroups)) return {};
   std::set<std::string> there;  // those of lights that the edit did not touch
   for (const auto& [name, light] : lights_) {
-    all.insert(light.object->group);
     if (!rollback.lights.contains(name)) there.insert(light.object->group);
   }
-  if (all.size() <= std::size_t(kMaxGroups)) return {};
   std::string brought;
-  for (const std::string& group : all) {
+  for (const auto& [group, lights] : tally_.lightsInGroup) {
     if (!there.contains(group)) brought = group;
   }
-  return exhausted("max_groups", "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
-                                     std::to_string(all.size()) + " groups, allowed are " + std::to_string(kMaxGroups) +
-                                     "; give a group that another light has, or none");
+  return exhausted(Reason::kMaxGroups, "max_groups",
+                   "max_groups: with light group \"" + brought + "\" the session's lights would be in " +
+                       std::to_string(groups) + " groups, allowed are " + std::to_string(kMaxGroups) +
+                       "; give a group that another light has, or none");
 }
 
 Bounds Document::content() const {
@@ -246,11 +224,27 @@ bool Document::leftViewBounds(const Rollback& rollback) const {
   return false;
 }
 
-void Document::recount() {
+void Document::count(const Light& light, int sign) {
+  tally_.triangles += sign * std::int64_t(light.mesh->triangles.size());
+  if ((tally_.lightsInGroup[light.group] += sign) == 0) tally_.lightsInGroup.erase(light.group);
+}
+
+void Document::count(const Surface& surface, int sign) {
+  tally_.triangles += sign * std::int64_t(surface.mesh->triangles.size());
+}
+
+/// Counts what an edit made instead of what it replaced, in time of the edit's size.
+void Document::count(Rollback& rollback) {
+  rollback.counted = true;
   snapshot_.reset();
-  triangles_ = 0;
-  for (const auto& [name, light] : lights_) triangles_ += std::int64_t(light.object->mesh->triangles.size());
-  for (const auto& [name, surface] : surfaces_) triangles_ += std::int64_t(surface.object->mesh->triangles.size());
+  forEachReplaced(lights_, rollback.lights, [this](const Light& light, int sign) { count(light, sign); });
+  forEachReplaced(surfaces_, rollback.surfaces, [this](const Surface& surface, int sign) { count(surface, sign); });
+}
+
+void Document::uncount(const Rollback& rollback) {
+  if (!rollback.counted) return;
+  forEachReplaced(lights_, rollback.lights, [this](const Light& light, int sign) { count(light, -sign); });
+  forEachReplaced(surfaces_, rollback.surfaces, [this](const Surface& surface, int sign) { count(surface, -sign); });
 }
 
 Status Document::setOptions(const LightingSettings& options) {

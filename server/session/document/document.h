@@ -68,6 +68,18 @@ struct DocumentState {
   std::uint64_t tombstoneHorizon = 0;
 };
 
+/// What a copy of the scene lacks: every object that was changed since the copy was last brought up to date, as it is
+/// now; null where it is gone.
+struct SceneUpdate {
+  bool whole = false;  ///< everything that there is: begin from an empty scene
+  std::uint64_t revision = 0;
+  LightingSettings options;  ///< as they are carried out (scene/error_goal.h)
+  Grid grid;
+  std::map<std::string, LightPtr> lights;
+  std::map<std::string, SurfacePtr> surfaces;
+  std::map<std::string, std::optional<Camera>> cameras;
+};
+
 /// Names the content of a mesh that no blob carried (SetVertices).
 using MeshHasher = std::function<BlobHash(const Mesh&)>;
 
@@ -99,7 +111,7 @@ class Document {
   const Grid& grid() const { return grid_; }
   std::size_t lightCount() const { return lights_.size(); }
   std::size_t surfaceCount() const { return surfaces_.size(); }
-  std::int64_t triangleCount() const { return triangles_; }
+  std::int64_t triangleCount() const { return tally_.triangles; }
 
   /// The mesh that a SetVertices on `object` would start from, or null.
   MeshPtr meshOf(const std::string& object) const;
@@ -121,8 +133,10 @@ class Document {
   /// New settings: a revision where they differ.
   Status setOptions(const LightingSettings& options);
 
-  /// The state as ticks read it. Cheap while nothing changes.
+  /// The state as ticks read it. Cheap while nothing changes, else in time of the scene's size.
   ScenePtr snapshot();
+  /// What a copy lacks that takes every update (scene_copy.h). In time of what changed since the last call.
+  SceneUpdate takeUpdate();
 
   /// The scene from which a view is chosen for those who give no camera: the state when objects last came or went, when
   /// the grid was last fitted on request, or when something left the surroundings of that state. What moves within them
@@ -162,6 +176,7 @@ class Document {
     bool contentAdded = false;
     bool contentRemoved = false;
     bool fitted = false;
+    bool counted = false;  ///< tally_ has what the edit made
 
     template <typename T>
     auto& before() {
@@ -206,7 +221,7 @@ class Document {
 
   Status change(const std::function<Status(Rollback&)>& make);
   Status applyAll(const Edit& edit, const Blobs& blobs, Rollback& rollback, std::vector<std::string>* names);
-  Status checkAll(const Rollback& rollback);
+  Status checkAll(Rollback& rollback);
   void rollBack(Rollback& rollback);
   void restoreOne(const NamedState& wanted, Rollback& rollback);
   template <typename T>
@@ -221,7 +236,12 @@ class Document {
   void updateViewScene(const Rollback& rollback);
   void setStage();
   bool leftViewBounds(const Rollback& rollback) const;
-  void recount();
+  void count(const Light& light, int sign);
+  void count(const Surface& surface, int sign);
+  void count(Rollback& rollback);
+  void uncount(const Rollback& rollback);
+  void noteStale(const Rollback& rollback);
+  bool sameWorkload(const Rollback& rollback) const;
 
   Limits limits_;
   MeshHasher hasher_;
@@ -239,7 +259,19 @@ class Document {
   std::uint64_t tombstoneHorizon_ = 0;  ///< revisions whose deletions may be forgotten
   Changes lastChange_;
   Rollback replaced_;  ///< by the last edit
-  std::int64_t triangles_ = 0;
+  /// What the limits ask for, kept up to date edit by edit.
+  struct Tally {
+    std::int64_t triangles = 0;
+    std::map<std::string, std::int64_t> lightsInGroup;
+  };
+  Tally tally_;
+  /// Names that were changed since the last update was taken.
+  struct Stale {
+    bool whole = true;
+    std::set<std::string> lights, surfaces, cameras;
+    std::size_t count() const { return lights.size() + surfaces.size() + cameras.size(); }
+  };
+  Stale stale_;
   ScenePtr snapshot_;
   ScenePtr viewScene_;
   Bounds viewBounds_;  ///< world, metres: the content of viewScene_ and its surroundings

@@ -34,7 +34,7 @@ Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, con
                 field);
 }
 
-/// The texture of a T, and how an edit names it.
+/// The texture of a T, and its path in an edit.
 template <typename T>
 struct TextureOf;
 template <>
@@ -103,7 +103,7 @@ void remember(const Map& objects, const std::string& name, Before& before) {
   }
 }
 
-} // namespace
+}  // namespace
 
 template <typename T>
 void Document::put(const std::string& name, std::shared_ptr<const T> object, Rollback& rollback) {
@@ -186,8 +186,7 @@ Expected<std::string> Document::applyOne(const SetVertices& op, const Blobs&, Ro
   const MeshPtr current = meshOf(op.object);
   if (!current) return noSuch("light or surface", op.object, "object").within("set_vertices");
   MeshPtr deformed = op.deformed;
-  // The mesh was exchanged, or made by this very edit, after the preparation;
-  // or that failed, and says here why.
+  // The mesh was exchanged, or made by this very edit, after the preparation; or that failed, and says here why.
   if (op.base != current || !deformed) {
     SetVertices again = op;
     if (Status s = prepareVertices(again, current, hasher_); !s.ok()) return s.within("set_vertices");
@@ -219,8 +218,8 @@ Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, R
 
 Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Rollback& rollback) {
   if (options_.grid.hasBounds) {
-    return Status(Code::kFailedPrecondition, "the grid has fixed bounds; clear settings.grid.bounds to fit it",
-                  "fit_grid");
+    return Status(Code::kFailedPrecondition, Reason::kFixedBounds,
+                  "the grid has fixed bounds; clear settings.grid.bounds to fit it", "fit_grid");
   }
   if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
   rollback.fitted = true;
@@ -268,9 +267,7 @@ std::string Document::freeName(const std::string& wanted) const {
 Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& hasher) {
   op.base = base;
   op.deformed.reset();
-  if (!base)
-    return {}; // the document says that the object is not there, or finds it
-               // made by the same edit
+  if (!base) return {};  // the document says that the object is not there, or finds it made by the same edit
   Expected<Mesh> mesh = withVertices(*base, op.positions, op.normals);
   if (!mesh) return mesh.status();
   mesh->hash = hasher(*mesh);
@@ -278,4 +275,4 @@ Status prepareVertices(SetVertices& op, const MeshPtr& base, const MeshHasher& h
   return {};
 }
 
-} // namespace lpv
+}  // namespace lpv

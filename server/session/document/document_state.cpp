@@ -1,5 +1,6 @@
 // A document as values: what an edit changed, and all of it.
 
+#include "scene/error_goal.h"
 #include "session/document/document.h"
 
 namespace lpv {
@@ -30,7 +31,8 @@ Document::Document(const DocumentState& state, const Limits& limits, MeshHasher 
   for (const Versioned<Light>& light : state.lights) lights_[light.object->name] = light;
   for (const Versioned<Surface>& surface : state.surfaces) surfaces_[surface.object->name] = surface;
   for (const DocumentState::Camera& camera : state.cameras) cameras_[camera.name] = {camera.camera, camera.revision};
-  recount();
+  for (const auto& [name, light] : lights_) count(*light.object, 1);
+  for (const auto& [name, surface] : surfaces_) count(*surface.object, 1);
   setStage();
 }
 
@@ -84,6 +86,37 @@ ObjectState Document::objectBefore(const ObjectKey& key) const {
   const auto surface = replaced_.surfaces.find(key.name);
   if (surface != replaced_.surfaces.end()) out.surface = objectOf(surface->second);
   return out;
+}
+
+SceneUpdate Document::takeUpdate() {
+  SceneUpdate out;
+  out.revision = revision_;
+  out.options = resolved(options_);
+  out.grid = grid_;
+  out.whole = stale_.whole;
+  if (stale_.whole) {
+    for (const auto& [name, light] : lights_) out.lights.emplace_hint(out.lights.end(), name, light.object);
+    for (const auto& [name, surface] : surfaces_) out.surfaces.emplace_hint(out.surfaces.end(), name, surface.object);
+    for (const auto& [name, entry] : cameras_) out.cameras.emplace_hint(out.cameras.end(), name, entry.camera);
+  } else {
+    for (const std::string& name : stale_.lights) out.lights[name] = objectIn(lights_, name);
+    for (const std::string& name : stale_.surfaces) out.surfaces[name] = objectIn(surfaces_, name);
+    for (const std::string& name : stale_.cameras) out.cameras[name] = camera(name);
+  }
+  stale_ = {};
+  stale_.whole = false;
+  return out;
+}
+
+/// More names than there are objects: the whole is as cheap, and names that are gone are let go of.
+void Document::noteStale(const Rollback& rollback) {
+  if (stale_.whole) return;
+  for (const auto& [name, was] : rollback.lights) stale_.lights.insert(name);
+  for (const auto& [name, was] : rollback.surfaces) stale_.surfaces.insert(name);
+  for (const auto& [name, was] : rollback.cameras) stale_.cameras.insert(name);
+  constexpr std::size_t kFew = 64;
+  if (stale_.count() <= kFew + lights_.size() + surfaces_.size() + cameras_.size()) return;
+  stale_ = {};
 }
 
 /// In time of the edit's size, not the scene's.

@@ -32,8 +32,8 @@ class History {
   /// From now on; what is there stays.
   void setLimits(const Limits& limits) { limits_ = limits; }
 
-  /// `document` has just applied `edit`, which gave the objects these names. Nobody's edits (`client` empty) are no
-  /// steps, but they are writes.
+  /// `document` has just applied `edit`, which gave the objects these names. Edits without a client (`client` empty)
+  /// are no steps, but they are writes.
   void recordWrites(const std::string& client, const Edit& edit, const std::vector<std::string>& names,
                     const Document& document);
 

@@ -14,8 +14,8 @@ Status nothingTo(UndoDirection direction, int kept) {
           ? "there is nothing to undo: this client has no steps left; the last " + std::to_string(kept) + " are kept"
           : "there is nothing to redo: this client has undone nothing since its last edit; steps "
             "are kept";
-  return {Code::kFailedPrecondition, what + " in memory, since the server has started or brought the session back",
-          "client"};
+  return {Code::kFailedPrecondition, Reason::kNothingToUndo,
+          what + " in memory, since the server has started or brought the session back", "client"};
 }
 
 template <typename Change>

@@ -12,13 +12,13 @@ std::shared_ptr<const T> replaced(const T& object, std::size_t field, const Fiel
   return out;
 }
 
-/// Whichever of the two elements of scene.proto the light's emission is in.
+/// The field's path; of the emission, that of radiance or power, whichever the light has.
 const char* pathOf(const Light& light, std::size_t field) {
   const Field<Light>& found = fieldTable<Light>()[field];
   return found.kind == FieldKind::kEmission && light.power ? "power" : found.path;
 }
 
-} // namespace
+}  // namespace
 
 std::size_t fieldCount(const ObjectState& object) {
   if (object.light) return fieldTable<Light>().size();
@@ -43,4 +43,4 @@ ObjectState withField(const ObjectState& object, std::size_t field, const FieldV
   return {nullptr, nullptr, std::get<Camera>(value)};
 }
 
-} // namespace lpv
+}  // namespace lpv

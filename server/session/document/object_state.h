@@ -31,15 +31,13 @@ struct ObjectState {
 /// An object as it shall be.
 using NamedState = std::pair<ObjectKey, ObjectState>;
 
-/// How many fields there are in what stands there: a light's or surface's are
-/// numbered as in scene/fields.h, a camera has one.
+/// How many fields there are in what stands there: those of a light or surface are numbered as in scene/fields.h, a
+/// camera is one field.
 std::size_t fieldCount(const ObjectState& object);
-/// "name.path", the path as in scene.proto; of a camera, and for an object as a
-/// whole, the name.
+/// "name.path", the path as in scene.proto; of a camera, and for an object as a whole, the name.
 std::string fieldName(const ObjectKey& key, const ObjectState& object, std::size_t field);
 FieldValue fieldOf(const ObjectState& object, std::size_t field);
-/// `object` with that field replaced; the value is one that fieldOf gave for an
-/// object of the same kind.
+/// `object` with that field replaced; the value is one that fieldOf gave for an object of the same kind.
 ObjectState withField(const ObjectState& object, std::size_t field, const FieldValue& value);
 
-} // namespace lpv
+}  // namespace lpv

@@ -36,9 +36,9 @@ Status Locks::lock(const std::string& client, const std::vector<std::string>& na
     if (lock.client == client && lock.until > now) all.insert(name);
   }
   if (all.size() > kMaxLocks) {
-    return exhausted("max_locks", "max_locks: this client would have " + std::to_string(all.size()) +
-                                      " objects locked, allowed are " + std::to_string(kMaxLocks) +
-                                      "; release some with ttl 0");
+    return exhausted(Reason::kMaxLocks, "max_locks",
+                     "max_locks: this client would have " + std::to_string(all.size()) +
+                         " objects locked, allowed are " + std::to_string(kMaxLocks) + "; release some with ttl 0");
   }
   for (const std::string& name : names) locks_[name] = {client, now + time};
   return {};
@@ -55,8 +55,9 @@ Status Locks::check(const std::string& client, const std::string& name, Clock::t
   const auto found = locks_.find(name);
   if (found == locks_.end() || found->second.client == client || found->second.until <= now) return {};
   const auto left = std::chrono::ceil<std::chrono::seconds>(found->second.until - now);
-  return {Code::kAborted, "\"" + name + "\" is locked by client " + found->second.client + " for another " +
-                              std::to_string(left.count()) + " s; wait, or ask who it is (WatchScene tells)"};
+  return {Code::kAborted, Reason::kLocked,
+          "\"" + name + "\" is locked by client " + found->second.client + " for another " +
+              std::to_string(left.count()) + " s; wait, or ask who it is (WatchScene tells)"};
 }
 
 Status Locks::check(const std::string& client, const Edit& edit, Clock::time_point now) const {

@@ -33,7 +33,7 @@ std::string randomHex(std::size_t bytes) {
 
 Expected<ClientIdentity> Members::join() {
   if (full()) {
-    return exhausted("max_clients_per_session",
+    return exhausted(Reason::kMaxClientsPerSession, "max_clients_per_session",
                      "max_clients_per_session: the session has " + std::to_string(members_.size()) +
                          " clients, allowed are " + std::to_string(limits_.maxClientsPerSession) +
                          "; one that neither has a stream nor says anything for " +
@@ -76,7 +76,7 @@ Status Members::verify(const ClientIdentity& identity) const {
   const auto found = members_.find(identity.id);
   if (found != members_.end() && found->second.secretHash == sha256(identity.secret)) return {};
   return Status(
-      Code::kPermissionDenied,
+      Code::kPermissionDenied, Reason::kUnknownClient,
       "client \"" + identity.id + "\" was not issued by this session, or its secret is another; call JoinSession",
       "client");
 }
@@ -89,7 +89,7 @@ Expected<std::optional<EditOutcome>> Members::repeated(const std::string& id, st
                                  [&](const EditOutcome& outcome) { return outcome.sequence == sequence; });
   if (same != client.outcomes.end()) return std::optional<EditOutcome>(*same);
   if (sequence <= client.outcomeHorizon) {
-    return Status(Code::kFailedPrecondition,
+    return Status(Code::kFailedPrecondition, Reason::kSequenceOld,
                   "sequence " + std::to_string(sequence) + " is older than the last " +
                       std::to_string(kRememberedOutcomes) + " edits of this client; its outcome is forgotten",
                   "sequence");
@@ -101,9 +101,9 @@ Status Members::admit(const std::string& id, Clock::time_point now) {
   const auto found = members_.find(id);
   TokenBucket& edits = found == members_.end() ? nobody_ : found->second.edits;
   if (edits.take(limits_.maxEditsPerSecond, now)) return {};
-  return exhausted("max_edits_per_second", "max_edits_per_second: allowed are " +
-                                               std::to_string(limits_.maxEditsPerSecond) +
-                                               " edits a second per client; wait and repeat the same sequence");
+  return exhausted(Reason::kMaxEditsPerSecond, "max_edits_per_second",
+                   "max_edits_per_second: allowed are " + std::to_string(limits_.maxEditsPerSecond) +
+                       " edits a second per client; wait and repeat the same sequence");
 }
 
 namespace {

@@ -49,7 +49,7 @@ class Members {
 
   /// A new identity: id and 128-bit secret. RESOURCE_EXHAUSTED when the session is full.
   Expected<ClientIdentity> join();
-  /// Takes back a member that was.
+  /// Restores a member of the saved session.
   void restore(const ClientState& state);
   void leave(const std::string& id) { members_.erase(id); }
   /// The member is there still.

@@ -86,7 +86,7 @@ Status PresenceTable::admit(const std::string& client, Clock::time_point now) {
   Heard& heard = heard_.try_emplace(client, Heard{now, {rate, now}}).first->second;
   heard.last = now;
   if (heard.updates.take(rate, now)) return {};
-  return exhausted("max_presence_updates_per_second",
+  return exhausted(Reason::kMaxPresenceUpdatesPerSecond, "max_presence_updates_per_second",
                    "max_presence_updates_per_second: allowed are " + std::to_string(rate) +
                        " updates a second per client; send the newest a little later");
 }

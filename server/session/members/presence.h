@@ -60,7 +60,7 @@ class PresenceTable {
   /// The member is there still.
   void markActive(const std::string& client, Clock::time_point now);
   void leave(const std::string& client);
-  /// Who has something locked is seen.
+  /// A member that holds locks is listed even without other presence.
   void setLocked(const std::string& client, const std::vector<std::string>& names);
   /// Those who are not in `connected` and were not heard of for limits.presenceIdle are gone.
   void dropSilent(const std::set<std::string>& connected, Clock::time_point now);

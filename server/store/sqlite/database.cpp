@@ -74,8 +74,9 @@ Status Database::failure() const {
     return {Code::kDataLoss,
             path_ + " is damaged: " + why + "; restore it from a backup, or start with an empty folder"};
   }
-  return {Code::kUnavailable, "the state directory cannot be used, " + path_ + ": " + why +
-                                  "; check its free space and its permissions, then repeat"};
+  return {Code::kUnavailable, Reason::kStateUnwritable,
+          "the state directory cannot be used, " + path_ + ": " + why +
+              "; check its free space and its permissions, then repeat"};
 }
 
 }  // namespace lpv::store

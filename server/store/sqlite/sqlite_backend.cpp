@@ -85,17 +85,17 @@ void SqliteBackend::maintain() {
 }
 
 Expected<std::vector<SessionHead>> SqliteBackend::heads() {
-  const std::lock_guard lock(readMutex_);
+  const MutexLock lock(readMutex_);
   return reading_->heads();
 }
 
 Expected<std::vector<AccessToken>> SqliteBackend::tokens() {
-  const std::lock_guard lock(readMutex_);
+  const MutexLock lock(readMutex_);
   return reading_->tokens();
 }
 
 Expected<Loaded> SqliteBackend::load(const std::string& session, bool withContents) {
-  const std::lock_guard lock(readMutex_);
+  const MutexLock lock(readMutex_);
   if (Status s = reading_->beginReading(); !s.ok()) return s;
   Expected<Loaded> out = reading_->load(session, withContents);
   if (Status s = reading_->commit(); !s.ok() && out) return s;

@@ -6,10 +6,10 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 
+#include "base/mutex.h"
 #include "store/backend.h"
 #include "store/sqlite/directory_lock.h"
 #include "store/sqlite/tables.h"
@@ -52,8 +52,8 @@ class SqliteBackend final : public Backend {
   std::unique_ptr<DirectoryLock> lock_;
   std::uint64_t highestEpoch_ = 0;
 
-  std::mutex readMutex_;
-  std::unique_ptr<Tables> reading_;
+  Mutex readMutex_;
+  std::unique_ptr<Tables> reading_ LPV_PT_GUARDED_BY(readMutex_);
 
   // The writing thread's own.
   std::unique_ptr<Tables> tables_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 #include <stdexcept>
@@ -137,8 +138,10 @@ VoxelMap voxelsOf(const LightVoxels& voxels) {
   const std::vector<std::uint32_t> list = read<std::uint32_t>(voxels.cells);
   const std::vector<glm::vec4> moments = read<glm::vec4>(voxels.moments);
   VoxelMap cells;
-  for (std::size_t i = 0; i < list[3]; ++i) {
-    const std::size_t entry = std::size_t(layout::kVoxelHeaderWords) + 2 * i;
+  layout::VoxelHeader header{};
+  std::memcpy(&header, list.data(), sizeof header);
+  for (std::size_t i = 0; i < header.count; ++i) {
+    const std::size_t entry = sizeof header / sizeof(std::uint32_t) + 2 * i;
     const auto first = moments.begin() + std::ptrdiff_t(i) * voxels.momentsPerCell;
     const bool fresh =
         cells.emplace(list[entry], std::pair(list[entry + 1], std::vector(first, first + voxels.momentsPerCell)))

@@ -16,9 +16,7 @@ int haloIndex(const glm::ivec3& cell, const glm::ivec3& dims, int channel) {
 
 }  // namespace
 
-void finish(GpuTask pieces) {
-  while (!pieces.done()) pieces.resume();
-}
+void finish(GpuTask task) { task.runToEnd(); }
 
 MeshPtr meshOf(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   Mesh mesh;

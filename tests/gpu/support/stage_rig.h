@@ -17,7 +17,7 @@
 namespace lpv::test {
 
 /// Runs a coroutine to its end.
-void finish(GpuTask pieces);
+void finish(GpuTask task);
 
 /// A mesh of separate triangles; throws when it is not one.
 MeshPtr meshOf(const std::vector<std::array<glm::vec3, 3>>& triangles);

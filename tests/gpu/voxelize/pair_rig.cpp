@@ -31,8 +31,8 @@ layout::VoxelizeParams paramsOf(const glm::ivec3& dims, std::size_t count, const
   layout::VoxelizeParams params{};
   params.gridFromObject = gridFromObject;
   params.areaFromObject = glm::dmat4(1.0);
-  params.dims = glm::ivec4(dims, 0);
-  params.triangles = glm::uvec4(0, count, 0, 0);
+  params.dims = dims;
+  params.triangleCount = std::uint32_t(count);
   return params;
 }
 
@@ -111,7 +111,8 @@ PairRig::PairRig()
       order_(bufferOf(upTo(3 * kPiece))),
       positionTexels_("positions", positions_, gpu::BufferTexel::kVec3),
       orderTexels_("triangles", order_, gpu::BufferTexel::kUvec3),
-      items_(bufferOfWords(std::size_t(layout::kListHeaderWords) + kPiece * std::size_t(layout::kMaxSlices))),
+      items_(
+          bufferOfWords(sizeof(layout::ListHeader) / sizeof(std::uint32_t) + kPiece * std::size_t(layout::kMaxSlices))),
       params_("params", sizeof(layout::VoxelizeParams), gpu::BufferUse::kDynamic) {}
 
 std::vector<PairRig::Pair> PairRig::gpuPairs(std::span<const Triangle> triangles, const glm::ivec3& dims,

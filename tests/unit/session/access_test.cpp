@@ -7,8 +7,8 @@
 #include <future>
 
 #include "persistence/persistent_journal.h"
-#include "session/memory_journal.h"
 #include "session/access.h"
+#include "session/memory_journal.h"
 #include "unit/store/store_rig.h"
 
 namespace lpv {

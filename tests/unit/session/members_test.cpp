@@ -202,7 +202,7 @@ TEST(FullSessionTest, TakesAMemberInPlaceOfTheOneSilentForLongest) {
   Subscription subscription;
   subscription.volume = VolumeStage::kTransported;
   subscription.clientId = reader.id;
-  const auto subscriber = session->subscribe(subscription, std::make_shared<test::Inbox>());
+  const auto subscriber = session->delivery().subscribe(subscription, std::make_shared<test::Inbox>());
   ASSERT_TRUE(subscriber.ok()) << subscriber.status().message();
   const Expected<ClientIdentity> third = session->join();
   ASSERT_TRUE(third.ok()) << third.status().message();

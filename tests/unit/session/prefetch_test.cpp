@@ -66,7 +66,7 @@ TEST_F(FarReaders, GetNothingOldWhereTheSceneWentOn) {
 TEST_F(FarReaders, GetNoDeltaToWhatTheyHaveLost) {
   const auto subscriber = far();
   const Result made = ahead();
-  session_->resend(subscriber);
+  session_->delivery().resend(subscriber);
   acknowledge(subscriber, first_);
   ASSERT_EQ(inbox_->count(), 2U);
   EXPECT_GT(inbox_->last().meta.resultId, made.meta.resultId);

@@ -22,7 +22,7 @@ TEST_F(SessionTest, MakesNothingThatNobodyWaitsFor) {
   EXPECT_EQ(rig_.engine.ticks(), 1);
   edited();
   EXPECT_EQ(rig_.engine.ticks(), 1) << "its credit is spent";
-  session_->unsubscribe(subscriber);
+  session_->delivery().unsubscribe(subscriber);
   edited();
   EXPECT_EQ(rig_.engine.ticks(), 1);
 }
@@ -51,7 +51,7 @@ TEST_F(SessionTest, WhatWasSentBeforeAResendIsNoBase) {
   acknowledge(subscriber, inbox_->last().meta.resultId);
   edited();
   EXPECT_NE(inbox_->last().baseId, 0U);
-  session_->resend(subscriber);
+  session_->delivery().resend(subscriber);
   acknowledge(subscriber, inbox_->last().meta.resultId);
   EXPECT_EQ(inbox_->count(), 3U);
   EXPECT_EQ(inbox_->last().baseId, 0U);
@@ -133,7 +133,7 @@ TEST_F(SessionTest, OneCreditIsAllThatIsGivenUnasked) {
 TEST_F(SessionTest, AWholeResultIsOwedAgainOnRequest) {
   const auto subscriber = subscribed(inbox_);
   acknowledge(subscriber, inbox_->last().meta.resultId);
-  session_->resend(subscriber);
+  session_->delivery().resend(subscriber);
   rig_.settle();
   ASSERT_EQ(inbox_->count(), 2U);
   EXPECT_EQ(inbox_->last().meta.revision, 1U);
@@ -147,7 +147,7 @@ TEST_F(SessionTest, ACallIsAnsweredFromItsRevisionOrALaterOne) {
     call.minRevision = revision;
     call.volume = VolumeStage::kTransported;
     call.done = [&answers](Expected<Result> result) { answers.push_back(result ? result->meta.revision : 0); };
-    session_->ask(std::move(call));
+    session_->delivery().ask(std::move(call));
     rig_.settle();
   };
   ask(1);
@@ -177,7 +177,7 @@ TEST_F(SessionTest, LargeFramesOfCallsAreMadeOneAfterTheOther) {
     call.frame->size = {4096, 4096};
     call.frame->camera.camera = Camera();
     call.done = [&answers](const Expected<Result>&) { ++answers; };
-    session_->ask(std::move(call));
+    session_->delivery().ask(std::move(call));
   }
   rig_.settle();
   EXPECT_EQ(answers, 5);
@@ -190,7 +190,7 @@ TEST_F(SessionTest, ATickThatFailsEndsItsCallsAndIsTriedAgain) {
   WaitingCall call;
   call.volume = VolumeStage::kTransported;
   call.done = [&answers](Expected<Result> result) { answers.push_back(result.status()); };
-  session_->ask(std::move(call));
+  session_->delivery().ask(std::move(call));
   subscribed(inbox_);
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(answers[0].message(), "out of memory");
@@ -207,14 +207,14 @@ TEST_F(SessionTest, ACameraMakesAFrameAndAnOlderOneDoesNotReturn) {
   acknowledge(subscriber, inbox_->last().meta.resultId);
   FrameSettings next = *subscription.frame;
   next.cameraSequence = 6;
-  ASSERT_TRUE(session_->updateSubscription(subscriber, next, std::nullopt).ok());
+  ASSERT_TRUE(session_->delivery().updateSubscription(subscriber, next, std::nullopt).ok());
   rig_.settle();
   ASSERT_EQ(inbox_->count(), 2U);
   EXPECT_EQ(inbox_->last().cameraSequence, 6U);
   EXPECT_EQ(inbox_->last().meta.revision, 1U);
   next.cameraSequence = 4;
-  ASSERT_TRUE(session_->updateSubscription(subscriber, next, std::nullopt).ok());
-  EXPECT_EQ(session_->subscriptionOf(subscriber).frame->cameraSequence, 6U);
+  ASSERT_TRUE(session_->delivery().updateSubscription(subscriber, next, std::nullopt).ok());
+  EXPECT_EQ(session_->delivery().subscriptionOf(subscriber).frame->cameraSequence, 6U);
 }
 
 // Seen to fail when the outcome is not recorded.
@@ -245,14 +245,14 @@ TEST_F(SessionTest, ExpiresAfterItsTimeWithoutUse) {
   EXPECT_TRUE(session_->expired(later));
   const auto subscriber = subscribed(inbox_);
   EXPECT_FALSE(session_->expired(later));
-  session_->unsubscribe(subscriber);
+  session_->delivery().unsubscribe(subscriber);
   WaitingCall call;
   call.minRevision = 100;
   call.volume = VolumeStage::kTransported;
   call.done = [](const Expected<Result>&) {};
-  const auto waiting = session_->ask(std::move(call));
+  const auto waiting = session_->delivery().ask(std::move(call));
   EXPECT_FALSE(session_->expired(later));
-  session_->forget(waiting);
+  session_->delivery().forget(waiting);
   EXPECT_TRUE(session_->expired(later));
   EXPECT_FALSE(rig_.session({std::chrono::seconds(0), ""})->expired(now + std::chrono::hours(100000))) << "0 is never";
 }
@@ -271,7 +271,7 @@ TEST_P(ClosedSession, SaysWhyToWhoeverIsThereAndWhoeverComes) {
   call.minRevision = 100;
   call.volume = VolumeStage::kTransported;
   call.done = [&answer](Expected<Result> result) { answer = result.status(); };
-  session_->ask(call);
+  session_->delivery().ask(call);
   session_->close(GetParam());
   rig_.settle();
   EXPECT_EQ(inbox_->closed(), GetParam());
@@ -281,12 +281,12 @@ TEST_P(ClosedSession, SaysWhyToWhoeverIsThereAndWhoeverComes) {
   watcher.reset();
   session_->watch([] {}, [&watcher](Closing why) { watcher = why; });
   answer = Status();
-  session_->ask(call);
+  session_->delivery().ask(call);
   rig_.settle();
   EXPECT_EQ(watcher, GetParam()) << "of one that came late";
   EXPECT_EQ(answer.code(), code);
   EXPECT_EQ(session_->apply({}, editOf({setRadiance("Lamp", 2.0)})).status.code(), code);
-  EXPECT_EQ(session_->subscribe(volumes(), inbox_).status().code(), code);
+  EXPECT_EQ(session_->delivery().subscribe(volumes(), inbox_).status().code(), code);
   EXPECT_EQ(session_->addBlob(nullptr).status().code(), code);
   EXPECT_EQ(session_->revision(), 1U);
 }

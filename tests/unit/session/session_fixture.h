@@ -23,13 +23,13 @@ class SessionTest : public testing::Test {
   }
   std::shared_ptr<Subscriber> subscribed(const std::shared_ptr<Inbox>& inbox,
                                          const Subscription& subscription = volumes()) {
-    const auto subscriber = session_->subscribe(subscription, inbox);
+    const auto subscriber = session_->delivery().subscribe(subscription, inbox);
     EXPECT_TRUE(subscriber.ok()) << subscriber.status().message();
     rig_.settle();
     return *subscriber;
   }
   void acknowledge(const std::shared_ptr<Subscriber>& subscriber, std::uint64_t resultId) {
-    session_->acknowledge(subscriber, resultId);
+    session_->delivery().acknowledge(subscriber, resultId);
     rig_.settle();
   }
   static Subscription volumes() {

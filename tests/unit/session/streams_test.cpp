@@ -138,46 +138,6 @@ TEST_F(StreamsTest, AnUploadThatGoesOnIsNotIdle) {
   upload->cancelled();
 }
 
-/// Each stream that a client opens by speaking, left without a word. Seen to fail for each whose wait has no end.
-TEST_F(StreamsTest, WithoutAFirstMessageEndInTime) {
-  const auto upload = uploadBlob(context_);
-  const auto edits = streamEdits(context_);
-  const auto volumes = streamVolume(context_);
-  const auto frames = streamFrames(context_);
-  const auto probes = streamProbe(context_);
-  const auto expectEnd = [](const auto& stream, const char* name) {
-    EXPECT_TRUE(test::eventually([&] { return stream->ended().has_value(); })) << name;
-    EXPECT_EQ(endOf(stream).code(), Code::kDeadlineExceeded) << name;
-    EXPECT_THAT(endOf(stream).message(), HasSubstr("first_message")) << name;
-  };
-  expectEnd(upload, "upload");
-  expectEnd(edits, "edits");
-  expectEnd(volumes, "volumes");
-  expectEnd(frames, "frames");
-  expectEnd(probes, "probes");
-}
-
-TEST_F(StreamsTest, AfterTheirFirstMessageMayBeSilent) {
-  const auto edits = streamEdits(context_);
-  const auto volumes = streamVolume(context_);
-  const auto probes = streamProbe(context_);
-  pb::StreamEditsRequest edit;
-  edit.set_session("sessions/room");
-  edits->receive(edit);
-  pb::StreamVolumeRequest subscription;
-  subscription.mutable_subscription()->set_session("sessions/room");
-  volumes->receive(subscription);
-  pb::StreamProbeRequest probe;
-  probe.mutable_request()->set_session("sessions/room");
-  probes->receive(probe);
-  const auto late = uploadBlob(context_);  // opened after them: when its time is up, so was theirs
-  EXPECT_TRUE(test::eventually([&] { return late->ended().has_value(); }));
-  EXPECT_FALSE(edits->ended() || volumes->ended() || probes->ended());
-  edits->cancelled();
-  volumes->cancelled();
-  probes->cancelled();
-}
-
 TEST_F(StreamsTest, WithAnotherFirstMessageAreRefused) {
   const auto volumes = streamVolume(context_);
   pb::StreamVolumeRequest early;
@@ -334,7 +294,8 @@ TEST_F(ResultStreams, WhatIsMadeAheadOfACreditIsEncodedOnce) {
   stream->receive(request);
   pb::WatchVolumeResponse response;
   ASSERT_TRUE(test::eventually([&] { return stream->next(&response); }));
-  const std::shared_ptr<Subscriber> subscriber = session->findSubscriber(response.event().subscribed().subscriber());
+  const std::shared_ptr<Subscriber> subscriber =
+      session->delivery().findSubscriber(response.event().subscribed().subscriber());
   ASSERT_NE(subscriber, nullptr);
   ASSERT_TRUE(test::eventually([&] { return stream->next(&response) && response.event().has_part(); }));
   rig_.settle();
@@ -343,7 +304,7 @@ TEST_F(ResultStreams, WhatIsMadeAheadOfACreditIsEncodedOnce) {
   EXPECT_TRUE(test::eventually([&] { return rig_.counters.volumesEncoded == 2; }));
   rig_.settle();
   EXPECT_EQ(rig_.counters.resultsSent, 1);
-  session->acknowledge(subscriber, subscriber->taken);
+  session->delivery().acknowledge(subscriber, subscriber->taken);
   rig_.settle();
   EXPECT_EQ(rig_.counters.resultsSent, 2);
   EXPECT_EQ(rig_.counters.volumesEncoded, 2);

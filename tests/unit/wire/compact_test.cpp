@@ -1,4 +1,4 @@
-// VOLUME_FORMAT_COMPACT: transform, tokens, and how far its light is from the truth.
+// VOLUME_FORMAT_COMPACT: transform, run-level coding, and how far its light is from the truth.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "wire/brick_transform.h"
 #include "wire/compact.h"
 #include "wire/compression.h"
-#include "wire/tokens.h"
+#include "wire/run_level.h"
 
 namespace lpv::wire {
 namespace {
@@ -18,7 +18,7 @@ std::vector<std::int32_t> randomCoefficients(int magnitude, double density) {
   std::mt19937 generator(3);
   std::uniform_int_distribution<std::int32_t> value(-magnitude, magnitude);
   std::uniform_real_distribution<double> chance(0.0, 1.0);
-  std::vector<std::int32_t> out(kPlanes * kBrickCells, 0);
+  std::vector<std::int32_t> out(kChannels * kBrickCells, 0);
   for (std::int32_t& c : out) c = chance(generator) < density ? value(generator) : 0;
   return out;
 }
@@ -35,7 +35,7 @@ double wordOfProto(std::size_t component, std::size_t u, std::size_t v, std::siz
 }
 
 TEST(BrickTransform, ElementsAreTheDocumentedSums) {
-  std::vector<std::int32_t> coefficients(kPlanes * kBrickCells, 0);
+  std::vector<std::int32_t> coefficients(kChannels * kBrickCells, 0);
   Coefficients<std::int16_t> elements;
   for (const std::size_t at : {std::size_t(0), std::size_t(3 * 64 + 5 * 8 + 7), std::size_t(7 * 64 + 6)}) {
     for (std::size_t component = 0; component < 3; ++component) {
@@ -76,16 +76,16 @@ TEST(BrickTransform, ElementsStayInRangeWhateverTheCoefficients) {
   }
 }
 
-TEST(Tokens, BlocksComeBackOneAfterTheOther) {
-  RunLevels tokens;
+TEST(RunLevel, BlocksComeBackOneAfterTheOther) {
+  RunLevels runLevels;
   std::vector<std::vector<std::int32_t>> blocks{randomCoefficients(0, 0.0), randomCoefficients(1, 0.01),
                                                 randomCoefficients(kMaxCoefficient, 1.0)};
   blocks.push_back(blocks[1]);
   for (std::int32_t& c : blocks.back()) c *= 64;  // a common step
   blocks.push_back(randomCoefficients(0, 0.0));
   blocks.back()[511] = -1;  // 511 zeros before it
-  for (std::size_t i = 0; i < blocks.size(); ++i) EXPECT_EQ(appendBlock(blocks[i].data(), &tokens), i > 0);
-  TokenReader reader(tokens.runs, tokens.levels);
+  for (std::size_t i = 0; i < blocks.size(); ++i) EXPECT_EQ(appendBlock(blocks[i].data(), &runLevels), i > 0);
+  RunLevelReader reader(runLevels.runs, runLevels.levels);
   for (const std::vector<std::int32_t>& block : blocks) {
     std::vector<std::int32_t> back(block.size(), 0);
     ASSERT_TRUE(reader.addBlock(back.data()).ok());
@@ -110,7 +110,7 @@ TEST(Compact, RoundTripIsWithinTheToleranceAtAnyMagnitudeAndSize) {
 /// Every coefficient is a quarter of class 0's step from where it rounds to, all to the same side of cell 0: 3 % there.
 /// Only finer steps keep the promise.
 TEST(Compact, StepsBecomeFinerWhereABrickNeedsIt) {
-  std::vector<std::int32_t> coefficients(kPlanes * kBrickCells, 0);
+  std::vector<std::int32_t> coefficients(kChannels * kBrickCells, 0);
   for (std::size_t i = 0; i < 3 * kBrickCells; ++i) {
     const double sign = wordOfProto(i / kBrickCells, i % 8, i / 8 % 8, i % kBrickCells / 64, 0, 0);
     coefficients[i] = sign < 0.0 ? -3 : 3;

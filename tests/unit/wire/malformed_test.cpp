@@ -53,7 +53,7 @@ TEST(Malformed, EveryDamageIsAnError) {
 }
 
 /// The content of one brick and layer, by hand.
-Status tryTokens(const std::string& runs, const std::string& levels) {
+Status tryRunLevels(const std::string& runs, const std::string& levels) {
   const VolumeShape shape{Format::kCompact, Grid{{0, 0, 0}, 1.0, {8, 8, 8}}, VolumeStage::kTransported, {""}, {1.0}};
   const auto size = std::uint32_t(runs.size());
   std::string body(reinterpret_cast<const char*>(&size), sizeof(size));
@@ -62,23 +62,23 @@ Status tryTokens(const std::string& runs, const std::string& levels) {
   return decoder.add({{0, 1}}, compress(body));
 }
 
-TEST(Malformed, Tokens) {
+TEST(Malformed, RunLevels) {
   const std::string dark = std::string("\x00", 1) + std::string(12, '\xff');
-  EXPECT_TRUE(tryTokens(dark, "").ok());
-  EXPECT_FALSE(tryTokens(dark.substr(0, 12), "").ok());               // a plane is missing
-  EXPECT_FALSE(tryTokens(dark + "x", "").ok());                       // bytes left over
-  EXPECT_FALSE(tryTokens(dark, "x").ok());                            // values left over
-  EXPECT_FALSE(tryTokens("\x17" + dark.substr(1), "").ok());          // shift 23
+  EXPECT_TRUE(tryRunLevels(dark, "").ok());
+  EXPECT_FALSE(tryRunLevels(dark.substr(0, 12), "").ok());               // a plane is missing
+  EXPECT_FALSE(tryRunLevels(dark + "x", "").ok());                       // bytes left over
+  EXPECT_FALSE(tryRunLevels(dark, "x").ok());                            // values left over
+  EXPECT_FALSE(tryRunLevels("\x17" + dark.substr(1), "").ok());          // shift 23
   const std::string one = std::string("\x00\x00", 2) + std::string(12, '\xff');
-  EXPECT_TRUE(tryTokens(one, "\x02").ok());
-  EXPECT_FALSE(tryTokens(one, "").ok());                              // no value
-  EXPECT_FALSE(tryTokens(one, "\x82").ok());                          // half a value
-  EXPECT_FALSE(tryTokens(one, "\x82\x82\x82\x82\x82\x01").ok());      // an endless value
-  EXPECT_FALSE(tryTokens(one, "\xfe\xff\xff\x7f").ok());              // beyond the largest coefficient
+  EXPECT_TRUE(tryRunLevels(one, "\x02").ok());
+  EXPECT_FALSE(tryRunLevels(one, "").ok());                              // no value
+  EXPECT_FALSE(tryRunLevels(one, "\x82").ok());                          // half a value
+  EXPECT_FALSE(tryRunLevels(one, "\x82\x82\x82\x82\x82\x01").ok());      // an endless value
+  EXPECT_FALSE(tryRunLevels(one, "\xfe\xff\xff\x7f").ok());              // beyond the largest coefficient
   std::string far = std::string("\x00", 1) + std::string(2, '\xfe') + "\x04" + std::string(12, '\xff');
-  EXPECT_FALSE(tryTokens(far, "\x02").ok());                          // 254 + 254 + 4: the 513th
+  EXPECT_FALSE(tryRunLevels(far, "\x02").ok());                          // 254 + 254 + 4: the 513th
   far[3] = '\x03';
-  EXPECT_TRUE(tryTokens(far.substr(0, far.size() - 1), "\x02").ok());
+  EXPECT_TRUE(tryRunLevels(far.substr(0, far.size() - 1), "\x02").ok());
 }
 
 TEST(Malformed, AMessageThatExpandsTooFar) {

@@ -1,5 +1,5 @@
 #pragma once
-// Meshes and textures to the server: each content goes over the wire once.
+// Uploads meshes and textures. A session is asked which contents it has, so each is sent once.
 
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace lpv::client {
 
-/// Bytes under their name.
+/// A mesh or texture as bytes, named by their hash.
 struct Blob {
   v1::BlobKind kind = v1::BLOB_KIND_UNSPECIFIED;
   std::string bytes;
@@ -20,16 +20,16 @@ struct Blob {
 /// Lower-case hexadecimal SHA-256.
 BlobHash sha256(const std::string& bytes);
 
-/// The blob of a mesh or a texture; equal content gives equal bytes.
+/// Serialises a mesh or a texture. Equal content gives equal bytes.
 Blob blobOf(const Mesh& mesh);
 Blob blobOf(const Texture& texture);
 
-/// Asks which of `blobs` the session lacks and sends those, in parts of at most 1 MiB. Progress counts the bytes that
-/// have to travel.
+/// Asks which of `blobs` the session lacks and uploads those, in parts of at most 1 MiB. `progress` counts the bytes of
+/// the missing blobs.
 Status uploadMissing(Client& client, const std::string& session, const std::vector<const Blob*>& blobs,
                      const Progress& progress = {});
 
-/// One mesh or texture; returns the hash to name it by in an edit.
+/// Uploads one mesh or texture if the session lacks it. Returns the hash that edits name it by.
 Expected<BlobHash> upload(Client& client, const std::string& session, const Mesh& mesh, const Progress& progress = {});
 Expected<BlobHash> upload(Client& client, const std::string& session, const Texture& texture,
                           const Progress& progress = {});

@@ -1,5 +1,5 @@
 #pragma once
-// Between the wire's messages and the domain's values.
+// Converts between messages of lpv.v1 and the domain's types.
 
 #include <glm/glm.hpp>
 
@@ -25,13 +25,13 @@ v1::Mesh toProto(const Mesh& mesh);
 v1::Texture toProto(const Texture& texture);
 
 glm::dvec3 fromProto(const v1::Vec3& v);
-/// Unset fields mean identity; `matrix` is not looked at (the server never sends it).
+/// Unset fields mean identity. `matrix` is ignored: the server never sends it.
 Transform fromProto(const v1::Transform& transform);
-/// Unset fields take the documented defaults.
+/// Unset fields take the defaults documented in geometry.proto.
 Camera fromProto(const v1::Camera& camera);
-/// As sent; the numbers are not checked.
+/// Copies the numbers without checking them.
 Grid fromProto(const v1::Grid& grid);
-/// How a session reads irradiance, for lpv::irradianceAt; CAP where a message does not say.
+/// The lookup for lpv::irradianceAt; CAP if unspecified.
 Lookup fromProto(v1::Lookup lookup);
 
 }  // namespace lpv::client

@@ -1,5 +1,6 @@
 #pragma once
-// Edits with an identity: each has a sequence, so a repeated one is applied once, and results say which they contain.
+// Edits with a client identity: each has a sequence, so a repeated edit is applied once, and results name the sequence
+// up to which they contain this client's edits.
 
 #include <chrono>
 #include <cstdint>
@@ -13,33 +14,34 @@
 
 namespace lpv::client {
 
-/// A member of a session. Joined on creation; leave() gives the identity back (its edits stay).
-/// One thread at a time edits through an Editor and the EditStream made from it.
+/// A member of a session. join() joins; leave() ends the membership and keeps the edits.
+/// Only one thread at a time may edit through an Editor and the EditStream made from it.
 class Editor {
  public:
-  /// With a display name the other members see this one at once (Presence).
+  /// Joins the session. With a display name the other members see this one in presence at once.
   static Expected<Editor> join(Client client, const std::string& session, const std::string& displayName);
-  /// A member that joined before, perhaps in another process. `lastSequence`: at least that of its last edit. An empty
-  /// identity edits as nobody: nothing is repeated, nothing can be undone.
+  /// Resumes a member that joined before, possibly in another process. `lastSequence`: at least the sequence of its
+  /// last edit. With an empty identity edits are anonymous: they are not retried and cannot be undone.
   static Editor resume(Client client, const std::string& session, v1::ClientIdentity identity,
                        std::uint64_t lastSequence);
 
-  /// One edit, answered. Where the connection breaks before the answer, the same sequence is sent again until the
-  /// client's timeout: it is applied once. A refused edit is the error and changes nothing.
+  /// Applies one edit and waits for the answer. If the connection breaks before the answer, the same sequence is sent
+  /// again until the client's timeout, and is applied once. A refused edit returns its error and changes nothing.
   Expected<v1::EditAck> apply(v1::Edit edit);
 
-  /// Takes back this member's newest step, or makes one again. With an EditStream, drain() it first: undo does not wait
-  /// for what is on its way there. FAILED_PRECONDITION where there is nothing. What somebody else has written since
-  /// stays, and is named in skipped_fields. The same retries as apply().
+  /// Undoes this member's newest undo step, or redoes the one undone last. drain() an EditStream first: undo does not
+  /// wait for its edits in flight. FAILED_PRECONDITION if there is no step. Fields that another member has written
+  /// since keep their values and are listed in skipped_fields. Retries as apply() does.
   Expected<v1::UndoResponse> undo();
   Expected<v1::RedoResponse> redo();
 
-  /// Tells the other members where this one looks and what it has selected. RESOURCE_EXHAUSTED
-  /// (max_presence_updates_per_second) where that comes too often: send the newest a little later.
+  /// Publishes this member's camera and selection to the other members. RESOURCE_EXHAUSTED
+  /// (max_presence_updates_per_second) if called too often: send the newest state a little later.
   Status present(const v1::Presence& presence);
 
-  /// Keeps the others from changing lights and surfaces for 1 to 60 s, or as long again; 0 s releases them, all of this
-  /// member's where none is named. ABORTED where another member has one: none of them is locked then.
+  /// Locks lights and surfaces against changes by other members for 1 to 60 s, or extends such a lock; 0 s releases it,
+  /// and with no objects named all locks of this member. ABORTED if another member has locked one of them; none is
+  /// locked then.
   Status lock(const std::vector<std::string>& objects, std::chrono::seconds time);
 
   Status leave();
@@ -47,7 +49,7 @@ class Editor {
   const std::string& session() const { return session_; }
   const v1::ClientIdentity& identity() const { return identity_; }
   const Client& client() const { return client_; }
-  /// The sequence of the last edit made.
+  /// Sequence of the last edit.
   std::uint64_t sequence() const { return *sequence_; }
 
  private:
@@ -60,26 +62,26 @@ class Editor {
   std::shared_ptr<std::uint64_t> sequence_;
 };
 
-/// Edits in order without waiting for each answer: what an interactive editor wants. Reconnects by itself and sends
-/// again what was not acknowledged.
+/// A stream of edits in order that does not wait for each answer, for interactive editors. It reconnects by itself and
+/// resends the edits that were not acknowledged.
 class EditStream {
  public:
-  /// Called for each acknowledgement, in order, on the stream's thread; a rejection is an acknowledgement whose status
-  /// is not OK.
+  /// Called for each acknowledgement, in order, on the stream's thread. A rejected edit is acknowledged with a status
+  /// other than OK.
   using OnAck = std::function<void(const v1::EditAck&)>;
-  /// Called once if the stream ends for a reason that reopening cannot cure.
+  /// Called once if the stream ends with an error that reconnecting cannot cure.
   using OnEnd = std::function<void(const Status&)>;
 
-  /// `latency`, where given, is told when each edit is sent; give the same to a watcher.
+  /// `latency` records when each edit is sent; pass the same object to a watcher's hooks.
   EditStream(const Editor& editor, OnAck onAck = {}, OnEnd onEnd = {}, std::shared_ptr<LatencyLog> latency = {});
   ~EditStream();
   EditStream(const EditStream&) = delete;
   EditStream& operator=(const EditStream&) = delete;
 
-  /// Sends an edit and returns its sequence. Waits while 256 edits are unanswered. The error is why the stream ended.
+  /// Sends an edit and returns its sequence. Blocks while 256 edits are unanswered. Errors: why the stream ended.
   Expected<std::uint64_t> send(v1::Edit edit);
 
-  /// Waits until everything sent is acknowledged; DEADLINE_EXCEEDED after `timeout`.
+  /// Waits until all edits sent are acknowledged; DEADLINE_EXCEEDED after `timeout`.
   Status drain(std::chrono::milliseconds timeout);
 
   /// Ends the stream; unacknowledged edits may or may not have been applied.

@@ -1,5 +1,5 @@
 #pragma once
-// Operations of an edit, one function each:
+// Makes the operations of an edit, one function for each kind:
 //
 //   v1::Edit edit = editOf({moveLight("Tv", {.translation = glm::dvec3(0, 1, 0)}), fitGrid()});
 
@@ -14,20 +14,20 @@
 
 namespace lpv::client {
 
-/// Parts of a transform that change; the others stay as they are.
+/// Parts of a transform to change; unset parts keep their values.
 struct Move {
   std::optional<glm::dvec3> translation = {};  ///< world, metres
   std::optional<glm::dquat> rotation = {};     ///< unit; see rotationFromEulerDegrees
   std::optional<glm::dvec3> scale = {};        ///< factors along the object's axes
 };
 
-/// Several operations as one edit: all or nothing, one revision, one undo step.
+/// One edit of several operations: applied all or not at all, one revision, one undo step.
 v1::Edit editOf(std::vector<v1::Operation> operations);
 
 v1::Operation createLight(v1::Light light);
 v1::Operation createSurface(v1::Surface surface);
 v1::Operation putCamera(const std::string& name, const Camera& camera);
-/// `paths` within Light or Surface, e.g. "radiance"; see UpdateLight and UpdateSurface in scene.proto.
+/// `paths`: fields of Light or Surface to change, e.g. "radiance"; see UpdateLight and UpdateSurface in scene.proto.
 v1::Operation updateLight(v1::Light light, const std::vector<std::string>& paths);
 v1::Operation updateSurface(v1::Surface surface, const std::vector<std::string>& paths);
 v1::Operation moveLight(const std::string& name, const Move& move);
@@ -35,9 +35,9 @@ v1::Operation moveSurface(const std::string& name, const Move& move);
 /// W/(sr m^2), linear Rec.709.
 v1::Operation setRadiance(const std::string& light, const glm::dvec3& radiance);
 v1::Operation setEnabled(const std::string& light, bool enabled);
-/// Another mesh, uploaded before.
+/// `mesh`: hash of a mesh that has been uploaded.
 v1::Operation setLightMesh(const std::string& light, const BlobHash& mesh);
-/// New vertices for the same triangles: what a mesh that deforms sends every tick.
+/// Replaces the vertices of an object's mesh, with the same triangles; for meshes that deform.
 v1::Operation setVertices(const std::string& object, const std::vector<glm::vec3>& positions,
                           const std::vector<glm::vec3>& normals = {});
 v1::Operation deleteLight(const std::string& name);

@@ -1,5 +1,5 @@
 #pragma once
-// How long it takes from sending an edit to holding the first result that contains it, by one clock: this machine's.
+// Latency from sending an edit to receiving the first result that contains it, by this machine's clock.
 
 #include <chrono>
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace lpv::client {
 
-/// Seconds, over all edits measured.
+/// Percentiles of the latency over all edits measured, seconds.
 struct LatencySummary {
   std::size_t count = 0;
   double p50 = 0.0;
@@ -22,15 +22,15 @@ struct LatencySummary {
 
 LatencySummary summarize(std::vector<double> seconds);
 
-/// Joins the times at which edits were sent with the client_sequence that results echo. Safe to share between threads.
+/// Matches the times at which edits were sent with the client_sequence that results echo. Thread-safe.
 class LatencyLog {
  public:
-  /// Edit `sequence` is being sent now.
+  /// Records that edit `sequence` is sent now.
   void sent(std::uint64_t sequence);
-  /// A result that contains all edits up to `sequence` is here now.
+  /// Records that a result with all edits up to `sequence` arrives now.
   void seen(std::uint64_t sequence);
   LatencySummary summary() const { return summarize(seconds()); }
-  /// Seconds of each edit seen so far, in order of sequence.
+  /// Latency of each edit seen so far, seconds, in order of sequence.
   std::vector<double> seconds() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What the server makes, as a client holds it.
+// Results of the server, decoded.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,27 +12,27 @@
 
 namespace lpv::client {
 
-/// A volume, decoded and verified against its checksum. Look irradiance up with lpv::irradianceAt (scene/volume.h).
+/// A decoded volume whose checksum has been verified. lpv::irradianceAt (scene/volume.h) looks irradiance up.
 struct VolumeResult {
   Volume volume;
   v1::VolumeHeader header;     ///< revision, stage times, features, layers
-  std::size_t bytes = 0;       ///< received, payload only
-  double decodeSeconds = 0.0;  ///< from the first part to the finished volume, network included
+  std::size_t bytes = 0;       ///< bytes received, payloads only
+  double decodeSeconds = 0.0;  ///< from the first part to the decoded volume, network included
 };
 
-/// An encoded picture, verified against its checksum.
+/// An encoded frame whose checksum has been verified.
 struct FrameResult {
-  std::string file;  ///< JPEG, PNG or EXR, complete
+  std::string file;  ///< complete JPEG, PNG or EXR file
   v1::FrameHeader header;
 };
 
-/// A place that receives light.
+/// A point on a surface.
 struct SurfacePoint {
   glm::dvec3 position{0.0};          ///< world, metres
-  glm::dvec3 normal{0.0, 1.0, 0.0};  ///< any length but 0
+  glm::dvec3 normal{0.0, 1.0, 0.0};  ///< any length except 0
 };
 
-/// Answers of a probe, in the order asked.
+/// Irradiance at the probed points, in their order.
 struct ProbeResult {
   v1::ResultInfo info;
   std::vector<Irradiance> irradiance;

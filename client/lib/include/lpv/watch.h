@@ -1,7 +1,7 @@
 #pragma once
-// Results as they are made. A watcher holds one result at a time: the next is asked for when the callback has returned
-// and always shows the newest revision then. It reopens by itself, after 0.1 to 2 s chosen at random, when the
-// connection breaks or nothing (not even a heartbeat) came for 3 s; it ends for errors that reopening cannot cure.
+// Subscriptions. A watcher has one credit: it acknowledges a result when the callback has returned, and the next result
+// shows the newest revision then. It reconnects by itself, after a random 0.1 to 2 s, when the connection breaks or
+// nothing (not even a heartbeat) arrived for 3 s. It ends on errors that reconnecting cannot cure.
 
 #include <cstdint>
 #include <functional>
@@ -13,27 +13,27 @@
 
 namespace lpv::client {
 
-/// Numbers of one watcher since it began.
+/// Counters of one watcher since its construction.
 struct WatchStats {
-  std::uint64_t results = 0;    ///< handed to the callback
-  std::uint64_t bytes = 0;      ///< of their payloads
-  std::uint64_t discarded = 0;  ///< older than one already shown
-  std::uint64_t faults = 0;     ///< malformed or with a wrong checksum
-  std::uint64_t reopened = 0;   ///< times the stream was opened again
+  std::uint64_t results = 0;  ///< results passed to the callback
+  std::uint64_t bytes = 0;  ///< bytes of their payloads
+  std::uint64_t discarded = 0;  ///< results older than one already delivered
+  std::uint64_t faults = 0;  ///< results that were malformed or had a wrong checksum
+  std::uint64_t reopened = 0;  ///< times the stream was reconnected
 };
 
-/// What a watcher tells besides results.
+/// Callbacks of a watcher besides its results.
 struct WatchHooks {
-  std::function<void(const v1::Subscribed&)> subscribed = {};   ///< after every opening
+  std::function<void(const v1::Subscribed&)> subscribed = {};  ///< after every connect
   std::function<void(const v1::Heartbeat&)> heartbeat = {};
   std::function<void(const v1::Notice&)> notice = {};
-  std::function<void(const Status&)> reopening = {};            ///< why the stream broke
-  std::function<void(const Status&)> ended = {};                ///< once, unless stopped
-  std::shared_ptr<LatencyLog> latency = {};                     ///< told which edits have been seen
+  std::function<void(const Status&)> reopening = {};  ///< why the stream broke
+  std::function<void(const Status&)> ended = {};  ///< called once, unless stop() ended the watcher
+  std::shared_ptr<LatencyLog> latency = {};  ///< records which edits have been seen
 };
 
-/// Callbacks run on the watcher's thread. The destructor stops and waits for a callback that is running; stop() may be
-/// called from a callback.
+/// Watches volumes. Callbacks run on the watcher's thread. The destructor stops the watcher and waits for a running
+/// callback; stop() may be called from a callback.
 class VolumeWatcher {
  public:
   using OnVolume = std::function<void(VolumeResult)>;
@@ -50,7 +50,7 @@ class VolumeWatcher {
   std::unique_ptr<State> state_;
 };
 
-/// As VolumeWatcher, for pictures.
+/// Watches frames; otherwise like VolumeWatcher.
 class FrameWatcher {
  public:
   using OnFrame = std::function<void(FrameResult)>;
@@ -59,7 +59,7 @@ class FrameWatcher {
   FrameWatcher(const FrameWatcher&) = delete;
   FrameWatcher& operator=(const FrameWatcher&) = delete;
 
-  /// Moves this subscriber's camera; returns the sequence that the frames showing it echo. Kept over reopening.
+  /// Moves this subscriber's camera, also for later reconnects. Returns the sequence that frames showing it echo.
   std::uint64_t setCamera(const v1::Camera& camera);
   void setExposure(const v1::Exposure& exposure);
   /// Pixels.
@@ -72,13 +72,14 @@ class FrameWatcher {
   std::unique_ptr<State> state_;
 };
 
-/// The scene as it changes: a snapshot first, then every change in order, also across reconnections.
+/// Watches the scene: delivers a snapshot, then every change in order, also across reconnects.
 class SceneWatcher {
  public:
-  /// Snapshot, change or presence, as sent; parts with `more` are followed by the rest. Presence starts anew
-  /// when the stream was opened again: whoever is not told of then is gone.
+  /// Called with each snapshot, change or presence message. Messages with `more` are continued by the next one. After a
+  /// reconnect presence starts again: members that are not listed then have left.
   using OnEvent = std::function<void(const v1::WatchSceneResponse&)>;
-  /// `member`: whose eyes these are (Editor::identity): it is present while it watches, and not told of itself.
+  /// `member`: identity of the member that watches (Editor::identity). It counts as present while it watches and gets
+  /// no messages about itself.
   SceneWatcher(const Client& client, std::string session, std::uint64_t sinceRevision, OnEvent onEvent,
                WatchHooks hooks = {}, v1::ClientIdentity member = {});
   ~SceneWatcher();

@@ -1,0 +1,168 @@
+#include "session/delivery/readers.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "session/members/members.h"
+
+namespace lpv {
+namespace {
+
+/// Of the frames that calls wait for, pixels that one tick makes: its targets are held until it ends. The others wait.
+constexpr std::int64_t kMostCallPixels = std::int64_t(4096) * 4096;
+
+std::int64_t pixelsOf(const FrameSettings& settings) { return std::int64_t(settings.size.x) * settings.size.y; }
+
+}  // namespace
+
+SubscriberPtr Readers::add(const Subscription& subscription, const std::shared_ptr<ResultSink>& sink) {
+  auto subscriber = std::make_shared<Subscriber>();
+  subscriber->key = nextKey_++;
+  subscriber->id = "s-" + std::to_string(subscriber->key) + "-" + randomHex(4);
+  subscriber->subscription = subscription;
+  subscriber->sink = sink;
+  if (subscription.frame && subscription.adaptRate > 0.0) subscriber->adapter.emplace(subscription.adaptRate);
+  subscribers_[subscriber->id] = subscriber;
+  return subscriber;
+}
+
+SubscriberPtr Readers::find(const std::string& id) const {
+  const auto found = subscribers_.find(id);
+  return found == subscribers_.end() ? nullptr : found->second;
+}
+
+std::set<std::string> Readers::clients() const {
+  std::set<std::string> out;
+  for (const auto& [id, subscriber] : subscribers_) out.insert(subscriber->subscription.clientId);
+  return out;
+}
+
+std::vector<std::shared_ptr<ResultSink>> Readers::sinks() const {
+  std::vector<std::shared_ptr<ResultSink>> out;
+  for (const auto& [id, subscriber] : subscribers_) {
+    if (auto sink = subscriber->sink.lock()) out.push_back(std::move(sink));
+  }
+  return out;
+}
+
+Clock::time_point Readers::nextDue(const Occasion& at) const {
+  Clock::time_point next = calls_.empty() ? Subscriber::kNever : at.now;
+  for (const auto& [id, subscriber] : subscribers_) next = std::min(next, subscriber->dueAt(at.revision, at.pace));
+  return next;
+}
+
+Clock::time_point Readers::planSubscribers(const Occasion& at, const HasView& hasView, TickPlan* plan) {
+  Clock::time_point next = Subscriber::kNever;
+  for (const auto& [id, subscriber] : subscribers_) {
+    if (const Clock::time_point due = subscriber->dueAt(at.revision, at.pace); at.now < due) {
+      next = std::min(next, due);
+      continue;
+    }
+    const Subscription& wanted = subscriber->subscription;
+    if (wanted.volume) {
+      plan->addVolume(*wanted.volume);
+      if (!subscriber->hasCredit(at.pace)) plan->prefetchFor.push_back(subscriber);
+    } else if (wanted.frame && hasView(wanted.frame->camera, 0)) {
+      FrameSettings settings = *wanted.frame;
+      settings.size = subscriber->frameShape().size;
+      plan->frameReaders.push_back({subscriber, std::move(settings)});
+      subscriber->settingsChanged = false;
+    }
+  }
+  return next;
+}
+
+std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasView, TickPlan* plan) {
+  std::vector<Answer> answers;
+  std::int64_t framePixels = 0;
+  for (auto it = calls_.begin(); it != calls_.end();) {
+    const std::shared_ptr<WaitingCall> call = *it;
+    const bool early = call->minRevision > at.revision;
+    const bool full = call->frame && framePixels > 0 && framePixels + pixelsOf(*call->frame) > kMostCallPixels;
+    if (early || full || (call->frame && !hasView(call->frame->camera, call->minRevision))) {
+      ++it;
+      continue;
+    }
+    it = calls_.erase(it);
+    if (call->frame) {
+      plan->frameCalls.push_back(call);
+      framePixels += pixelsOf(*call->frame);
+    } else if (const std::optional<Result> cached = cachedVolume(*call->volume, call->minRevision)) {
+      answers.push_back({call, *cached});
+    } else {
+      plan->addVolume(*call->volume);
+      plan->volumeCalls.push_back(call);
+    }
+  }
+  return answers;
+}
+
+std::optional<Result> Readers::cachedVolume(VolumeStage stage, std::uint64_t minRevision) const {
+  const auto found = latest_.find(stage);
+  if (found == latest_.end() || found->second.meta.revision < minRevision) return std::nullopt;
+  return found->second;
+}
+
+Deliveries Readers::deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta,
+                                   const Occasion& at) {
+  Deliveries out;
+  if (tick.transported) deliverVolume(plan, meta, VolumeStage::kTransported, tick.transported, at, &out);
+  if (tick.injected) deliverVolume(plan, meta, VolumeStage::kInjected, tick.injected, at, &out);
+  deliverFrames(plan, meta, tick.frames, at, &out);
+  for (const auto& [id, subscriber] : subscribers_) {
+    // Passed by, because it has not acknowledged what it was sent, or wants fewer results a second.
+    const bool passed = at.now < subscriber->dueAt(at.revision, at.pace);
+    if (subscriber->lacks(meta.revision) && !subscriber->prefetch && passed) ++out.coalesced;
+  }
+  return out;
+}
+
+/// A volume goes to every reader with credit that lacks it, also to those that came or got their credit back while the
+/// tick ran, and to the calls that waited; it is kept for readers whose credit is about to come back.
+void Readers::deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
+                            const Occasion& at, Deliveries* out) {
+  meta.resultId = nextResult_++;
+  const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0, 0};
+  for (const auto& [id, subscriber] : subscribers_) {
+    subscriber->dropStalePrefetch(at.revision, at.pace, at.now);
+    const bool due = at.now >= subscriber->dueAt(at.revision, at.pace) ||
+                     (plan.prefetchesFor(*subscriber) && subscriber->canStorePrefetch(at.pace));
+    if (subscriber->subscription.volume != stage || !subscriber->lacks(meta.revision) || !due) continue;
+    Result result = latest;
+    result.meta.clientSequence = plan.moment.sequenceOf(subscriber->subscription.clientId);
+    if (!subscriber->hasCredit(at.pace)) {
+      out->offers.push_back({subscriber, subscriber->storePrefetch(std::move(result), at.now), Offer::kPrepare});
+      continue;
+    }
+    result.baseId = subscriber->baseId;
+    subscriber->markSent(result, at.now);
+    out->offers.push_back({subscriber, std::move(result)});
+  }
+  for (const auto& call : plan.volumeCalls) {
+    if (call->volume == stage) out->answers.push_back({call, latest});
+  }
+}
+
+void Readers::deliverFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
+                            const Occasion& at, Deliveries* out) {
+  auto frame = frames.begin();
+  for (const auto& [subscriber, settings] : plan.frameReaders) {
+    meta.resultId = nextResult_++;
+    meta.clientSequence = plan.moment.sequenceOf(subscriber->subscription.clientId);
+    Result result{meta, nullptr, *frame++, settings.cameraSequence, subscriber->frameShape().quality, 0};
+    if (!subscribers_.contains(subscriber->id)) continue;
+    subscriber->markSent(result, at.now);
+    out->offers.push_back({subscriber, std::move(result)});
+  }
+  for (const auto& call : plan.frameCalls) {
+    meta.resultId = nextResult_++;
+    meta.clientSequence = 0;
+    out->answers.push_back({call, {meta, nullptr, *frame++, 0, call->frame->quality, 0}});
+  }
+}
+
+void Readers::restore(const TickPlan& plan) {
+  for (const TickPlan::FrameReader& reader : plan.frameReaders) reader.subscriber->settingsChanged = true;
+}
+
+}  // namespace lpv

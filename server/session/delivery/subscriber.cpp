@@ -1,0 +1,100 @@
+#include "session/delivery/subscriber.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lpv {
+namespace {
+
+Clock::duration durationOf(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+}  // namespace
+
+bool Subscriber::hasCredit(const Pace& pace) const {
+  if (inFlight.empty()) return true;
+  return subscription.twoCredits && inFlight.size() == 1 && longTrip(pace);
+}
+
+/// Its round trip lasts for more than one of its intervals.
+bool Subscriber::longTrip(const Pace& pace) const {
+  const double rate = subscription.maxRate > 0.0 ? subscription.maxRate : pace.tickRate;
+  return roundTrip.mean() > 1.0 / rate;
+}
+
+Clock::time_point Subscriber::dueAt(std::uint64_t revision, const Pace& pace) const {
+  if (!wants(revision)) return kNever;
+  return std::max(notBefore, hasCredit(pace) ? Clock::time_point::min() : prefetchDueAt(pace));
+}
+
+/// dueAt() of a subscriber whose credit is out. Only where a round trip lasts for more than a tick's interval, as a
+/// second credit asks for, and strays by less than there is to gain.
+Clock::time_point Subscriber::prefetchDueAt(const Pace& pace) const {
+  if (!canStorePrefetch(pace) || !longTrip(pace) || roundTrip.deviation() >= pace.makingSeconds) return kNever;
+  return inFlight.front().at + durationOf(roundTrip.mean() - roundTrip.deviation() - pace.makingSeconds);
+}
+
+FrameShape Subscriber::frameShape() const {
+  const FrameShape wanted{subscription.frame->size, subscription.frame->quality};
+  return adapter ? adapter->shapeFor(wanted) : wanted;
+}
+
+void Subscriber::markSent(const Result& result, Clock::time_point now) {
+  prefetch.reset();
+  inFlight.push_back({result.meta.resultId, now});
+  lastSent = result.meta.resultId;
+  shownRevision = result.meta.revision;
+  shownAny = true;
+  if (subscription.maxRate > 0.0) notBefore = now + intervalOf(subscription.maxRate);
+}
+
+std::optional<double> Subscriber::acknowledge(std::uint64_t resultId, Clock::time_point now) {
+  if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) {
+    return std::nullopt;
+  }
+  Clock::time_point sentAt;
+  while (!inFlight.empty() && inFlight.front().resultId <= resultId) {
+    sentAt = inFlight.front().at;
+    inFlight.pop_front();
+  }
+  if (resultId > basesAfter) baseId = resultId;
+  const double seconds = std::chrono::duration<double>(now - sentAt).count();
+  roundTrip.measured(seconds);
+  if (adapter) adapter->acknowledged(seconds);
+  return seconds;
+}
+
+void Subscriber::resend() {
+  shownAny = false;
+  baseId = 0;
+  basesAfter = lastSent;
+}
+
+bool Subscriber::canStorePrefetch(const Pace& pace) const {
+  if (!subscription.volume || hasCredit(pace)) return false;
+  const std::uint64_t base = inFlight.front().resultId;
+  return base != prefetchFor && base > basesAfter;
+}
+
+Result Subscriber::storePrefetch(Result result, Clock::time_point now) {
+  result.baseId = prefetchFor = inFlight.front().resultId;
+  prefetch = {result, now};
+  return result;
+}
+
+void Subscriber::dropStalePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now) {
+  if (!prefetch || prefetch->result.meta.revision == revision) return;
+  if (now - prefetch->at > intervalOf(pace.tickRate)) prefetch.reset();
+}
+
+std::optional<Result> Subscriber::takePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now) {
+  dropStalePrefetch(revision, pace, now);
+  const std::optional<Prefetch> kept = std::exchange(prefetch, std::nullopt);
+  if (!kept || !hasCredit(pace) || now < notBefore) return std::nullopt;
+  if (kept->result.baseId != baseId || kept->result.meta.revision <= shownRevision) return std::nullopt;
+  markSent(kept->result, now);
+  return kept->result;
+}
+
+}  // namespace lpv

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/timers.h"
+#include "engine/engine.h"
+#include "session/delivery/scene_source.h"
+#include "session/delivery/subscriber.h"
+#include "session/delivery/waiting_call.h"
+
+namespace lpv {
+
+/// What one tick makes, and for whom. The frames are the readers', in this order, then the calls'.
+struct TickPlan {
+  struct FrameReader {
+    SubscriberPtr subscriber;
+    FrameSettings settings;  ///< as they were when the tick was planned, in the size that the frame is made in
+  };
+
+  bool transported = false;
+  bool injected = false;
+  std::vector<SubscriberPtr> prefetchFor;  ///< readers of volumes whose credit is out
+  std::vector<FrameReader> frameReaders;
+  std::vector<std::shared_ptr<WaitingCall>> volumeCalls;
+  std::vector<std::shared_ptr<WaitingCall>> frameCalls;
+  Clock::time_point begun;
+  SceneMoment moment;  ///< set when the tick begins
+
+  bool empty() const { return !transported && !injected && frameReaders.empty() && frameCalls.empty(); }
+  void addVolume(VolumeStage stage) { (stage == VolumeStage::kInjected ? injected : transported) = true; }
+  bool prefetchesFor(const Subscriber& subscriber) const {
+    return std::any_of(prefetchFor.begin(), prefetchFor.end(),
+                       [&](const SubscriberPtr& one) { return one.get() == &subscriber; });
+  }
+};
+
+}  // namespace lpv

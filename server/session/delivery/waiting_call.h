@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "base/status.h"
+#include "session/delivery/result.h"
+#include "session/delivery/subscription.h"
+
+namespace lpv {
+
+/// A call that waits for one result.
+struct WaitingCall {
+  std::uint64_t minRevision = 0;
+  std::optional<VolumeStage> volume;
+  std::optional<FrameSettings> frame;
+  std::function<void(Expected<Result>)> done;  ///< called once, on a worker thread
+};
+
+}  // namespace lpv

@@ -1,0 +1,97 @@
+// A copy that takes every update is the document's snapshot, whatever was edited in between.
+
+#include "session/document/scene_copy.h"
+
+#include <gtest/gtest.h>
+
+#include "unit/session/session_rig.h"
+
+namespace lpv {
+namespace {
+
+class SceneCopyTest : public testing::Test {
+ protected:
+  SceneCopyTest() : blobs_(limits_), document_(LightingSettings(), limits_, test::nameOfContent) {}
+
+  void apply(std::vector<Operation> operations) {
+    ASSERT_TRUE(document_.apply(test::editOf(std::move(operations)), blobs_)) << "the edit is refused";
+  }
+
+  /// Brings the copy up to date, and compares.
+  void expectSame() {
+    copy_.apply(document_.takeUpdate());
+    const ScenePtr expected = document_.snapshot();
+    const Scene& scene = *copy_.scene();
+    EXPECT_EQ(scene.revision, expected->revision);
+    EXPECT_TRUE(scene.options == expected->options);
+    EXPECT_TRUE(scene.grid == expected->grid);
+    EXPECT_EQ(scene.lights, expected->lights);
+    EXPECT_EQ(scene.surfaces, expected->surfaces);
+    EXPECT_EQ(scene.cameras.size(), expected->cameras.size());
+    for (const auto& [name, camera] : expected->cameras) {
+      ASSERT_TRUE(scene.cameras.contains(name)) << name;
+      EXPECT_EQ(scene.cameras.at(name).eye, camera.eye);
+    }
+  }
+
+  Limits limits_;
+  Blobs blobs_;
+  Document document_;
+  SceneCopy copy_;
+};
+
+// Red when noteStale left out cameras, when takeUpdate did not name deleted objects, and when a new revision of the
+// settings alone kept the scene that was there.
+TEST_F(SceneCopyTest, FollowsEveryKindOfEdit) {
+  expectSame();
+  Camera camera;
+  camera.eye = glm::dvec3(1.0, 2.0, 3.0);
+  apply({test::createLight("a"), test::createLight("b"), test::createSurface("floor"), PutCamera{"view", camera}});
+  expectSame();
+  apply({test::moveLight("a", glm::dvec3(1.0, 0.0, 0.0))});
+  apply({DeleteLight{"b"}});
+  expectSame();
+  camera.eye.x = 5.0;
+  apply({PutCamera{"view", camera}});
+  expectSame();
+  apply({DeleteCamera{"view"}, DeleteSurface{"floor"}});
+  expectSame();
+  LightingSettings options = document_.options();
+  options.lookup = options.lookup == Lookup::kSh2 ? Lookup::kCap : Lookup::kSh2;
+  ASSERT_TRUE(document_.setOptions(options).ok());
+  expectSame();
+}
+
+// Many names while nobody takes an update: the next update is the whole scene, and no name that is gone is held.
+// Red when noteStale kept names without end.
+TEST_F(SceneCopyTest, TakesTheWholeAfterMoreNamesThanThereAreObjects) {
+  expectSame();
+  for (int i = 0; i < 100; ++i) {
+    const std::string name = "passing" + std::to_string(i);
+    apply({test::createLight(name)});
+    apply({DeleteLight{name}});
+  }
+  apply({test::createLight("stays")});
+  const SceneUpdate update = document_.takeUpdate();
+  EXPECT_TRUE(update.whole);
+  EXPECT_EQ(update.lights.size(), 1U);
+  copy_.apply(update);
+  expectSame();
+}
+
+// A scene that somebody holds does not change.
+TEST_F(SceneCopyTest, LeavesEarlierScenesAsTheyAre) {
+  apply({test::createLight("a")});
+  expectSame();
+  const ScenePtr before = copy_.scene();
+  const LightPtr light = before->lights.at("a");
+  apply({test::moveLight("a", glm::dvec3(1.0, 0.0, 0.0)), test::createLight("b")});
+  expectSame();
+  EXPECT_EQ(before->lights.size(), 1U);
+  EXPECT_EQ(before->lights.at("a"), light);
+  copy_.apply(document_.takeUpdate());
+  EXPECT_EQ(copy_.scene()->revision, document_.revision());
+}
+
+}  // namespace
+}  // namespace lpv
