@@ -12,7 +12,7 @@ namespace {
 class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBlobResponse> {
  public:
   explicit Upload(const Context& context)
-      : context_(context), berth_(context.counters->uploads), idle_(*context.timers) {}
+      : context_(context), slot_(context.counters->uploads), idle_(*context.timers) {}
 
   void receive(pb::UploadBlobRequest request) override {
     if (hasEnded()) return;
@@ -54,7 +54,7 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
     if (!session_) {
       if (!request.has_header()) return invalid("header", "the first message has no header");
       if (Status s = begin(request.header()); !s.ok()) return s.within("header");
-      if (Status s = berth_.enter(Reason::kMaxUploads, "max_uploads", context_.limits.maxUploads); !s.ok()) return s;
+      if (Status s = slot_.enter(Reason::kMaxUploads, "max_uploads", context_.limits.maxUploads); !s.ok()) return s;
     } else if (request.has_header()) {
       return invalid("header", "a later message has a header again");
     }
@@ -102,7 +102,7 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
   }
 
   const Context context_;
-  AdmissionSlot berth_;
+  AdmissionSlot slot_;
   Deadline idle_;
   SessionPtr session_;
   pb::BlobKind kind_ = pb::BLOB_KIND_UNSPECIFIED;

@@ -175,9 +175,9 @@ StreamPtr<pb::ProbeRequest, pb::ProbeResponse> probe(const Context& context) {
 }
 
 /// The camera and picture size that a pick is about: a live subscriber's, or given.
-static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::PickRequest& request,
-                                          const Limits& limits) {
-  FrameSettings subscription;
+static Expected<FrameSettings> pickedFrame(const SessionPtr& session, const pb::PickRequest& request,
+                                           const Limits& limits) {
+  FrameSettings settings;
   if (!request.subscriber().empty()) {
     const std::shared_ptr<Subscriber> subscriber = session->delivery().findSubscriber(request.subscriber());
     const std::optional<FrameSettings> frame =
@@ -190,28 +190,28 @@ static Expected<FrameSettings> pickedWish(const SessionPtr& session, const pb::P
   }
   const Expected<glm::ivec2> size = frameSize(request.width(), request.height(), limits);
   if (!size) return size.status();
-  subscription.size = *size;
+  settings.size = *size;
   if (request.has_camera()) {
     const Expected<Camera> camera = fromProto(request.camera());
     if (!camera) return camera.status().within("camera");
-    subscription.camera.camera = *camera;
+    settings.camera.camera = *camera;
   }
-  return subscription;
+  return settings;
 }
 
 Status pick(const Context& context, const pb::PickRequest& request, pb::PickResponse* response) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return session.status();
-  const Expected<FrameSettings> subscription = pickedWish(*session, request, context.limits);
-  if (!subscription) return subscription.status();
-  const glm::dvec2 size(subscription->size);
+  const Expected<FrameSettings> frame = pickedFrame(*session, request, context.limits);
+  if (!frame) return frame.status();
+  const glm::dvec2 size(frame->size);
   if (!(request.x() >= 0.0 && request.x() <= size.x && request.y() >= 0.0 && request.y() <= size.y)) {
     return Status(Code::kOutOfRange,
                   "x, y is " + std::to_string(request.x()) + ", " + std::to_string(request.y()) + ", the picture is " +
-                      std::to_string(subscription->size.x) + " x " + std::to_string(subscription->size.y),
+                      std::to_string(frame->size.x) + " x " + std::to_string(frame->size.y),
                   "x");
   }
-  const Expected<Camera> camera = (*session)->delivery().cameraFor(subscription->camera, subscription->size);
+  const Expected<Camera> camera = (*session)->delivery().cameraFor(frame->camera, frame->size);
   if (!camera) return camera.status();
   const ScenePtr scene = (*session)->scene();
   response->set_revision(scene->revision);

@@ -1,4 +1,4 @@
-// Subscriptions as streams: the bidirectional form and its server-streaming twin over the same feeds.
+// Subscriptions as streams: the bidirectional form and its server-streaming twin of the same.
 
 #include "api/results/subscription_stream.h"
 #include "api/services.h"
@@ -7,7 +7,7 @@
 namespace lpv::api {
 namespace {
 
-/// A stream that has a feed once its subscription has arrived. Traits say how messages carry what.
+/// A stream of results that begins once its subscription has arrived. Traits say how messages carry what.
 template <typename Traits>
 class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits::Request, typename Traits::Response> {
  public:
@@ -25,11 +25,11 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
     }
     const typename Traits::Subscription* subscription = Traits::subscription(request);
     if (!subscription) return this->end(invalid("subscription", "the first message has no subscription"));
-    auto feed = openFeed(context_, *subscription, this->wakeWhileAlive());
-    if (!feed) return this->end(feed.status().within("subscription"));
+    auto opened = openSubscription(context_, *subscription, this->wakeWhileAlive());
+    if (!opened) return this->end(opened.status().within("subscription"));
     {
       const MutexLock lock(mutex_);
-      feed_ = *feed;
+      subscription_ = *opened;
     }
     this->wake();
   }
@@ -39,35 +39,36 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
   }
 
   bool next(typename Traits::Response* response) override {
-    const std::shared_ptr<typename Traits::FeedType> feed = current();
-    if (!feed || this->hasEnded()) return false;
-    if (feed->next(response->mutable_event())) return true;
+    const std::shared_ptr<typename Traits::Live> live = current();
+    if (!live || this->hasEnded()) return false;
+    if (live->next(response->mutable_event())) return true;
     response->clear_event();
-    if (feed->closed()) this->endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
+    if (live->closed()) this->endInNext(Status(Code::kUnavailable, "the session has ended here; see the notice"));
     return false;
   }
 
   void release() override {
-    if (const auto feed = current()) feed->stop();
+    if (const auto live = current()) live->stop();
   }
 
  private:
-  std::shared_ptr<typename Traits::FeedType> current() {
+  std::shared_ptr<typename Traits::Live> current() {
     const MutexLock lock(mutex_);
-    return feed_;
+    return subscription_;
   }
 
   const Context context_;
   Mutex mutex_;
-  std::shared_ptr<typename Traits::FeedType> feed_ LPV_GUARDED_BY(mutex_);
+  std::shared_ptr<typename Traits::Live> subscription_ LPV_GUARDED_BY(mutex_);
 };
 
+/// Of a call whose client says one thing, and then only reads.
 template <typename Req, typename Resp, typename Sub, typename F>
 struct WatchTraits {
   using Request = Req;
   using Response = Resp;
   using Subscription = Sub;
-  using FeedType = F;
+  using Live = F;
   static constexpr bool kBidirectional = false;
   static const Sub* subscription(const Req& request) {
     return request.has_subscription() ? &request.subscription() : nullptr;
@@ -75,16 +76,10 @@ struct WatchTraits {
   static const pb::SubscriberUpdate* update(const Req&) { return nullptr; }
 };
 
+/// Of a call whose client acknowledges, and changes its subscription, on the same stream.
 template <typename Req, typename Resp, typename Sub, typename F>
-struct BidiTraits {
-  using Request = Req;
-  using Response = Resp;
-  using Subscription = Sub;
-  using FeedType = F;
+struct BidiTraits : WatchTraits<Req, Resp, Sub, F> {
   static constexpr bool kBidirectional = true;
-  static const Sub* subscription(const Req& request) {
-    return request.has_subscription() ? &request.subscription() : nullptr;
-  }
   static const pb::SubscriberUpdate* update(const Req& request) {
     return request.has_update() ? &request.update() : nullptr;
   }

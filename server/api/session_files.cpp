@@ -79,12 +79,12 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
 class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
   explicit Export(const Context& context)
-      : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
+      : context_(context), slot_(context.counters->sessionFiles), idle_(*context.timers) {}
 
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name());
     if (!session) return end(session.status());
-    if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+    if (Status s = slot_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
         !s.ok())
       return end(s);
     Expected<std::string> file = fileOf((*session)->state());
@@ -111,7 +111,7 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
       const MutexLock lock(mutex_);
       bytes_ = std::string();
     }
-    berth_.leave();
+    slot_.leave();
   }
 
  private:
@@ -129,7 +129,7 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   }
 
   const Context context_;
-  AdmissionSlot berth_;
+  AdmissionSlot slot_;
   Deadline idle_;
   Mutex mutex_;
   std::string bytes_ LPV_GUARDED_BY(mutex_);
@@ -140,12 +140,12 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
 class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::ImportSessionResponse> {
  public:
   explicit Import(const Context& context)
-      : context_(context), berth_(context.counters->sessionFiles), idle_(*context.timers) {}
+      : context_(context), slot_(context.counters->sessionFiles), idle_(*context.timers) {}
 
   void receive(pb::ImportSessionRequest request) override {
     if (hasEnded()) return;
     if (!begun_) {
-      if (Status s = berth_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
+      if (Status s = slot_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles);
           !s.ok())
         return end(s);
       wantedId_ = request.session_id();
@@ -201,7 +201,7 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
   }
 
   const Context context_;
-  AdmissionSlot berth_;
+  AdmissionSlot slot_;
   Deadline idle_;
   bool begun_ = false;
   std::string wantedId_;

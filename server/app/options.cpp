@@ -47,7 +47,7 @@ void addLimits(CLI::App& app, Limits& limits) {
   };
   seconds("--upload-idle", limits.uploadIdle, "seconds without a part after which an upload is given up", 1);
   seconds("--first-message", limits.firstMessage, "seconds a new stream's first message may take", 1);
-  seconds("--presence-idle", limits.presenceIdle, "seconds of silence after which the others see a member no more", 1);
+  seconds("--presence-idle", limits.presenceIdle, "seconds without a call after which a member is removed from presence", 1);
   seconds("--self-check", limits.selfCheck, "seconds between comparisons of a session's light with the truth; 0 = none",
           0);
 }

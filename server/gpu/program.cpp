@@ -8,6 +8,7 @@
 
 #include "gpu/failure.h"
 #include "gpu/gl.h"
+#include "gpu/shader_record.h"
 
 namespace lpv::gpu {
 
@@ -48,7 +49,7 @@ void compile(const Shader& shader, const std::string& file, const ShaderSource& 
   glCompileShader(shader.id);
   GLint compiled = 0;
   glGetShaderiv(shader.id, GL_COMPILE_STATUS, &compiled);
-  if (compiled == GL_TRUE) return;
+  if (compiled == GL_TRUE) return recordShader(file, source.text);
   std::array<char, 4096> log{};
   glGetShaderInfoLog(shader.id, GLsizei(log.size()), nullptr, log.data());
   throw Failure(Code::kInternal, file + " does not compile: " + describe(log.data(), source.files));

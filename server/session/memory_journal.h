@@ -5,8 +5,8 @@
 namespace lpv {
 
 /// Keeps nothing: sessions live as long as the process. Durability MEMORY; every change is as durable as it gets at
-/// once.
-class MemoryJournal final : public Journal {
+/// once. Tests derive from it what keeps a part.
+class MemoryJournal : public Journal {
  public:
   Durability durability() const override { return Durability::kMemory; }
   Status available() const override { return {}; }

@@ -42,53 +42,53 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
 
   // Limits and settings.
   Limits limits() const;
-  /// From now on: what was accepted stays, what is refused is refused by these.
+  /// New limits apply to what comes from now on; what was accepted under earlier ones stays.
   void setLimits(const Limits& limits);
   /// RESOURCE_EXHAUSTED, max_tick_seconds, where the session as it is costs the device too much.
   Status checkCost() const;
-  /// Puts what `change` makes of the settings in their place; nobody else changes them meanwhile. `change` is called
-  /// under the session's lock.
+  /// Replaces the settings by what `change` returns for the current ones. `change` is called under the session's lock,
+  /// so that no other change of settings comes in between.
   Status changeSettings(const std::function<Expected<SessionSettings>(const SessionSettings&)>& change);
 
   // Members.
   Expected<ClientIdentity> join(const PresenceUpdate& seenAs = {});
   void leave(const ClientIdentity& client);
   Status verify(const ClientIdentity& client) const;
-  /// What the others see of the member. Watchers are told when presence changes.
+  /// Updates what other members see of this one (cursor, selection, camera). Calls the watchers where it changed.
   Status present(const ClientIdentity& client, const PresenceUpdate& update);
-  /// Another number after every change.
+  /// A counter that grows with every change of presence.
   std::uint64_t presenceChanges() const;
   PresenceSnapshot presenceSnapshot() const;
-  /// Locks lights and surfaces for the member, for 1 s to kMaxLockTime; 0 releases, all of the member's where none is
-  /// named. NOT_FOUND, ABORTED, RESOURCE_EXHAUSTED: none of them is locked.
+  /// Locks lights and surfaces for the member, for 1 s to kMaxLockTime. 0 releases them, or all of the member's locks
+  /// where `names` is empty. All or none: on NOT_FOUND, ABORTED or RESOURCE_EXHAUSTED nothing is locked.
   Status lockObjects(const ClientIdentity& client, const std::vector<std::string>& names, std::chrono::seconds time);
-  /// Removes the presence of members that were not heard of for long, and locks whose time is over.
+  /// Removes the presence of members that were silent for longer than `presence_idle`, and locks that have expired.
   void dropSilentMembers(Clock::time_point now);
 
   // Edits.
-  /// The whole life of an edit: prepared outside the lock, then applied, recorded, told to readers.
+  /// Prepares the edit outside the lock, applies it as one revision, journals its outcome and notifies readers.
   EditOutcome apply(const ClientIdentity& client, Edit edit);
-  /// The outcome of an edit that could not even be read: recorded under its sequence like any other.
+  /// Records the outcome of an edit that could not be parsed, under its sequence like any other.
   EditOutcome recordRejected(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
-  /// Takes back the member's newest step, or makes one again that was taken back (session/document/history.h): an edit
-  /// in every other respect. FAILED_PRECONDITION where there is none; INVALID_ARGUMENT for nobody.
+  /// Undoes the member's newest step, or redoes the one undone last (session/document/history.h); an edit in every other
+  /// respect. FAILED_PRECONDITION where there is no such step, INVALID_ARGUMENT without a member.
   EditOutcome undoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction);
 
   // The journal.
-  /// Gives the journal the session as it is, once, before anything else is done with it. Answers with its time to live.
+  /// Writes the whole session to the journal, once, before anything else is done with it. Returns its time to live.
   std::chrono::seconds journalCreation(const std::string& requestId);
-  /// Calls `kept` once, when everything that was done to the session so far is kept (any thread, no locks), or with why
-  /// that is not known. Nobody is told of a change before.
-  void whenDurable(std::function<void(const Status&)> kept) const;
-  /// The same for an edit: `told` gets its outcome, or UNAVAILABLE where it may be lost.
-  void confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const;
-  /// Changes are refused for now.
+  /// Calls `done` once (any thread, no locks): with OK when everything that was done to the session so far is durable,
+  /// or with why that is not known. Nobody is told of a change before.
+  void whenDurable(std::function<void(const Status&)> done) const;
+  /// The same for an edit: `done` gets its outcome, or UNAVAILABLE where the edit may be lost.
+  void confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> done) const;
+  /// True while the journal cannot write: edits are refused until it can.
   bool readOnly() const { return !services_.journal->writable(id_).ok(); }
   Durability durability() const { return services_.journal->durability(); }
 
   // Blobs.
   Expected<bool> addBlob(const BlobPtr& blob);
-  /// Counts as use of the blob: whoever finds it may name it in an edit soon.
+  /// Counts as a use of the blob, which keeps it for a while: the caller may name it in an edit soon.
   BlobPtr findBlob(const BlobHash& hash);
   MeshPtr findMeshInUse(const BlobHash& hash) const;
   void dropUnusedBlobs();
@@ -97,15 +97,15 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   SessionSummary summary() const;
   std::uint64_t revision() const override;
   ScenePtr scene();
-  /// As Document::changesSince, with the clients whose edits are in there.
+  /// As Document::changesSince, with the newest edit sequence of each client that the changes contain.
   Changes changesSince(std::optional<std::uint64_t> since, std::map<std::string, std::uint64_t>* clientSequences) const;
   std::vector<Versioned<Light>> lights() const;
   std::vector<Versioned<Surface>> surfaces() const;
   std::vector<std::pair<std::string, Camera>> cameras() const;
-  /// Without members: what a copy of the session is made from.
+  /// The session without its members, for a copy or a session file.
   SavedSession state() const;
   /// Calls `changed` (any thread, no locks) after every revision, and `closed` once when the session ends.
-  /// `client`, where it says so, is there for as long as it watches.
+  /// A member named as `client` counts as present while the watch lasts.
   std::uint64_t watch(std::function<void()> changed, std::function<void(Closing)> closed,
                       const std::string& client = {});
   void unwatch(std::uint64_t watcher);
@@ -113,12 +113,11 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   // Life.
   void touch();
   bool expired(std::chrono::system_clock::time_point now) const;
-  /// Closes the session where it is expired, so that it can come back from where it is kept; says when it was last
-  /// used.
+  /// Closes the session if it has expired, so that it can be restored from the store; returns when it was last used.
   std::optional<std::chrono::system_clock::time_point> evict(std::chrono::system_clock::time_point now);
-  /// When the session was last used, once in a while, where that is later than it said last.
+  /// The time of the last use if the journal's record of it has become too old; nullopt otherwise.
   std::optional<std::chrono::system_clock::time_point> useToKeep(std::chrono::system_clock::time_point now);
-  /// From now on nothing is accepted and nothing ticks; streams stay, and say nothing of it yet.
+  /// Stops accepting calls and ticking. Streams stay open and are not told yet.
   void quiesce(Closing why);
   /// Quiesces the session and ends every stream and call.
   void close(Closing why);
@@ -161,7 +160,7 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   const std::string id_;
   const std::uint64_t epoch_;
   const SessionKey key_;
-  const SessionServices services_;  ///< with the limits of the beginning
+  const SessionServices services_;  ///< its limits are those at creation; limits_ are current
   const std::chrono::system_clock::time_point created_;
 
   Mutex copyMutex_;

@@ -86,23 +86,23 @@ JournalStep Session::nextStep() const {
 
 void Session::journal(JournalStep step) { lastJournalled_ = services_.journal->append(id_, std::move(step)); }
 
-void Session::whenDurable(std::function<void(const Status&)> kept) const {
+void Session::whenDurable(std::function<void(const Status&)> done) const {
   Position position = 0;
   {
     const MutexLock lock(mutex_);
     position = lastJournalled_;
   }
-  services_.journal->whenDurable(id_, position, std::move(kept));
+  services_.journal->whenDurable(id_, position, std::move(done));
 }
 
-void Session::confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> told) const {
-  whenDurable([outcome = std::move(outcome), told = std::move(told)](const Status& kept) {
-    if (kept.ok()) return told(outcome);
+void Session::confirmWhenDurable(EditOutcome outcome, std::function<void(const EditOutcome&)> done) const {
+  whenDurable([outcome = std::move(outcome), done = std::move(done)](const Status& durable) {
+    if (durable.ok()) return done(outcome);
     EditOutcome unknown;
     unknown.sequence = outcome.sequence;
     unknown.revision = outcome.revision;
-    unknown.status = kept;
-    told(unknown);
+    unknown.status = durable;
+    done(unknown);
   });
 }
 

@@ -32,6 +32,8 @@ enum class Durability { kMemory, kDisk };
 /// What selfCheck found last.
 struct MeasuredError {
   double error = 0.0;  ///< raw relative L2 of irradiance
+  double low = 0.0;    ///< the interval that holds it with 95 %
+  double high = 0.0;
   std::uint64_t revision = 0;
 };
 

@@ -8,6 +8,7 @@
 
 #include "fuzz/world.h"
 #include "persistence/snapshot.h"
+#include "session/memory_journal.h"
 #include "session/session.h"
 
 namespace lpv::fuzz {
@@ -15,25 +16,11 @@ namespace lpv::fuzz {
 namespace kept = lpv::store::v1;
 
 /// What a store would have on disk: the snapshot that the log folds into, and the contents that it needs.
-class FoldedJournal final : public Journal {
+class FoldedJournal final : public MemoryJournal {
  public:
-  Durability durability() const override { return Durability::kMemory; }
-  Status available() const override { return {}; }
-  Status writable(const std::string&) const override { return {}; }
   Position create(const SavedSession& state) override;
   Position append(const std::string& session, JournalStep step) override;
-  Position setEpoch(const std::string&, std::uint64_t) override { return 0; }
-  Position touch(const std::string&, std::chrono::system_clock::time_point) override { return 0; }
-  Position remove(const std::string&) override { return 0; }
-  Position keepToken(const AccessToken&) override { return 0; }
-  Position dropToken(const std::string&, const std::string&) override { return 0; }
-  void whenDurable(const std::string&, Position, std::function<void(const Status&)> kept) override { kept({}); }
-  Status flush() override { return {}; }
-  Expected<std::vector<SessionHead>> heads() override { return std::vector<SessionHead>(); }
-  Expected<std::vector<AccessToken>> tokens() override { return std::vector<AccessToken>(); }
   Expected<SavedSession> load(const std::string& session) override;
-  Expected<SessionSummary> summary(const std::string&) override { return SessionSummary(); }
-  std::uint64_t highestEpoch() override { return 0; }
 
   /// Lets go of contents that nothing needs any more, as compaction does.
   void compact();

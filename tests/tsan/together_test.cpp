@@ -79,8 +79,8 @@ TEST_F(Together, EverybodyInOneRoom) {
   EXPECT_EQ(revision("sessions/room"), accepted);
 }
 
-/// Sessions that live for a second without use are put away and brought back by whoever comes, several at once.
-TEST_F(Together, SessionsThatArePutAwayComeBackOnce) {
+/// Sessions that live for a second without use are evicted and restored by the next call, several at once.
+TEST_F(Together, EvictedSessionsAreRestoredOnce) {
   constexpr int kRooms = 3;
   for (int room = 0; room < kRooms; ++room) makeRoom("guest-room-" + std::to_string(room), 1);
   for (int time = 0; time < 2; ++time) {

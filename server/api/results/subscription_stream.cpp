@@ -123,7 +123,7 @@ void FrameSubscription::offer(const Result& result) {
       sentAs(format_), parts->bytes());
 }
 
-Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, const pb::VolumeSubscription& in,
+Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& context, const pb::VolumeSubscription& in,
                                                        std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
@@ -136,12 +136,12 @@ Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context, c
   subscription.clientId = client.id;
   subscription.maxRate = in.max_rate();
   subscription.twoCredits = in.two_credits();
-  auto feed = std::make_shared<VolumeSubscription>(context, *session, *order);
-  if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
-  return feed;
+  auto live = std::make_shared<VolumeSubscription>(context, *session, *order);
+  if (Status s = live->start(subscription, std::move(wake)); !s.ok()) return s;
+  return live;
 }
 
-Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& in,
+Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context, const pb::FrameSubscription& in,
                                                       std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
@@ -160,9 +160,9 @@ Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, co
     return invalid("adapt_rate", "adapt_rate is given for a format that has no quality; want JPEG, or leave it out");
   }
   subscription.adaptRate = in.adapt_rate();
-  auto feed = std::make_shared<FrameSubscription>(context, *session, order->format);
-  if (Status s = feed->start(subscription, std::move(wake)); !s.ok()) return s;
-  return feed;
+  auto live = std::make_shared<FrameSubscription>(context, *session, order->format);
+  if (Status s = live->start(subscription, std::move(wake)); !s.ok()) return s;
+  return live;
 }
 
 Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,

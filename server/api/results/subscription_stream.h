@@ -14,7 +14,7 @@
 
 namespace lpv::api {
 
-/// What volume and frame feeds share. Event is VolumeEvent or FrameEvent.
+/// What volume and frame subscriptions share. Event is VolumeEvent or FrameEvent.
 template <typename Event>
 class SubscriptionStream : public ResultSink, public std::enable_shared_from_this<SubscriptionStream<Event>> {
  public:
@@ -77,11 +77,11 @@ class FrameSubscription final : public SubscriptionStream<pb::FrameEvent> {
   pb::FrameFormat format_;
 };
 
-/// A feed for what a subscription asks, subscribed; errors by field.
-Expected<std::shared_ptr<VolumeSubscription>> openFeed(const Context& context,
+/// The started stream of what a subscription asks for; errors by field.
+Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& context,
                                                        const pb::VolumeSubscription& subscription,
                                                        std::function<void()> wake);
-Expected<std::shared_ptr<FrameSubscription>> openFeed(const Context& context, const pb::FrameSubscription& subscription,
+Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context, const pb::FrameSubscription& subscription,
                                                       std::function<void()> wake);
 
 /// An update's effect on a live subscriber.

@@ -31,10 +31,11 @@ void SelfCheckSchedule::offer(const ScenePtr& scene, const VolumePtr& volume, Cl
     state_->nextUnasked = now + kUnaskedChecks * state_->interval;
   }
   pool_.post([state = state_, scene, volume] {
-    const std::optional<double> error = selfCheck(*scene, *volume, std::uint32_t(scene->revision));
+    const std::optional<ErrorEstimate> found = selfCheck(*scene, *volume, std::uint32_t(scene->revision));
     const MutexLock lock(state->mutex);
     state->checking = false;
-    state->measured = error ? std::optional(MeasuredError{*error, scene->revision}) : std::nullopt;
+    state->measured =
+        found ? std::optional(MeasuredError{found->error, found->low, found->high, scene->revision}) : std::nullopt;
   });
 }
 

@@ -84,7 +84,7 @@ Status Document::change(const std::function<Status(Rollback&)>& make) {
     return status;
   }
   noteChange(rollback);
-  noteStale(rollback);
+  notePending(rollback);
   updateViewScene(rollback);
   while (tombstones_.size() > kMaxTombstones) {
     tombstoneHorizon_ = tombstones_.front().revision;

@@ -71,7 +71,7 @@ struct DocumentState {
 /// What a copy of the scene lacks: every object that was changed since the copy was last brought up to date, as it is
 /// now; null where it is gone.
 struct SceneUpdate {
-  bool whole = false;  ///< everything that there is: begin from an empty scene
+  bool whole = true;  ///< everything that there is: begin from an empty scene
   std::uint64_t revision = 0;
   LightingSettings options;  ///< as they are carried out (scene/error_goal.h)
   Grid grid;
@@ -240,7 +240,7 @@ class Document {
   void count(const Surface& surface, int sign);
   void count(Rollback& rollback);
   void uncount(const Rollback& rollback);
-  void noteStale(const Rollback& rollback);
+  void notePending(const Rollback& rollback);
   bool sameWorkload(const Rollback& rollback) const;
 
   Limits limits_;
@@ -265,13 +265,9 @@ class Document {
     std::map<std::string, std::int64_t> lightsInGroup;
   };
   Tally tally_;
-  /// Names that were changed since the last update was taken.
-  struct Stale {
-    bool whole = true;
-    std::set<std::string> lights, surfaces, cameras;
-    std::size_t count() const { return lights.size() + surfaces.size() + cameras.size(); }
-  };
-  Stale stale_;
+  /// What the next update brings: objects as the last edit left them. Revision, options and grid are filled in when it
+  /// is taken.
+  SceneUpdate pending_;
   ScenePtr snapshot_;
   ScenePtr viewScene_;
   Bounds viewBounds_;  ///< world, metres: the content of viewScene_ and its surroundings

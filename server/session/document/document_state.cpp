@@ -89,34 +89,29 @@ ObjectState Document::objectBefore(const ObjectKey& key) const {
 }
 
 SceneUpdate Document::takeUpdate() {
-  SceneUpdate out;
+  SceneUpdate out = std::exchange(pending_, SceneUpdate());
+  pending_.whole = false;
   out.revision = revision_;
   out.options = resolved(options_);
   out.grid = grid_;
-  out.whole = stale_.whole;
-  if (stale_.whole) {
-    for (const auto& [name, light] : lights_) out.lights.emplace_hint(out.lights.end(), name, light.object);
-    for (const auto& [name, surface] : surfaces_) out.surfaces.emplace_hint(out.surfaces.end(), name, surface.object);
-    for (const auto& [name, entry] : cameras_) out.cameras.emplace_hint(out.cameras.end(), name, entry.camera);
-  } else {
-    for (const std::string& name : stale_.lights) out.lights[name] = objectIn(lights_, name);
-    for (const std::string& name : stale_.surfaces) out.surfaces[name] = objectIn(surfaces_, name);
-    for (const std::string& name : stale_.cameras) out.cameras[name] = camera(name);
-  }
-  stale_ = {};
-  stale_.whole = false;
+  if (!out.whole) return out;
+  for (const auto& [name, light] : lights_) out.lights.emplace_hint(out.lights.end(), name, light.object);
+  for (const auto& [name, surface] : surfaces_) out.surfaces.emplace_hint(out.surfaces.end(), name, surface.object);
+  for (const auto& [name, entry] : cameras_) out.cameras.emplace_hint(out.cameras.end(), name, entry.camera);
   return out;
 }
 
-/// More names than there are objects: the whole is as cheap, and names that are gone are let go of.
-void Document::noteStale(const Rollback& rollback) {
-  if (stale_.whole) return;
-  for (const auto& [name, was] : rollback.lights) stale_.lights.insert(name);
-  for (const auto& [name, was] : rollback.surfaces) stale_.surfaces.insert(name);
-  for (const auto& [name, was] : rollback.cameras) stale_.cameras.insert(name);
+/// The objects are looked up here, where the edit has just looked at them: taking the update takes the same time for a
+/// large scene as for a small one.
+void Document::notePending(const Rollback& rollback) {
+  if (pending_.whole) return;
+  for (const auto& [name, was] : rollback.lights) pending_.lights[name] = objectIn(lights_, name);
+  for (const auto& [name, was] : rollback.surfaces) pending_.surfaces[name] = objectIn(surfaces_, name);
+  for (const auto& [name, was] : rollback.cameras) pending_.cameras[name] = camera(name);
+  // More names than there are objects: the whole is as cheap, and names that are gone are let go of.
   constexpr std::size_t kFew = 64;
-  if (stale_.count() <= kFew + lights_.size() + surfaces_.size() + cameras_.size()) return;
-  stale_ = {};
+  const std::size_t names = pending_.lights.size() + pending_.surfaces.size() + pending_.cameras.size();
+  if (names > kFew + lights_.size() + surfaces_.size() + cameras_.size()) pending_ = SceneUpdate();
 }
 
 /// In time of the edit's size, not the scene's.

@@ -11,17 +11,10 @@
 #include "reference/meshes.h"
 #include "reference/sh.h"
 #include "scene/transform.h"
+#include "unit/reference/fixtures.h"
 
 namespace lpv::reference {
 namespace {
-
-Grid gridOf(int cells, double edge) {
-  Grid grid;
-  grid.cell = edge;
-  grid.dims = {cells, cells + 1, cells - 1};
-  grid.origin = -0.5 * edge * glm::dvec3(grid.dims);
-  return grid;
-}
 
 Light lightOf(const MeshPtr& mesh) {
   Light light;

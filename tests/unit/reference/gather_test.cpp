@@ -14,6 +14,7 @@
 #include "reference/sh.h"
 #include "reference/textures.h"
 #include "reference/volume.h"
+#include "unit/reference/fixtures.h"
 
 namespace lpv::reference {
 namespace {
@@ -205,21 +206,6 @@ MeshPtr tangle() {
   }
   EXPECT_TRUE(finishMesh(mesh).ok());
   return std::make_shared<const Mesh>(mesh);
-}
-
-/// The 48 matrices that permute the axes and turn some over.
-std::vector<glm::dmat3> symmetries() {
-  std::vector<glm::dmat3> all;
-  for (const auto& [x, y, z] : {std::array<int, 3>{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
-    for (int signs = 0; signs < 8; ++signs) {
-      glm::dmat3 m(0.0);
-      m[0][x] = signs & 1 ? -1.0 : 1.0;
-      m[1][y] = signs & 2 ? -1.0 : 1.0;
-      m[2][z] = signs & 4 ? -1.0 : 1.0;
-      all.push_back(m);
-    }
-  }
-  return all;
 }
 
 Field transformed(const Field& field, const glm::dmat3& m) {

@@ -10,6 +10,7 @@
 #include "reference/dense.h"
 #include "reference/inject.h"
 #include "reference/textures.h"
+#include "unit/reference/fixtures.h"
 
 namespace lpv::reference {
 namespace {
@@ -56,21 +57,6 @@ MipChainPtr picture() { return std::make_shared<const MipChain>(mipChainOf(*nois
 
 std::vector<Emitter> emittersUnder(const glm::dmat3& linear, const Mesh& mesh) {
   return emittersOf(gridOf(), mesh, glm::dmat4(linear), {3.0, 2.0, 1.0}, false, picture()).triangles;
-}
-
-/// The 48 matrices that permute the axes and turn some over.
-std::vector<glm::dmat3> symmetries() {
-  std::vector<glm::dmat3> all;
-  for (const auto& [x, y, z] : {std::array<int, 3>{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
-    for (int signs = 0; signs < 8; ++signs) {
-      glm::dmat3 m(0.0);
-      m[0][x] = signs & 1 ? -1.0 : 1.0;
-      m[1][y] = signs & 2 ? -1.0 : 1.0;
-      m[2][z] = signs & 4 ? -1.0 : 1.0;
-      all.push_back(m);
-    }
-  }
-  return all;
 }
 
 Field transformed(const Field& field, const glm::dmat3& m) {

@@ -40,7 +40,7 @@ class SceneCopyTest : public testing::Test {
   SceneCopy copy_;
 };
 
-// Red when noteStale left out cameras, when takeUpdate did not name deleted objects, and when a new revision of the
+// Red when notePending left out cameras, when takeUpdate did not name deleted objects, and when a new revision of the
 // settings alone kept the scene that was there.
 TEST_F(SceneCopyTest, FollowsEveryKindOfEdit) {
   expectSame();
@@ -63,7 +63,7 @@ TEST_F(SceneCopyTest, FollowsEveryKindOfEdit) {
 }
 
 // Many names while nobody takes an update: the next update is the whole scene, and no name that is gone is held.
-// Red when noteStale kept names without end.
+// Red when notePending kept names without end.
 TEST_F(SceneCopyTest, TakesTheWholeAfterMoreNamesThanThereAreObjects) {
   expectSame();
   for (int i = 0; i < 100; ++i) {
