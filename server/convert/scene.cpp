@@ -80,12 +80,13 @@ Status takeMesh(const Message& in, const FieldSelection& named, std::optional<Me
 /// default where the message can tell absence, else to proto's default; a Vec3 goes to 0, 0, 0.
 template <typename T>
 void takePlain(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
-  for (std::size_t i = 0; i < wireFields<T>().size(); ++i) {
-    const WireField place = wireFields<T>()[i];
+  const auto& places = wireFields<T>();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const WireField& place = places[i];
     const Field<T>& field = fieldTable<T>()[i];
     if (!place || !named(field.path, named.isNew() && isPresent(in, place))) continue;
-    const bool cleared = hasOwnDefault(place) && !isPresent(in, place);
-    field.give(*out, cleared ? field.get(T()) : readField(in, place));
+    const bool isDefault = place.hasOwnDefault() && !isPresent(in, place);
+    field.give(*out, isDefault ? field.get(T()) : readField(in, place));
   }
 }
 

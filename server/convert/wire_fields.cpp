@@ -11,7 +11,7 @@ namespace {
 
 using google::protobuf::FieldDescriptor;
 
-bool isKnown(WireField field) {
+bool isPlain(const FieldDescriptor* field) {
   if (!field || field->is_repeated()) return false;
   switch (field->cpp_type()) {
     case FieldDescriptor::CPPTYPE_BOOL:
@@ -27,45 +27,42 @@ bool isKnown(WireField field) {
 
 }  // namespace
 
-WireField wireField(const google::protobuf::Descriptor* message, const char* path) {
-  const WireField field = message->FindFieldByName(path);
-  if (isKnown(field)) return field;
-  std::fprintf(stderr, "%s has no bool, double, string or Vec3 \"%s\"\n", message->full_name().c_str(), path);
+WireField wireField(const google::protobuf::Message& message, const char* path) {
+  const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(path);
+  if (isPlain(field)) return {message.GetReflection(), field, field->cpp_type(), field->has_presence()};
+  std::fprintf(stderr, "%s has no bool, double, string or Vec3 \"%s\"\n", message.GetTypeName().c_str(), path);
   std::abort();
 }
 
-FieldValue readField(const google::protobuf::Message& in, WireField field) {
-  const google::protobuf::Reflection& reflection = *in.GetReflection();
-  switch (field->cpp_type()) {
+FieldValue readField(const google::protobuf::Message& in, const WireField& field) {
+  switch (field.type) {
     case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection.GetBool(in, field);
+      return field.reflection->GetBool(in, field.descriptor);
     case FieldDescriptor::CPPTYPE_DOUBLE:
-      return reflection.GetDouble(in, field);
+      return field.reflection->GetDouble(in, field.descriptor);
     case FieldDescriptor::CPPTYPE_STRING:
-      return reflection.GetString(in, field);
+      return field.reflection->GetString(in, field.descriptor);
     default:
-      return fromProto(static_cast<const pb::Vec3&>(reflection.GetMessage(in, field)));
+      return fromProto(static_cast<const pb::Vec3&>(field.reflection->GetMessage(in, field.descriptor)));
   }
 }
 
-void writeField(const FieldValue& value, WireField field, google::protobuf::Message* out) {
-  const google::protobuf::Reflection& reflection = *out->GetReflection();
-  switch (field->cpp_type()) {
+void writeField(const FieldValue& value, const WireField& field, google::protobuf::Message* out) {
+  switch (field.type) {
     case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection.SetBool(out, field, std::get<bool>(value));
+      return field.reflection->SetBool(out, field.descriptor, std::get<bool>(value));
     case FieldDescriptor::CPPTYPE_DOUBLE:
-      return reflection.SetDouble(out, field, std::get<double>(value));
+      return field.reflection->SetDouble(out, field.descriptor, std::get<double>(value));
     case FieldDescriptor::CPPTYPE_STRING:
-      return reflection.SetString(out, field, std::get<std::string>(value));
+      return field.reflection->SetString(out, field.descriptor, std::get<std::string>(value));
     default:
-      toProto(std::get<glm::dvec3>(value), static_cast<pb::Vec3*>(reflection.MutableMessage(out, field)));
+      toProto(std::get<glm::dvec3>(value),
+              static_cast<pb::Vec3*>(field.reflection->MutableMessage(out, field.descriptor)));
   }
 }
 
-bool hasOwnDefault(WireField field) {
-  return field->has_presence() && field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE;
+bool isPresent(const google::protobuf::Message& in, const WireField& field) {
+  return field.reflection->HasField(in, field.descriptor);
 }
-
-bool isPresent(const google::protobuf::Message& in, WireField field) { return in.GetReflection()->HasField(in, field); }
 
 }  // namespace lpv::api

@@ -17,27 +17,36 @@ namespace pb = lpv::v1;
 template <typename T>
 using MessageOf = std::conditional_t<std::is_same_v<T, Light>, pb::Light, pb::Surface>;
 
-/// The descriptor of a plain field in its message; aborts if there is none, or its type is none of bool, double, string
+/// A plain field in its message: what reflection needs, looked up once.
+struct WireField {
+  const google::protobuf::Reflection* reflection = nullptr;
+  const google::protobuf::FieldDescriptor* descriptor = nullptr;  ///< null: not a plain field
+  google::protobuf::FieldDescriptor::CppType type{};
+  bool canBeAbsent = false;  ///< told from proto's default
+
+  explicit operator bool() const { return descriptor != nullptr; }
+  /// Whether the default can differ from proto's: an absent Vec3 in an update is 0, 0, 0.
+  bool hasOwnDefault() const { return canBeAbsent && type != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE; }
+};
+
+/// The field `path` of messages like `message`; aborts if there is none, or its type is none of bool, double, string
 /// and Vec3.
-using WireField = const google::protobuf::FieldDescriptor*;
-WireField wireField(const google::protobuf::Descriptor* message, const char* path);
+WireField wireField(const google::protobuf::Message& message, const char* path);
 
 /// The value in the message; an absent one is proto's default, an absent Vec3 0, 0, 0.
-FieldValue readField(const google::protobuf::Message& in, WireField field);
-void writeField(const FieldValue& value, WireField field, google::protobuf::Message* out);
-/// Whether the field is set; one without presence is if it differs from proto's default.
-bool isPresent(const google::protobuf::Message& in, WireField field);
-/// Whether a field that is no message can be absent, so that its default can differ from proto's.
-bool hasOwnDefault(WireField field);
+FieldValue readField(const google::protobuf::Message& in, const WireField& field);
+void writeField(const FieldValue& value, const WireField& field, google::protobuf::Message* out);
+/// Whether the field is set; one that cannot be absent is if it differs from proto's default.
+bool isPresent(const google::protobuf::Message& in, const WireField& field);
 
-/// The descriptor of each field of the table; null for those that are not plain.
+/// The table's fields in their message; null those that are not plain.
 template <typename T>
 const auto& wireFields() {
   static const auto places = [] {
     std::array<WireField, fieldTable<T>().size()> out{};
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Field<T>& field = fieldTable<T>()[i];
-      if (field.kind == FieldKind::kPlain) out[i] = wireField(MessageOf<T>::descriptor(), field.path);
+      if (field.kind == FieldKind::kPlain) out[i] = wireField(MessageOf<T>::default_instance(), field.path);
     }
     return out;
   }();
@@ -48,18 +57,19 @@ const auto& wireFields() {
 /// field) is not taken, so that the object keeps its default.
 template <typename T>
 void takeStored(const MessageOf<T>& in, FieldsOf<T>* out) {
-  for (std::size_t i = 0; i < wireFields<T>().size(); ++i) {
-    const WireField place = wireFields<T>()[i];
-    if (!place || (place->has_presence() && !isPresent(in, place))) continue;
-    fieldTable<T>()[i].give(*out, readField(in, place));
+  const auto& places = wireFields<T>();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!places[i] || (places[i].canBeAbsent && !isPresent(in, places[i]))) continue;
+    fieldTable<T>()[i].give(*out, readField(in, places[i]));
   }
 }
 
 /// Writes all plain values of the object.
 template <typename T>
 void writePlain(const T& object, MessageOf<T>* out) {
-  for (std::size_t i = 0; i < wireFields<T>().size(); ++i) {
-    if (const WireField place = wireFields<T>()[i]) writeField(fieldTable<T>()[i].get(object), place, out);
+  const auto& places = wireFields<T>();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i]) writeField(fieldTable<T>()[i].get(object), places[i], out);
   }
 }
 
