@@ -142,7 +142,9 @@ template <auto kMember, auto kGiven, auto kCheck = nullptr>
 constexpr auto plain(const char* path) {
   using T = Owner<kMember>;
   Field<T> out = referenced<kMember, kGiven>(path, FieldKind::kPlain);
-  out.assign = [](T& object, const FieldsOf<T>& in) { object.*kMember = (in.*kGiven).value_or(object.*kMember); };
+  out.assign = [](T& object, const FieldsOf<T>& in) {
+    if (in.*kGiven) object.*kMember = *(in.*kGiven);
+  };
   out.give = [](FieldsOf<T>& in, const FieldValue& value) { in.*kGiven = std::get<Value<kMember>>(value); };
   if constexpr (kCheck != nullptr) {
     out.check = [](const char* name, const FieldsOf<T>& in) {
