@@ -98,7 +98,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   const Scene& scene = *request.scene;
   gpu::throwOnReset();
   s.adopt(scene);
-  co_yield rest();
+  co_yield yield();
   co_await cache_.upload(scene, s.resources);
 
   VolumeCopies copies;
@@ -113,7 +113,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   }
   if (scene.options.transport != Transport::kPropagate) {
     co_await gather(s, request);
-    if (!s.directMade) s.direct.make(s.lights, s.voxels, s.k);
+    if (!s.directMade) s.emitters.make(s.lights, s.voxels, s.k);
     s.directMade = true;
   }
   co_await makeVolumes(s, request, copies);
@@ -194,7 +194,7 @@ GpuTask Pipeline::gather(SessionState& s, const TickRequest& request) {
 
 /// Only what somebody asked for and nothing has since made out of date.
 GpuTask Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
-  const std::size_t productBytes = s.field->grid.cells() * s.groups.size() * 12 * sizeof(float);
+  const std::size_t volumeBytes = s.field->grid.cells() * s.groups.size() * layout::kVolumeFloats * sizeof(float);
   if (!request.frames.empty() && !s.textured && s.field->transport != Transport::kDirect) {
     if (!s.textures)
       s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups,
@@ -204,17 +204,17 @@ GpuTask Pipeline::makeVolumes(SessionState& s, const TickRequest& request, Volum
   }
   const bool transported = request.transported && s.transportedVolume == nullptr;
   const bool injected = request.injected && s.injectedVolume == nullptr;
-  if ((transported || injected) && s.product.size() != productBytes)
-    s.product = gpu::Buffer("product", productBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+  if ((transported || injected) && s.incidentVolume.size() != volumeBytes)
+    s.incidentVolume = gpu::Buffer("incident volume", volumeBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
   if (transported) {
-    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kProduct, nullptr, &s.product, pacing(s));
+    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kTransported, nullptr, &s.incidentVolume, pacing(s));
     co_await copyVolume(s, VolumeStage::kTransported);
-    if (s.field->transport != Transport::kPropagate) queueDirectCopy(s);
+    if (s.field->transport != Transport::kPropagate) queueEmitterListCopy(s);
     copies.transported = copies.counters = true;
   }
   if (injected) {
     if (s.method.vpls) co_await injector_.show(*s.field, s.lights, s.voxels, s.palette, pacing(s));
-    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kInjected, nullptr, &s.product, pacing(s));
+    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kInjected, nullptr, &s.incidentVolume, pacing(s));
     co_await copyVolume(s, VolumeStage::kInjected);
     copies.injected = copies.counters = true;
   }
@@ -241,8 +241,8 @@ GpuTask Pipeline::drawFrame(SessionState& s, const TickRequest& request, const F
   co_await emitterRenderer_.run(targets.emitters, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
   const bool nearField = scene.options.quality == Quality::kAccurate;
   const IrradianceSources lit = {s.field->transport, scene.options.lookup, nearField,
-                                 s.textures ? &*s.textures : nullptr, &s.direct};
-  co_await shader_.run(targets, *view.gbuffer, lit, frame, pacing(s));
+                                 s.textures ? &*s.textures : nullptr, &s.emitters};
+  co_await shadingPass_.run(targets, *view.gbuffer, lit, frame, pacing(s));
 }
 
 }  // namespace lpv

@@ -45,7 +45,7 @@ class Pipeline {
   MeshDrawer drawer_;
   GbufferRenderer gbufferRenderer_;
   EmitterRenderer emitterRenderer_;
-  ShadingPass shader_;
+  ShadingPass shadingPass_;
 };
 
 }  // namespace lpv

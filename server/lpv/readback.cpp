@@ -22,16 +22,17 @@ void append(std::vector<T>& values, const std::byte* from, const Chunk& part) {
   values.insert(values.end(), first, first + part.bytes / sizeof(T));
 }
 
-EmitterListPtr directFrom(const SessionState& session) {
+EmitterListPtr emitterListFrom(const SessionState& session) {
   if (session.field->transport == Transport::kPropagate) return nullptr;
   auto direct = std::make_shared<EmitterList>();
   direct->grid = session.field->grid;
   direct->always = session.field->transport == Transport::kDirect;
-  direct->texels.resize(session.direct.count);
-  std::memcpy(direct->texels.data(), session.directReadback.bytes().data(), direct->texels.size() * sizeof(glm::vec4));
+  direct->texels.resize(session.emitters.count);
+  std::memcpy(direct->texels.data(), session.emitterListReadback.bytes().data(),
+              direct->texels.size() * sizeof(glm::vec4));
   if (direct->always) return direct;
   direct->emitterDistance.resize(direct->grid.cells());
-  std::memcpy(direct->emitterDistance.data(), session.proximityReadback.bytes().data(),
+  std::memcpy(direct->emitterDistance.data(), session.emitterDistanceReadback.bytes().data(),
               direct->emitterDistance.size() * sizeof(float));
   return direct;
 }
@@ -42,18 +43,18 @@ GpuTask takeVolume(const gpu::Readback& readback, const SessionState& session, V
   volume->grid = grid;
   volume->stage = stage;
   const std::byte* from = readback.bytes().data();
-  const std::size_t layerBytes = grid.cells() * 12 * sizeof(float);
+  const std::size_t layerBytes = grid.cells() * layout::kVolumeFloats * sizeof(float);
   for (const std::string& group : session.groups) {
     VolumeLayer& layer = volume->layers.emplace_back();
     layer.group = group;
-    layer.coefficients.reserve(grid.cells() * 12);
+    layer.coefficients.reserve(grid.cells() * layout::kVolumeFloats);
     for (const Chunk& part : chunksOf(layerBytes)) {
       append(layer.coefficients, from, part);
-      co_yield rest();
+      co_yield yield();
     }
     from += layerBytes;
   }
-  if (stage == VolumeStage::kTransported) volume->direct = directFrom(session);
+  if (stage == VolumeStage::kTransported) volume->direct = emitterListFrom(session);
   out = std::move(volume);
 }
 
@@ -67,19 +68,20 @@ gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t 
 GpuTask copyVolume(SessionState& session, VolumeStage stage) {
   const bool injected = stage == VolumeStage::kInjected;
   gpu::Readback& target = withRoom(injected ? session.injectedReadback : session.volumeReadback,
-                                   injected ? "injected volume" : "volume", session.product.size());
-  for (const Chunk& part : chunksOf(session.product.size())) {
-    target.copyFrom(session.product, part.offset, part.offset, part.bytes);
-    co_yield rest();
+                                   injected ? "injected volume" : "volume", session.incidentVolume.size());
+  for (const Chunk& part : chunksOf(session.incidentVolume.size())) {
+    target.copyFrom(session.incidentVolume, part.offset, part.offset, part.bytes);
+    co_yield yield();
   }
 }
 
-void queueDirectCopy(SessionState& session) {
-  const std::size_t bytes = session.direct.count * sizeof(glm::vec4);
-  withRoom(session.directReadback, "direct lights", bytes).copyFrom(session.direct.texels, 0, 0, bytes);
+void queueEmitterListCopy(SessionState& session) {
+  const std::size_t bytes = session.emitters.count * sizeof(glm::vec4);
+  withRoom(session.emitterListReadback, "direct lights", bytes).copyFrom(session.emitters.texels, 0, 0, bytes);
   if (session.field->transport != Transport::kGather) return;
   const std::size_t cells = session.field->emitterDistance.size();
-  withRoom(session.proximityReadback, "emitterDistance", cells).copyFrom(session.field->emitterDistance, 0, 0, cells);
+  withRoom(session.emitterDistanceReadback, "emitterDistance", cells)
+      .copyFrom(session.field->emitterDistance, 0, 0, cells);
 }
 
 void queueCounterCopy(SessionState& session) {
@@ -136,7 +138,7 @@ GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out) 
     } else {
       append(frame->rgb8, pixels, part);
     }
-    co_yield rest();
+    co_yield yield();
   }
   if (view.targets->exposure) {
     glm::vec4 found(0.0F);

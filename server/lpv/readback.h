@@ -17,7 +17,7 @@ struct VolumeCopies {
 /// Makes the product (or the injected field) readable by the CPU once a later fence has signalled.
 GpuTask copyVolume(SessionState& session, VolumeStage stage);
 /// What the lights look like to receivers near them, along with the transported volume.
-void queueDirectCopy(SessionState& session);
+void queueEmitterListCopy(SessionState& session);
 /// The counters of the voxelization and volume stages.
 void queueCounterCopy(SessionState& session);
 /// After the fence: what was copied, volumes and counts, into the session's state.

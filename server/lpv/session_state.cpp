@@ -70,7 +70,7 @@ void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> no
   injectedVoxels.clear();
   field.reset();  // first the old memory, then the new
   textures.reset();
-  product = {};
+  incidentVolume = {};
   field = std::make_unique<LightField>(scene.grid, palette.channels, int(groups.size()), transport);
 }
 
@@ -100,9 +100,9 @@ void SessionState::keepVoxels(const glm::ivec3& dims) {
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (voxels[i] != nullptr) continue;
     const CellBox cells = cellsAround({lights[i]}, dims);
-    const int sets = sources[i].textured() ? 3 : 1;
-    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(cells, sets, method.vpls); });
-    if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, sets, method.vpls);
+    const int momentsPerCell = sources[i].textured() ? 3 : 1;
+    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(cells, momentsPerCell, method.vpls); });
+    if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, momentsPerCell, method.vpls);
     voxels[i]->made = false;
     voxels[i]->source = sources[i];
   }
@@ -115,7 +115,7 @@ void SessionState::invalidate() {
   textures.reset();
   resources = {};
   views.clear();
-  product = {};
+  incidentVolume = {};
   injected = false;
   injectedVolume.reset();
   forgetTransported();

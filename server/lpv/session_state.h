@@ -51,7 +51,7 @@ struct SessionState {
   bool transported = false;
   bool textured = false;
   bool directMade = false;
-  EmitterBufferList direct;
+  EmitterBufferList emitters;
   ReceiverBlocks gathered;          ///< GATHER: the blocks that are
   ReceiverBlocks surfaceBlocks;     ///< those that frames read,
   std::map<std::string, SurfacePtr> blockSurfaces;  ///< with these surfaces
@@ -62,8 +62,8 @@ struct SessionState {
   std::map<std::uint64_t, View> views;
 
   // Scratch and counts.
-  gpu::Buffer product;              ///< 12 floats per cell, between the volume stage and its copy
-  gpu::Readback volumeReadback, injectedReadback, countersReadback, directReadback, proximityReadback;
+  gpu::Buffer incidentVolume;              ///< 12 floats per cell, between the volume stage and its copy
+  gpu::Readback volumeReadback, injectedReadback, countersReadback, emitterListReadback, emitterDistanceReadback;
   std::uint64_t trianglesSkipped = 0;
   std::uint64_t touchedCells = 0;
   std::uint64_t clampedCells = 0;

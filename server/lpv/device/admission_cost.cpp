@@ -15,7 +15,7 @@ std::array<double, kStages> unitsOf(const Workload& w) {
     of(Stage::kInject) = 1000.0 * w.lights + w.litCells;
     of(Stage::kPropagate) = w.iterations * fieldCells;
   } else {
-    of(Stage::kGather) = blocks * (16.0 * w.lights + 8.0 * w.rootsOfRecords);
+    of(Stage::kGather) = blocks * (16.0 * w.lights + 8.0 * w.rootsOfEntries);
   }
   of(Stage::kVolume) = w.cells * w.groups();
   return units;

@@ -9,7 +9,7 @@
 namespace lpv {
 
 /// Units of every stage, as pieces count them: upload: bytes; voxelize: small triangles; inject: cells of lights;
-/// propagate: cells x channels; gather: records that blocks of cells visit; volume: cells; gbuffer, emitters, shade,
+/// propagate: cells x channels; gather: entries that blocks of cells visit; volume: cells; gbuffer, emitters, shade,
 /// readback: pixels.
 std::array<double, kStages> unitsOf(const Workload& workload);
 Prediction predict(const CostModel& costs, const Workload& workload);

@@ -44,7 +44,7 @@ bool VplTree::adopt(const CellBox& other) {
   return true;
 }
 
-LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : momentsPerCell(s) {
+LightVoxels::LightVoxels(const CellBox& box, int moments_, bool vpls) : momentsPerCell(moments_) {
   if (vpls) {
     tree = std::make_unique<VplTree>(box);
     return;
@@ -52,11 +52,11 @@ LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : momentsPerCell(
   capacity = roomFor(box);
   cells =
       gpu::Buffer("voxel cells", sizeof(layout::VoxelHeader) + capacity * sizeof(glm::uvec2), gpu::BufferUse::kDynamic);
-  moments = gpu::Buffer("voxel moments", capacity * std::size_t(s) * sizeof(glm::vec4));
+  moments = gpu::Buffer("voxel moments", capacity * std::size_t(momentsPerCell) * sizeof(glm::vec4));
 }
 
-bool LightVoxels::takes(const CellBox& box, int wantedSets, bool vpls) {
-  if (wantedSets != momentsPerCell || vpls != (tree != nullptr)) return false;
+bool LightVoxels::takes(const CellBox& box, int wantedMoments, bool vpls) {
+  if (wantedMoments != momentsPerCell || vpls != (tree != nullptr)) return false;
   return vpls ? tree->adopt(box) : cellsIn(box) <= capacity;
 }
 

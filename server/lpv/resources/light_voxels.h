@@ -48,7 +48,7 @@ struct VplTree {
   std::array<std::uint32_t, layout::kMaxLevels + 1> offsets{};  ///< nodes before each level, and of all
   int levels = 1;
   gpu::Buffer nodes;
-  gpu::Buffer records;
+  gpu::Buffer entries;  ///< nodes' headers and VPLs, depth first (shaders/transport/vpls.glsl)
   gpu::BufferTexture texels;  ///< the same, as transport reads them
   std::uint32_t entryCount = 0;
   std::uint32_t vplCount = 0;  ///< of the leaves
@@ -61,7 +61,7 @@ struct VplTree {
 
 struct LightVoxels {
   /// Room for every cell of `box`, or, with `vpls`, for a tree over it.
-  LightVoxels(const CellBox& box, int sets, bool vpls = false);
+  LightVoxels(const CellBox& box, int momentsPerCell, bool vpls = false);
 
   VoxelSource source;
   bool made = false;  ///< `cells` and `moments` are what follows from `source`
@@ -76,7 +76,7 @@ struct LightVoxels {
   double roundingError = 0.0;  ///< bound for one coefficient, relative to the largest possible
 
   /// Whether the voxels of a light in this box fit; a tree takes the box over.
-  bool takes(const CellBox& box, int wantedSets, bool vpls);
+  bool takes(const CellBox& box, int wantedMoments, bool vpls);
 };
 using LightVoxelsPtr = std::shared_ptr<LightVoxels>;
 

@@ -15,7 +15,7 @@ namespace lpv {
 /// triangles than this; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
 /// kAccurateOpeningRatio, where time counts;
 inline constexpr std::size_t kFewPolygons = 32;
-/// DIRECT with kAccurateOpeningRatio or above: a sphere of 720 costs a receiver two to three times what its tree does.
+/// DIRECT with kAccurateOpeningRatio or above: 720 triangles cost a receiver 2-3x the walk through their tree.
 inline constexpr std::size_t kMostPolygons = 1024;
 /// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
 inline constexpr std::size_t kMostPolygonsOfAll = 4096;

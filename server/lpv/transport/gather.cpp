@@ -17,7 +17,7 @@ glm::ivec3 blocksAcross(const glm::ivec3& dims) { return (dims + kBlock - 1) / k
 
 std::uint32_t packed(const glm::uvec3& block) { return layout::packedBlock(block.x, block.y, block.z); }
 
-/// What a block costs with a tree of so many records, in records visited: a walk sees most of a small tree, and of a
+/// What a block costs with a tree of so many entries, in entries visited: a walk sees most of a small tree, and of a
 /// large one what is near and a few nodes of each size.
 double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.entryCount)); }
 

@@ -113,7 +113,7 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
     tree.nodes.bindStorage(layout::kTreeNodes);
-    tree.records.bindStorage(layout::kTreeRecords);
+    tree.entries.bindStorage(layout::kTreeEntries);
     field.injected.buffer.bindStorage(layout::kFieldOut);
     vplPrograms_
         .get({{"LPV_CHANNELS", std::to_string(field.channels)},

@@ -20,7 +20,7 @@ double cellsOf(const CellBox& box) {
 GpuTask copy(const gpu::Buffer& from, const gpu::Buffer& to) {
   for (const Chunk& part : chunksOf(from.size())) {
     glCopyNamedBufferSubData(from.id(), to.id(), GLintptr(part.offset), GLintptr(part.offset), GLsizeiptr(part.bytes));
-    co_yield rest();
+    co_yield yield();
   }
 }
 

@@ -83,7 +83,7 @@ GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
       marks.add(corners);
       if (marks.looked() < kLooksAtOnce) continue;
       marks.lookAfresh();
-      co_yield rest();
+      co_yield yield();
     }
   }
   out = marks.blocks();

@@ -20,9 +20,9 @@ layout::VolumeParams paramsOf(const LightField& field, const Palette& palette) {
   return params;
 }
 
-void bindOutputs(VolumeTarget target, const IncidentTextures* textures, const gpu::Buffer* product) {
+void bindOutputs(VolumeTarget target, const IncidentTextures* textures, const gpu::Buffer* volume) {
   if (target != VolumeTarget::kTextures) {
-    product->bindStorage(layout::kProduct);
+    volume->bindStorage(layout::kIncidentVolume);
     return;
   }
   const int count = textures->channels == 1 ? 1 : 3;
@@ -46,7 +46,7 @@ IncidentTextures::IncidentTextures(const glm::ivec3& d, int c, int g, bool near)
 VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
 
 GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, VolumeTarget target,
-                         const IncidentTextures* textures, const gpu::Buffer* product, Pacing pacing) {
+                         const IncidentTextures* textures, const gpu::Buffer* volume, Pacing pacing) {
   const glm::ivec3 dims = field.grid.dims;
   layout::VolumeParams params = paramsOf(field, palette);
   const bool injected = target == VolumeTarget::kInjected, toTextures = target == VolumeTarget::kTextures;
@@ -55,7 +55,7 @@ GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, Volume
                                          {"LPV_TEXTURES", toTextures ? "1" : "0"},
                                          {"LPV_BUFFER", toTextures ? "0" : "1"},
                                          {"LPV_INJECTED", injected ? "1" : "0"},
-                                         {"LPV_PROXIMITY", near ? "1" : "0"}});
+                                         {"LPV_EMITTER_DISTANCE", near ? "1" : "0"}});
   const double slabCells = double(dims.x) * double(dims.y);
   for (int slab = 0; slab < dims.z * field.groups;) {
     const int group = slab / dims.z, z = slab % dims.z;
@@ -68,7 +68,7 @@ GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, Volume
     params_.bindUniform(layout::kParams);
     (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);
     field.counters.bindStorage(layout::kCounters);
-    bindOutputs(target, textures, product);
+    bindOutputs(target, textures, volume);
     if (near) field.emitterDistance.bindStorage(layout::kEmitterDistanceBuffer);
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();

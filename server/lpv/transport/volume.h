@@ -1,5 +1,5 @@
 #pragma once
-// Stage: the volume product (MATHS.md 1, 3a), for frames as textures and for clients as a buffer.
+// Stage: the volume (MATHS.md 1, 3a), for frames as textures and for clients as a buffer.
 
 #include <array>
 #include <optional>
@@ -14,8 +14,8 @@ namespace lpv {
 /// What can be made of a field.
 enum class VolumeTarget {
   kTextures,  ///< IncidentTextures::colours
-  kProduct,   ///< transported, as it is read back
-  kInjected,  ///< injected, as it is read back
+  kTransported,  ///< as it is read back
+  kInjected,     ///< as it is read back
 };
 
 /// SH of incident radiance at cell centres, to be read with trilinear filtering at gridPosition / dims.
@@ -33,9 +33,9 @@ class VolumeMaker {
  public:
   VolumeMaker();
 
-  /// Slab by slab. `textures` is written for kTextures, `product` (layout::kProduct) otherwise.
+  /// Slab by slab. `textures` is written for kTextures, `volume` (layout::kIncidentVolume) otherwise.
   GpuTask run(const LightField& field, const Palette& palette, VolumeTarget target, const IncidentTextures* textures,
-              const gpu::Buffer* product, Pacing pacing);
+              const gpu::Buffer* volume, Pacing pacing);
 
  private:
   gpu::ProgramVariants programs_{{"transport/volume.comp"}};

@@ -111,7 +111,7 @@ GpuTask estimateCosts(const Mesh& mesh, const glm::dmat4& areaFromObject, const 
     const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
     out.area += area;
     out.costs[i / kTrianglesPerCost] += kColumnCost * std::min(area, face) / double(kTrianglesPerCost);
-    if (i % kTrianglesPerPause == kTrianglesPerPause - 1) co_yield rest();
+    if (i % kTrianglesPerPause == kTrianglesPerPause - 1) co_yield yield();
   }
 }
 

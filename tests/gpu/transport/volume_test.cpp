@@ -68,7 +68,7 @@ TEST_F(VolumeTest, ProductIsTheReferences) {
     VolumeRig rig(grid(), channels);
     const reference::Product want =
         reference::productOf(test::fieldOf(rig.field.pingPong[0], rig.field, rig.palette), rig.field.grid.cell);
-    EXPECT_LE(reference::relativeL2(rig.make(VolumeTarget::kProduct), want.incident), 1e-6) << channels;
+    EXPECT_LE(reference::relativeL2(rig.make(VolumeTarget::kTransported), want.incident), 1e-6) << channels;
     EXPECT_EQ(test::read<layout::Counters>(rig.field.counters)[0].clamped, want.clampedCells) << channels;
     EXPECT_GT(want.clampedCells, 20U);
   }
@@ -86,7 +86,7 @@ TEST_F(VolumeTest, InjectedIsTheFieldWithItsColours) {
 TEST_F(VolumeTest, TexturesHoldTheProduct) {
   for (int channels = 1; channels <= 3; ++channels) {
     VolumeRig rig(grid(), channels);
-    const reference::Field product = rig.make(VolumeTarget::kProduct);
+    const reference::Field product = rig.make(VolumeTarget::kTransported);
     const int colours = channels == 1 ? 1 : 3;
     for (int colour = 0; colour < colours; ++colour) {
       const double unit = channels == 1 ? rig.palette.radiance[0][colour] : 1.0;
