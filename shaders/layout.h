@@ -34,7 +34,7 @@ LPV_CONST int kLargeTriangles = 4; // ListHeader, then uint per work item
 LPV_CONST int kCounters = 5;       // Counters
 LPV_CONST int kFieldOut = 6;       // vec4 per halo cell and channel
 LPV_CONST int kFieldSum = 7;       // vec4 per halo cell and channel (clamped form only)
-LPV_CONST int kIncidentVolume = 8;        // float, kVolumeFloats per cell
+LPV_CONST int kIncidentVolume = 8; // float, kVolumeFloats per cell
 LPV_CONST int kExposure = 9;       // vec4: the exposure; then one per group of its reduction
 LPV_CONST int kRecordedPairs = 10; // tests only: uvec2 (triangle, cell)
 LPV_CONST int kTestIn = 11;        // tests only
@@ -46,7 +46,8 @@ LPV_CONST int kDirections = 16;    // float, 3 per vertex, object space
 LPV_CONST int kRowIntegrals =
     17;  // double, 3 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 LPV_CONST int kTreeNodes = 18;  // uvec4 per node of every level of a light's tree (shaders/voxelize/vpl_tree.glsl)
-LPV_CONST int kTreeEntries = 19;  // vec4, kPlainEntryTexels or kTexturedEntryTexels per entry of a light's tree (shaders/transport/vpls.glsl)
+LPV_CONST int kTreeEntries = 19;  // vec4, kPlainEntryTexels or kTexturedEntryTexels per entry of a light's tree
+                                  // (shaders/transport/vpls.glsl)
 LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
 LPV_CONST int kCursors = 21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself

@@ -13,6 +13,7 @@
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
+#include "lpv/resources/palette.h"
 #include "lpv/resources/scene_cache.h"
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/gather.h"

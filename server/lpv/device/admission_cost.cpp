@@ -30,7 +30,7 @@ Prediction predict(const CostModel& costs, const Workload& workload) {
     out.seconds += seconds;
     if (seconds <= most) continue;
     most = seconds;
-    out.mostly = kStageNames[i];
+    out.mostly = Stage(i);
   }
   return out;
 }

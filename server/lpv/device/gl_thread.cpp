@@ -37,7 +37,7 @@ std::unique_ptr<Pipeline> newPipeline(bool software) {
   return std::make_unique<Pipeline>(software ? kSoftwarePieceSeconds : kHardwarePieceSeconds);
 }
 
-void noteLength(TickReport& report, double seconds, const char* stage) {
+void noteLength(TickReport& report, double seconds, std::optional<Stage> stage) {
   if (seconds <= report.longestPiece) return;
   report.longestPiece = seconds;
   report.longestStage = stage;
@@ -236,7 +236,7 @@ void GlThread::advance(Tick& tick) {
   // No piece, only work on this thread: others waited for it all the same.
   const double seconds = std::chrono::duration<double>(Timeline::Clock::now() - begin).count();
   fairQueue_.charge(session, seconds);
-  noteLength(tick.result.report, seconds, "other");
+  noteLength(tick.result.report, seconds, std::nullopt);
   tick.storyEnded = tick.story->done();
 }
 
@@ -267,7 +267,7 @@ void GlThread::takeEnded() {
     Tick* tick = tickOf(*ended.owner);
     if (tick == nullptr) continue;  // it has failed
     fairQueue_.charge(tick->request.session, ended.seconds - ended.predicted);
-    noteLength(tick->result.report, ended.seconds, kStageNames[std::size_t(ended.stage)]);
+    noteLength(tick->result.report, ended.seconds, ended.stage);
   }
 }
 
@@ -287,7 +287,7 @@ void GlThread::deliverFinished() {
     }
     const StageClock& clock = *tick->session->clock;
     for (std::size_t i = 0; i < kStages; ++i) {
-      if (clock.ran(Stage(i))) tick->result.report.stages.push_back({kStageNames[i], clock.seconds(Stage(i))});
+      if (clock.ran(Stage(i))) tick->result.report.stages.push_back({Stage(i), clock.seconds(Stage(i))});
     }
     tick->result.report.othersPieces = piecesBegun_ - tick->piecesBefore - tick->result.report.pieces;
     const TickDone done = std::move(tick->done);

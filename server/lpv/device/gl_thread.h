@@ -14,6 +14,7 @@
 #include "gpu/context.h"
 #include "lpv/device/fair_queue.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/pacing/timeline.h"
 #include "lpv/pipeline.h"
 #include "lpv/session_state.h"
 

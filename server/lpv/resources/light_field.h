@@ -9,7 +9,6 @@
 #include "gpu/buffer_texture.h"
 #include "gpu/readback.h"
 #include "lpv/pacing/gpu_task.h"
-#include "lpv/resources/lights.h"
 #include "scene/grid.h"
 #include "scene/options.h"
 
@@ -33,7 +32,7 @@ struct LightField {
   int channels;  ///< 1..3 (lights.h, Palette)
   int groups;    ///< of lights: each has channels of its own, one group after the other
   gpu::Buffer
-      accumulators;  ///< words per cell (shaders/voxelize/deposit.glsl), or a table of VPLs; all zero between lights
+      accumulators;  ///< words per cell (shaders/voxelize/accumulators.glsl), or a table of VPLs; all zero between lights
   gpu::Buffer vplList;       ///< header and used entries of that table (layout::kVoxelCells)
   gpu::Readback vplHeader;
   gpu::Buffer lobeCounts;                  ///< float per cell: N of eq. 1, negative once divided by

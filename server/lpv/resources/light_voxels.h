@@ -2,17 +2,14 @@
 // One light in the grid, apart from the others: made from its geometry and texture only, so that a change of colour, of
 // brightness or of another light leaves it as it is.
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "gpu/buffer.h"
-#include "gpu/buffer_texture.h"
 #include "lpv/resources/lights.h"
+#include "lpv/resources/vpl_tree.h"
 #include "scene/options.h"
-#include "shaders/layout.h"
 
 namespace lpv {
 
@@ -39,33 +36,13 @@ struct VoxelSource {
   bool directed() const { return !mesh->directions.empty(); }
 };
 
-/// One light's VPLs and the tree over them (shaders/voxelize/vpl_tree.glsl, vpls.glsl; MATHS.md 3b.1-2).
-struct VplTree {
-  /// Nodes for every block of a box of cells.
-  explicit VplTree(const CellBox& box);
-
-  CellBox box;
-  std::array<std::uint32_t, layout::kMaxLevels + 1> offsets{};  ///< nodes before each level, and of all
-  int levels = 1;
-  gpu::Buffer nodes;
-  gpu::Buffer entries;  ///< nodes' headers and VPLs, depth first (shaders/transport/vpls.glsl)
-  gpu::BufferTexture texels;  ///< the same, as transport reads them
-  std::uint32_t entryCount = 0;
-  std::uint32_t vplCount = 0;  ///< of the leaves
-  std::uint32_t cellCount = 0;  ///< that hold light
-  std::uint32_t degenerate = 0;  ///< triangles without area
-
-  /// Takes another box over in the same memory; false when there is too little.
-  bool adopt(const CellBox& other);
-};
-
 struct LightVoxels {
   /// Room for every cell of `box`, or, with `vpls`, for a tree over it.
   LightVoxels(const CellBox& box, int momentsPerCell, bool vpls = false);
 
   VoxelSource source;
   bool made = false;  ///< `cells` and `moments` are what follows from `source`
-  int momentsPerCell = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/deposit.glsl)
+  int momentsPerCell = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/accumulators.glsl)
   std::size_t capacity = 0;  ///< cells
   gpu::Buffer cells;  ///< header and (cell, lobes) entries (layout::kVoxelCells)
   gpu::Buffer moments;  ///< vec4 per cell and set

@@ -11,12 +11,6 @@ namespace {
 
 constexpr float kFarthest = 1e15F;       ///< stands for an infinite k: its square is a float
 
-const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
-
-glm::ivec3 blocksAcross(const glm::ivec3& dims) { return (dims + kBlock - 1) / kBlock; }
-
-std::uint32_t packed(const glm::uvec3& block) { return layout::packedBlock(block.x, block.y, block.z); }
-
 /// What a block costs with a tree of so many entries, in entries visited: a walk sees most of a small tree, and of a
 /// large one what is near and a few nodes of each size.
 double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.entryCount)); }
@@ -36,17 +30,6 @@ layout::GatherParams paramsOf(const LightField& field, const EmittingLight& ligh
 int dispatchesFor(const VplTree& tree) { return int(tree.entryCount) / layout::kMaxRounds + 1; }
 
 }  // namespace
-
-ReceiverBlocks allBlocks(const glm::ivec3& dims) {
-  ReceiverBlocks blocks;
-  const glm::ivec3 across = blocksAcross(dims);
-  for (int z = 0; z < across.z; ++z) {
-    for (int y = 0; y < across.y; ++y) {
-      for (int x = 0; x < across.x; ++x) blocks.push_back(packed(glm::ivec3(x, y, z)));
-    }
-  }
-  return blocks;
-}
 
 Gatherer::Gatherer() : params_("gather params", sizeof(layout::GatherParams), gpu::BufferUse::kDynamic) {}
 

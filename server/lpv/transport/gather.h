@@ -2,7 +2,6 @@
 // Stage: transport GATHER (MATHS.md 3b.3-4): every cell that is asked for sums the lights' VPLs, nearby ones one by
 // one, far ones as nodes of their tree.
 
-#include <cstdint>
 #include <vector>
 
 #include "gpu/program.h"
@@ -10,16 +9,10 @@
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
+#include "lpv/resources/palette.h"
+#include "lpv/transport/receiver_blocks.h"
 
 namespace lpv {
-
-/// Blocks of kBlockX x kBlockY x kBlockZ cells, packed as layout::kReceiverBlocks says, in ascending order.
-using ReceiverBlocks = std::vector<std::uint32_t>;
-
-/// All blocks of a grid.
-ReceiverBlocks allBlocks(const glm::ivec3& dims);
-/// Those with a cell that a surface of the scene reads when it is lit: within one cell of one of its triangles.
-GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);
 
 class Gatherer {
  public:

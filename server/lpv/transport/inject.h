@@ -8,6 +8,7 @@
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
+#include "lpv/resources/palette.h"
 
 namespace lpv {
 

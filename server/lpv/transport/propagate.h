@@ -3,6 +3,7 @@
 
 #include "gpu/program.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/cell_box.h"
 #include "lpv/resources/light_field.h"
 
 namespace lpv {

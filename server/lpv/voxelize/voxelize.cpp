@@ -9,6 +9,7 @@
 #include "gpu/failure.h"
 #include "gpu/gl.h"
 #include "lpv/pacing/chunked.h"
+#include "lpv/voxelize/fixed_point.h"
 
 namespace lpv {
 
@@ -265,7 +266,7 @@ GpuTask Voxelizer::buildVplTree(LightField& field, const GpuMesh& mesh, const Gp
     const gpu::Fence counted = gpu::Fence::insert();
     co_yield submitted(Stage::kVoxelize, 0.0);
     co_yield waitFor(counted);
-    const VplCounts counts = TreeBuilder::read(field.vplHeader);
+    const VplCounts counts = VplTreeBuilder::read(field.vplHeader);
     if (counts.lost == 0) {
       const TreeScales scales{voxels.areaScale, job.params.momentUnits};
       co_await trees_.build(tree, counts, variant, scales, bindLight);

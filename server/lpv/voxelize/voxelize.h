@@ -15,7 +15,7 @@
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
 #include "lpv/resources/scene_cache.h"
-#include "lpv/voxelize/vpl_tree.h"
+#include "lpv/voxelize/vpl_tree_builder.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -104,7 +104,7 @@ class Voxelizer {
   RasterVoxelizer raster_;
   DenseVoxelizer dense_;
   gpu::ProgramVariants collect_{{"voxelize/collect.comp"}};
-  TreeBuilder trees_;
+  VplTreeBuilder trees_;
 };
 
 }  // namespace lpv

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/emitter_list.h"
+#include "scene/lookup.h"
 
 namespace lpv {
 

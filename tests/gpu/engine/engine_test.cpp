@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "engine/device_choice.h"
 #include "gpu/engine/engine_rig.h"
 
 namespace lpv {

@@ -1,4 +1,4 @@
-#include "lpv/voxelize/vpl_tree.h"
+#include "lpv/voxelize/vpl_tree_builder.h"
 
 #include <algorithm>
 #include <array>
@@ -39,10 +39,10 @@ std::uint32_t nodesOf(const VplTree& tree, int level) {
 
 }  // namespace
 
-TreeBuilder::TreeBuilder() : params_("tree params", sizeof(layout::TreeParams), gpu::BufferUse::kDynamic) {}
+VplTreeBuilder::VplTreeBuilder() : params_("tree params", sizeof(layout::TreeParams), gpu::BufferUse::kDynamic) {}
 
-GpuTask TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
-                          const std::function<void()>& bindLight) {
+GpuTask VplTreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, TreePass pass, const TreeScales& scales,
+                             const std::function<void()>& bindLight) {
   layout::TreeParams shape{};
   shape.lower = tree.box.lower;
   shape.upper = tree.box.upper;
@@ -65,15 +65,15 @@ GpuTask TreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, Tree
   }
 }
 
-GpuTask TreeBuilder::prepare(VplTree& tree) { co_await fillChunked(tree.nodes); }
+GpuTask VplTreeBuilder::prepare(VplTree& tree) { co_await fillChunked(tree.nodes); }
 
-GpuTask TreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
+GpuTask VplTreeBuilder::count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight) {
   const TreeScales none;
   for (int level = 0; level < tree.levels; ++level)
     co_await pass(tree, variant, {count_, level, nodesOf(tree, level)}, none, bindLight);
 }
 
-VplCounts TreeBuilder::read(const gpu::Readback& header) {
+VplCounts VplTreeBuilder::read(const gpu::Readback& header) {
   layout::VoxelHeader read{};
   std::memcpy(&read, header.bytes().data(), sizeof read);
   return {.vpls = read.count,
@@ -83,8 +83,8 @@ VplCounts TreeBuilder::read(const gpu::Readback& header) {
           .cells = read.litCells};
 }
 
-GpuTask TreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant,
-                           const TreeScales& scales, const std::function<void()>& bindLight) {
+GpuTask VplTreeBuilder::build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant,
+                              const TreeScales& scales, const std::function<void()>& bindLight) {
   if (counts.entries > kMostTreeEntries) {
     throw gpu::Failure(exhausted("lights", "a light makes " + std::to_string(counts.entries) +
                                                " VPLs and nodes, more than the " + std::to_string(kMostTreeEntries) +

@@ -8,7 +8,7 @@
 #include "gpu/program.h"
 #include "gpu/readback.h"
 #include "lpv/pacing/gpu_task.h"
-#include "lpv/resources/light_voxels.h"
+#include "lpv/resources/vpl_tree.h"
 
 namespace lpv {
 
@@ -29,9 +29,9 @@ struct TreeScales {
 
 /// `bindLight` binds the light's table and list, kAccumulators and kVoxelCells: anew in every piece, for others work in
 /// between.
-class TreeBuilder {
+class VplTreeBuilder {
  public:
-  TreeBuilder();
+  VplTreeBuilder();
 
   /// Before voxelization: no leaf holds light.
   GpuTask prepare(VplTree& tree);
