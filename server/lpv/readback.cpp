@@ -5,7 +5,6 @@
 
 #include "gpu/gl.h"
 #include "lpv/pacing/chunked.h"
-#include "shaders/layout.h"
 
 namespace lpv {
 
@@ -22,30 +21,42 @@ void append(std::vector<T>& values, const std::byte* from, const Chunk& part) {
   values.insert(values.end(), first, first + part.bytes / sizeof(T));
 }
 
-EmitterListPtr emitterListFrom(const SessionState& session) {
-  if (session.field->transport == Transport::kPropagate) return nullptr;
-  auto direct = std::make_shared<EmitterList>();
-  direct->grid = session.field->grid;
-  direct->always = session.field->transport == Transport::kDirect;
-  direct->texels.resize(session.emitters.count);
-  std::memcpy(direct->texels.data(), session.emitterListReadback.bytes().data(),
-              direct->texels.size() * sizeof(glm::vec4));
-  if (direct->always) return direct;
-  direct->emitterDistance.resize(direct->grid.cells());
-  std::memcpy(direct->emitterDistance.data(), session.emitterDistanceReadback.bytes().data(),
-              direct->emitterDistance.size() * sizeof(float));
-  return direct;
+}  // namespace
+
+gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes) {
+  if (readback.size() < bytes) readback = gpu::Readback(label, bytes);
+  return readback;
 }
 
-GpuTask takeVolume(const gpu::Readback& readback, const SessionState& session, VolumeStage stage, VolumePtr& out) {
-  const Grid& grid = session.field->grid;
-  auto volume = std::make_shared<Volume>();
-  volume->grid = grid;
-  volume->stage = stage;
+GpuTask copyVolume(const LightField& field, gpu::Readback& target) {
+  const gpu::Buffer& volume = field.incidentVolume;
+  withRoom(target, "volume", volume.size());
+  for (const Chunk& part : chunksOf(volume.size())) {
+    target.copyFrom(volume, part.offset, part.offset, part.bytes);
+    co_yield yield();
+  }
+}
+
+void copyEmitterList(const LightField& field, const EmitterBufferList& emitters, Readbacks& readbacks) {
+  const std::size_t bytes = emitters.count * sizeof(glm::vec4);
+  withRoom(readbacks.emitterList, "emitter list", bytes).copyFrom(emitters.texels, 0, 0, bytes);
+  if (field.transport != Transport::kGather) return;
+  const std::size_t cells = field.emitterDistance.size();
+  withRoom(readbacks.emitterDistance, "emitter distance", cells).copyFrom(field.emitterDistance, 0, 0, cells);
+}
+
+void copyCounters(const LightField& field, Readbacks& readbacks) {
+  constexpr std::size_t kBytes = sizeof(layout::Counters);
+  withRoom(readbacks.counters, "counters", kBytes).copyFrom(field.counters, 0, 0, kBytes);
+}
+
+GpuTask takeVolume(const gpu::Readback& readback, const Grid& grid, const std::vector<std::string>& groups,
+                   Volume& out) {
+  out.grid = grid;
   const std::byte* from = readback.bytes().data();
   const std::size_t layerBytes = grid.cells() * layout::kVolumeFloats * sizeof(float);
-  for (const std::string& group : session.groups) {
-    VolumeLayer& layer = volume->layers.emplace_back();
+  for (const std::string& group : groups) {
+    VolumeLayer& layer = out.layers.emplace_back();
     layer.group = group;
     layer.coefficients.reserve(grid.cells() * layout::kVolumeFloats);
     for (const Chunk& part : chunksOf(layerBytes)) {
@@ -54,52 +65,26 @@ GpuTask takeVolume(const gpu::Readback& readback, const SessionState& session, V
     }
     from += layerBytes;
   }
-  if (stage == VolumeStage::kTransported) volume->direct = emitterListFrom(session);
-  out = std::move(volume);
 }
 
-}  // namespace
-
-gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes) {
-  if (readback.size() < bytes) readback = gpu::Readback(label, bytes);
-  return readback;
+EmitterListPtr takeEmitterList(const LightField& field, std::size_t texels, const Readbacks& readbacks) {
+  if (field.transport == Transport::kPropagate) return nullptr;
+  auto list = std::make_shared<EmitterList>();
+  list->grid = field.grid;
+  list->always = field.transport == Transport::kDirect;
+  list->texels.resize(texels);
+  std::memcpy(list->texels.data(), readbacks.emitterList.bytes().data(), texels * sizeof(glm::vec4));
+  if (list->always) return list;
+  list->emitterDistance.resize(list->grid.cells());
+  std::memcpy(list->emitterDistance.data(), readbacks.emitterDistance.bytes().data(),
+              list->emitterDistance.size() * sizeof(float));
+  return list;
 }
 
-GpuTask copyVolume(SessionState& session, VolumeStage stage) {
-  const bool injected = stage == VolumeStage::kInjected;
-  gpu::Readback& target = withRoom(injected ? session.injectedReadback : session.volumeReadback,
-                                   injected ? "injected volume" : "volume", session.incidentVolume.size());
-  for (const Chunk& part : chunksOf(session.incidentVolume.size())) {
-    target.copyFrom(session.incidentVolume, part.offset, part.offset, part.bytes);
-    co_yield yield();
-  }
-}
-
-void queueEmitterListCopy(SessionState& session) {
-  const std::size_t bytes = session.emitters.count * sizeof(glm::vec4);
-  withRoom(session.emitterListReadback, "direct lights", bytes).copyFrom(session.emitters.texels, 0, 0, bytes);
-  if (session.field->transport != Transport::kGather) return;
-  const std::size_t cells = session.field->emitterDistance.size();
-  withRoom(session.emitterDistanceReadback, "emitterDistance", cells)
-      .copyFrom(session.field->emitterDistance, 0, 0, cells);
-}
-
-void queueCounterCopy(SessionState& session) {
-  constexpr std::size_t kBytes = sizeof(layout::Counters);
-  withRoom(session.countersReadback, "counters", kBytes).copyFrom(session.field->counters, 0, 0, kBytes);
-}
-
-GpuTask takeCopies(SessionState& session, const VolumeCopies& copies) {
-  if (copies.transported)
-    co_await takeVolume(session.volumeReadback, session, VolumeStage::kTransported, session.transportedVolume);
-  if (copies.injected)
-    co_await takeVolume(session.injectedReadback, session, VolumeStage::kInjected, session.injectedVolume);
-  if (!copies.counters) co_return;
+layout::Counters takeCounters(const Readbacks& readbacks) {
   layout::Counters counts;
-  std::memcpy(&counts, session.countersReadback.bytes().data(), sizeof counts);
-  session.trianglesSkipped = counts.degenerate;
-  session.clampedCells = counts.clamped;
-  session.touchedCells = counts.touched;
+  std::memcpy(&counts, readbacks.counters.bytes().data(), sizeof counts);
+  return counts;
 }
 
 GpuTask copyFrame(View& view, Pacing pacing) {

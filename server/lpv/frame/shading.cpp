@@ -33,7 +33,7 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
     targets.exposure.bindStorage(layout::kExposure);
     return;
   }
-  if (lit->transport != Transport::kPropagate) lit->direct->view.bind(layout::kDirect);
+  if (lit->transport != Transport::kPropagate) lit->emitters->view.bind(layout::kDirect);
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));

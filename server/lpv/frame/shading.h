@@ -8,9 +8,10 @@
 #include "gpu/program.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/incident_textures.h"
 #include "lpv/transport/emitter_list.h"
-#include "lpv/transport/volume.h"
 
 namespace lpv {
 
@@ -41,7 +42,7 @@ struct IrradianceSources {
   Lookup lookup = Lookup::kSh2;
   bool nearField = false;  ///< GATHER: near emitters receivers look at the lights; else the volume is all they see
   const IncidentTextures* volume = nullptr;  ///< null with DIRECT
-  const EmitterBufferList* direct = nullptr;      ///< not read with PROPAGATE
+  const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
 };
 
 class ShadingPass {

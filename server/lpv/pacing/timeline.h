@@ -12,7 +12,7 @@
 
 namespace lpv {
 
-/// Pieces of GPU work under way on the device, in the order of submission. A piece's time runs from its first command,
+/// The pieces under way on the device, in the order of submission. A piece's time runs from its first command,
 /// or from the end of the piece before it, to its fence.
 class Timeline {
  public:

@@ -33,7 +33,9 @@ LightVoxels::LightVoxels(const CellBox& box, int moments_, bool vpls) : momentsP
 
 bool LightVoxels::takes(const CellBox& box, int wantedMoments, bool vpls) {
   if (wantedMoments != momentsPerCell || vpls != (tree != nullptr)) return false;
-  return vpls ? tree->adopt(box) : cellsIn(box) <= capacity;
+  if (vpls ? !tree->adopt(box) : cellsIn(box) > capacity) return false;
+  made.forget();
+  return true;
 }
 
 }  // namespace lpv

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/buffer.h"
+#include "lpv/cached.h"
 #include "lpv/resources/lights.h"
 #include "lpv/resources/vpl_tree.h"
 #include "scene/options.h"
@@ -23,15 +24,15 @@ struct VoxelMethod {
   bool operator==(const VoxelMethod&) const = default;
 };
 
-/// What a light's voxels follow from.
-struct VoxelSource {
+/// What a light's voxels are made from.
+struct VoxelizeInputs {
   MeshPtr mesh;
   TexturePtr texture;
   glm::dmat4 gridFromObject{1.0};
   glm::ivec3 dims{0};
   VoxelMethod method;
 
-  bool operator==(const VoxelSource&) const = default;
+  bool operator==(const VoxelizeInputs&) const = default;
   bool textured() const { return texture != nullptr; }
   bool directed() const { return !mesh->directions.empty(); }
 };
@@ -40,8 +41,8 @@ struct LightVoxels {
   /// Room for every cell of `box`, or, with `vpls`, for a tree over it.
   LightVoxels(const CellBox& box, int momentsPerCell, bool vpls = false);
 
-  VoxelSource source;
-  bool made = false;  ///< `cells` and `moments` are what follows from `source`
+  VoxelizeInputs source;  ///< what they are to be made from
+  Cached<VoxelizeInputs> made;  ///< what they were made from: `cells` and `moments`, or `tree`
   int momentsPerCell = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/accumulators.glsl)
   std::size_t capacity = 0;  ///< cells
   gpu::Buffer cells;  ///< header and (cell, lobes) entries (layout::kVoxelCells)
@@ -52,7 +53,8 @@ struct LightVoxels {
   int group = 0;  ///< of the field that it was put into
   double roundingError = 0.0;  ///< bound for one coefficient, relative to the largest possible
 
-  /// Whether the voxels of a light in this box fit; a tree takes the box over.
+  bool ready() const { return made.madeFrom(source); }
+  /// Makes room for the voxels of a light in this box, whose memory it takes over; false when they do not fit.
   bool takes(const CellBox& box, int wantedMoments, bool vpls);
 };
 using LightVoxelsPtr = std::shared_ptr<LightVoxels>;

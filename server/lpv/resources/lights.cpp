@@ -19,10 +19,8 @@ EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, c
 
 }  // namespace
 
-bool EmittingLight::emitsLike(const EmittingLight& other) const {
-  return mesh == other.mesh && gridFromObject == other.gridFromObject && radiance == other.radiance &&
-         twoSided == other.twoSided && mirrored == other.mirrored && texture == other.texture &&
-         (source == nullptr || other.source == nullptr || source->group == other.source->group);
+Emission EmittingLight::emission() const {
+  return {mesh, gridFromObject, radiance, twoSided, mirrored, texture, source == nullptr ? "" : source->group};
 }
 
 std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<EmittingLight>& previous) {

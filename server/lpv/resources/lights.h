@@ -2,12 +2,26 @@
 // What voxelization needs to know of a scene's lights, worked out on the CPU.
 
 #include <glm/glm.hpp>
+#include <string>
 #include <vector>
 
 #include "lpv/resources/cell_box.h"
 #include "scene/scene.h"
 
 namespace lpv {
+
+/// All that the grid knows of a light.
+struct Emission {
+  MeshPtr mesh;
+  glm::dmat4 gridFromObject{1.0};
+  glm::dvec3 radiance{0.0};
+  bool twoSided = false;
+  bool mirrored = false;
+  TexturePtr texture;
+  std::string group;  ///< by name
+
+  bool operator==(const Emission&) const = default;
+};
 
 /// A light that emits: enabled, with a radiance above 0.
 struct EmittingLight {
@@ -21,8 +35,7 @@ struct EmittingLight {
   int group = 0;          ///< of the scene's groups of lights, which one
   bool polygons = false;  ///< receivers look at its triangles, not at its VPLs (lpv/transport/emitter_list.h)
 
-  /// Whether both put the same VPLs into the grid.
-  bool emitsLike(const EmittingLight& other) const;
+  Emission emission() const;
 };
 
 /// The scene's emitting lights in name order. `previous` saves working out radiance from power for unchanged lights.

@@ -5,6 +5,7 @@
 
 #include "gpu/buffer.h"
 #include "gpu/buffer_texture.h"
+#include "lpv/cached.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
@@ -22,6 +23,14 @@ inline constexpr std::size_t kMostPolygonsOfAll = 4096;
 
 /// Which lights are polygons. `k`: the distance rule of the trees.
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k);
+
+/// What the list is made from.
+struct EmitterListInputs {
+  Stamp lights = 0;           ///< and with them their trees
+  double openingRatio = 0.0;  ///< k; which lights are polygons follows from both
+
+  bool operator==(const EmitterListInputs&) const = default;
+};
 
 struct EmitterBufferList {
   gpu::Buffer texels;  ///< as shaders/transport/emitter_list.glsl has them

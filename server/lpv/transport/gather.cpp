@@ -1,8 +1,10 @@
 #include "lpv/transport/gather.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -40,6 +42,11 @@ void Gatherer::bind(const LightField& field, const LightVoxels& voxels) {
   field.cursors.bindStorage(layout::kCursors);
   field.emitterDistance.bindStorage(layout::kEmitterDistanceBuffer);
   field.transported().buffer.bindStorage(layout::kFieldOut);
+}
+
+GpuTask Gatherer::clear(LightField& field) {
+  co_await fillChunked(field.pingPong[0].buffer);
+  co_await fillChunked(field.emitterDistance, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
 }
 
 GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,

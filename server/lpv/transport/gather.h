@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "gpu/program.h"
+#include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
@@ -14,10 +16,21 @@
 
 namespace lpv {
 
+/// What the gathered field is made from; the product is the blocks where it is made.
+struct GatherInputs {
+  Stamp memory = 0;           ///< of the field
+  Stamp lights = 0;           ///< and with them their trees and the palette
+  double openingRatio = 0.0;  ///< k
+
+  bool operator==(const GatherInputs&) const = default;
+};
+
 class Gatherer {
  public:
   Gatherer();
 
+  /// Takes all light out of the field.
+  GpuTask clear(LightField& field);
   /// Adds what the lights send to these blocks, which hold zeros, as SH of incident radiance to field.transported().
   /// `k`: the distance rule; infinite takes every VPL by itself.
   GpuTask run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,

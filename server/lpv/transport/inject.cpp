@@ -1,5 +1,7 @@
 #include "lpv/transport/inject.h"
 
+#include <utility>
+
 #include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
@@ -55,9 +57,14 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Pass
   gpu::memoryBarrier();
 }
 
-GpuTask Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing) {
+GpuTask Injector::retire(LightField& field, Pacing pacing) {
+  const std::optional<std::vector<LightVoxelsPtr>> held = std::exchange(field.injectedVoxels, std::nullopt);
+  if (!held) {
+    co_await fillChunked(field.injected.buffer);
+    co_await fillChunked(field.lobeCounts);
+  }
   double queued = 0.0;
-  for (const LightVoxelsPtr& light : voxels) {
+  for (const LightVoxelsPtr& light : held.value_or(std::vector<LightVoxelsPtr>())) {
     if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
@@ -67,11 +74,13 @@ GpuTask Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& v
     queued += cellsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
+  field.injectedVoxels.emplace();
 }
 
 GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
-  field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
+  field.resetCounters();
+  field.injectedVoxels.reset();
   const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -95,6 +104,7 @@ GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& light
     queued += cellsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
+  field.injectedVoxels = voxels;
 }
 
 GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& lights,

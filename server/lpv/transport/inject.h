@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gpu/program.h"
+#include "lpv/cached.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
@@ -12,13 +13,22 @@
 
 namespace lpv {
 
+/// What the injected field is made from.
+struct InjectInputs {
+  Stamp memory = 0;  ///< of the field
+  Stamp lights = 0;  ///< and with them their voxels and the palette
+
+  bool operator==(const InjectInputs&) const = default;
+};
+
 class Injector {
  public:
   Injector();
 
-  /// Takes everything that `voxels` put into the field out of it: before any of them is made anew.
-  GpuTask retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing);
-  /// Puts the lights in, in order. `voxels` and `palette.weights` are per light.
+  /// Takes all light out of the field: cell by cell of field.injectedVoxels, so it comes before any of these is made
+  /// anew, or where they are not known by clearing all of it.
+  GpuTask retire(LightField& field, Pacing pacing);
+  /// Puts the lights in, in order, and counts. `voxels` and `palette.weights` are per light.
   GpuTask add(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
               const Palette& palette, Pacing pacing);
   /// The same for lights that are trees of VPLs, into a field that held something else.

@@ -2,11 +2,22 @@
 // Stage: transport by propagation (Kaplanyan & Dachsbacher 2010; MATHS.md 3a).
 
 #include "gpu/program.h"
+#include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/cell_box.h"
 #include "lpv/resources/light_field.h"
 
 namespace lpv {
+
+/// What the propagated field is made from.
+struct PropagateInputs {
+  Stamp injected = 0;  ///< and with it the box that holds every cell that emits
+  int iterations = 0;
+  bool clampFaces = false;
+
+  bool operator==(const PropagateInputs&) const = default;
+};
 
 class Propagator {
  public:

@@ -20,37 +20,35 @@ layout::VolumeParams paramsOf(const LightField& field, const Palette& palette) {
   return params;
 }
 
-void bindOutputs(VolumeTarget target, const IncidentTextures* textures, const gpu::Buffer* volume) {
+void bindOutputs(const LightField& field, VolumeTarget target) {
   if (target != VolumeTarget::kTextures) {
-    volume->bindStorage(layout::kIncidentVolume);
+    field.incidentVolume.bindStorage(layout::kIncidentVolume);
     return;
   }
-  const int count = textures->channels == 1 ? 1 : 3;
+  const IncidentTextures& textures = *field.textures;
+  const int count = textures.channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i)
-    textures->colours[std::size_t(i)].bindImage(std::uint32_t(layout::kIncidentOut + i), GL_WRITE_ONLY);
-  if (textures->emitterDistance) textures->emitterDistance.bindImage(layout::kEmitterDistanceOut, GL_WRITE_ONLY);
+    textures.colours[std::size_t(i)].bindImage(std::uint32_t(layout::kIncidentOut + i), GL_WRITE_ONLY);
+  if (textures.emitterDistance) textures.emitterDistance.bindImage(layout::kEmitterDistanceOut, GL_WRITE_ONLY);
 }
 
 std::uint32_t groups(int cells, int perGroup) { return std::uint32_t((cells + perGroup - 1) / perGroup); }
 
 }  // namespace
 
-IncidentTextures::IncidentTextures(const glm::ivec3& d, int c, int g, bool near) : dims(d), channels(c), groups(g) {
-  const glm::ivec3 size(dims.x, dims.y, dims.z * groups);
-  const std::size_t count = channels == 1 ? 1 : 3;
-  for (std::size_t i = 0; i < count; ++i)
-    colours[i] = gpu::Texture::make3d("incident radiance", size, GL_RGBA32F, gpu::Sampling::kLinearClamp);
-  if (near) emitterDistance = gpu::Texture::make3d("emitterDistance", dims, GL_R32F, gpu::Sampling::kLinearClamp);
-}
-
 VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
 
-GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, VolumeTarget target,
-                         const IncidentTextures* textures, const gpu::Buffer* volume, Pacing pacing) {
+GpuTask VolumeMaker::run(LightField& field, const FieldBuffer& from, const Palette& palette, VolumeTarget target,
+                         Pacing pacing) {
   const glm::ivec3 dims = field.grid.dims;
   layout::VolumeParams params = paramsOf(field, palette);
   const bool injected = target == VolumeTarget::kInjected, toTextures = target == VolumeTarget::kTextures;
-  const bool near = toTextures && bool(textures->emitterDistance);
+  if (toTextures) {
+    field.makeTextures();
+  } else {
+    field.makeIncidentVolume();
+  }
+  const bool near = toTextures && bool(field.textures->emitterDistance);
   gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
                                          {"LPV_TEXTURES", toTextures ? "1" : "0"},
                                          {"LPV_BUFFER", toTextures ? "0" : "1"},
@@ -66,9 +64,9 @@ GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, Volume
     params.firstChannel = group * field.channels;
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
-    (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);
+    from.texels.bind(layout::kFieldIn);
     field.counters.bindStorage(layout::kCounters);
-    bindOutputs(target, textures, volume);
+    bindOutputs(field, target);
     if (near) field.emitterDistance.bindStorage(layout::kEmitterDistanceBuffer);
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();

@@ -1,11 +1,9 @@
 #pragma once
 // Stage: the volume (MATHS.md 1, 3a), for frames as textures and for clients as a buffer.
 
-#include <array>
-#include <optional>
-
 #include "gpu/program.h"
-#include "gpu/texture.h"
+#include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/palette.h"
@@ -14,29 +12,25 @@ namespace lpv {
 
 /// What can be made of a field.
 enum class VolumeTarget {
-  kTextures,  ///< IncidentTextures::colours
+  kTextures,     ///< LightField::textures
   kTransported,  ///< as it is read back
   kInjected,     ///< as it is read back
 };
 
-/// SH of incident radiance at cell centres, to be read with trilinear filtering at gridPosition / dims.
-struct IncidentTextures {
-  IncidentTextures(const glm::ivec3& dims, int channels, int groups = 1, bool near = false);
-  glm::ivec3 dims;
-  int channels;
-  int groups;  ///< one behind the other along z, dims.z texels each
-  /// RGBA32F (L00, L1-1, L10, L11). One channel: colours[0] of unit palette radiance. Else one per colour.
-  std::array<gpu::Texture, 3> colours;
-  gpu::Texture emitterDistance;  ///< R32F: cells from a cell's centre to the nearest VPL; GATHER only
+/// What textures and volumes that leave the engine are made from.
+struct VolumeInputs {
+  Stamp transported = 0;  ///< with it grid, palette and groups
+  Stamp emitters = 0;     ///< the list that goes along; textures: none
+
+  bool operator==(const VolumeInputs&) const = default;
 };
 
 class VolumeMaker {
  public:
   VolumeMaker();
 
-  /// Slab by slab. `textures` is written for kTextures, `volume` (layout::kIncidentVolume) otherwise.
-  GpuTask run(const LightField& field, const Palette& palette, VolumeTarget target, const IncidentTextures* textures,
-              const gpu::Buffer* volume, Pacing pacing);
+  /// Slab by slab, out of `from`: into field.textures, or for the other targets into field.incidentVolume.
+  GpuTask run(LightField& field, const FieldBuffer& from, const Palette& palette, VolumeTarget target, Pacing pacing);
 
  private:
   gpu::ProgramVariants programs_{{"transport/volume.comp"}};

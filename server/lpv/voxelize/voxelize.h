@@ -9,6 +9,7 @@
 
 #include "gpu/framebuffer.h"
 #include "gpu/program.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_texture.h"
@@ -75,12 +76,6 @@ class DenseVoxelizer final : public TriangleVoxelizer {
   gpu::ProgramVariants programs_{{"voxelize/dense.comp"}};
 };
 
-/// What is known of a light's triangles before they are voxelized.
-struct TriangleCosts {
-  double area = 0.0;          ///< of all, in the grid's unit, cell^2: what the largest moment can be
-  std::vector<double> costs;  ///< of the triangles, in units of Stage::kVoxelize: means of a few at a time
-};
-
 class Voxelizer {
  public:
   Voxelizer();
@@ -91,13 +86,13 @@ class Voxelizer {
               Pacing pacing);
 
  private:
+  struct Run;
   TriangleVoxelizer& voxelizerFor(InjectionMethod method);
-  GpuTask deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
-                  const TriangleCosts& of, VoxelizeJob& job, Pacing pacing);
-  GpuTask buildVplTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                       const TriangleCosts& of, VoxelizeJob& job, Pacing pacing);
-  void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
-  void collect(const VoxelizeJob& job, const LightVoxels& voxels);
+  GpuTask voxelize(Run& run);
+  GpuTask deposit(Run& run);
+  GpuTask buildVplTree(Run& run);
+  void bind(const Run& run);
+  void collect(const Run& run);
 
   gpu::Buffer params_;
   ComputeVoxelizer compute_;

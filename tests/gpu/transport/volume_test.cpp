@@ -37,23 +37,22 @@ struct VolumeRig {
     field.result = 0;
   }
   reference::Field make(VolumeTarget target) {
-    const gpu::Buffer product("product", field.grid.cells() * 48);
     StageClock clock;
     VolumeMaker maker;
-    test::finish(maker.run(field, palette, target, nullptr, &product, {&clock}));
+    const bool injected = target == VolumeTarget::kInjected;
+    test::finish(maker.run(field, injected ? field.injected : field.transported(), palette, target, {&clock}));
     Volume volume;
     volume.grid = field.grid;
-    volume.layers = {{"", test::read<float>(product)}};
+    volume.layers = {{"", test::read<float>(field.incidentVolume)}};
     return reference::fieldOf(volume);
   }
   std::vector<glm::vec4> makeTexture(int colour) {
-    const IncidentTextures textures(field.grid.dims, field.channels);
     StageClock clock;
     VolumeMaker maker;
-    test::finish(maker.run(field, palette, VolumeTarget::kTextures, &textures, nullptr, {&clock}));
+    test::finish(maker.run(field, field.transported(), palette, VolumeTarget::kTextures, {&clock}));
     std::vector<glm::vec4> texels(field.grid.cells());
-    glGetTextureImage(textures.colours[std::size_t(colour)].id(), 0, GL_RGBA, GL_FLOAT, GLsizei(texels.size() * 16),
-                      texels.data());
+    glGetTextureImage(field.textures->colours[std::size_t(colour)].id(), 0, GL_RGBA, GL_FLOAT,
+                      GLsizei(texels.size() * 16), texels.data());
     return texels;
   }
   LightField field;
