@@ -114,6 +114,23 @@ struct Pipeline::Stages {
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
 };
 
+std::array<double, kStages> unitsOf(const Workload& w) {
+  const double blocks = w.cells / double(layout::kBlockX * layout::kBlockY * layout::kBlockZ);
+  const double channels = w.groups() * w.channels();
+  std::array<double, kStages> units{};
+  const auto of = [&units](Stage stage) -> double& { return units[std::size_t(stage)]; };
+  of(Stage::kUpload) = w.bytes;
+  of(Stage::kVoxelize) = VoxelizeWork{w.lightTriangles, w.columns}.units();
+  if (w.transport == Transport::kPropagate) {
+    of(Stage::kInject) = InjectWork{w.lights, w.litCells}.units();
+    of(Stage::kPropagate) = PropagateWork{w.iterations * w.cells, channels}.units();
+  } else {
+    of(Stage::kGather) = GatherWork{blocks, w.lights, w.rootsOfEntries}.units();
+  }
+  of(Stage::kVolume) = VolumeWork{w.cells, double(w.groups())}.units();
+  return units;
+}
+
 Pipeline::Pipeline(double pieceSeconds) : stages_(std::make_unique<Stages>(pieceSeconds)) {}
 
 Pipeline::~Pipeline() = default;

@@ -1,6 +1,7 @@
 #pragma once
 // The story of a tick: physical stages in physical order.
 
+#include <array>
 #include <memory>
 
 #include "engine/engine.h"
@@ -8,6 +9,10 @@
 #include "lpv/session_state.h"
 
 namespace lpv {
+
+/// Units of every stage in a tick that makes everything but frames, as its pieces count them. Beside the story, so that
+/// a stage is added to both.
+std::array<double, kStages> unitsOf(const Workload& workload);
 
 /// Every stage with its programs; one per device, on its GL thread.
 class Pipeline {

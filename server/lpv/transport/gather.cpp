@@ -13,10 +13,6 @@ namespace {
 
 constexpr float kFarthest = 1e15F;       ///< stands for an infinite k: its square is a float
 
-/// What a block costs with a tree of so many entries, in entries visited: a walk sees most of a small tree, and of a
-/// large one what is near and a few nodes of each size.
-double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.entryCount)); }
-
 layout::GatherParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
                               const glm::dvec3& weight, double k) {
   layout::GatherParams params{};
@@ -63,7 +59,7 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
     gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
                                            {"LPV_TEXTURED", light.momentsPerCell > 1 ? "1" : "0"},
                                            {"LPV_TWO_SIDED", lights[i].twoSided ? "1" : "0"}});
-    const double units = unitsPerBlock(*light.tree);
+    const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount))}.units();
     for (std::uint32_t first = 0; first < blockCount;) {
       const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
       const std::uint32_t count =

@@ -25,6 +25,17 @@ struct GatherInputs {
   bool operator==(const GatherInputs&) const = default;
 };
 
+/// Work of the stage, in entries visited: a walk sees most of a small tree, and of a large one what is near and a few
+/// nodes of each size. Pieces: the whole blocks that are asked for, light by light, lights without VPLs left out.
+/// Admission: the cells' share of blocks, all lights, trees as large as surfaces in the grid are expected to make them.
+struct GatherWork {
+  double blocks = 0.0;
+  double lights = 0.0;
+  double rootsOfEntries = 0.0;  ///< square roots of the sizes of the lights' trees, summed
+
+  double units() const { return blocks * (16.0 * lights + 8.0 * rootsOfEntries); }
+};
+
 class Gatherer {
  public:
   Gatherer();

@@ -9,14 +9,10 @@ namespace lpv {
 
 namespace {
 
-/// What a light costs besides its cells, in cells.
-constexpr double kLightCells = 1000.0;
-
-/// Cells that a light may have put something into.
-double cellsOf(const LightVoxels& voxels) {
-  if (voxels.tree == nullptr) return kLightCells + double(voxels.capacity);
+double unitsOf(const LightVoxels& voxels) {
+  if (voxels.tree == nullptr) return InjectWork{1.0, double(voxels.capacity)}.units();
   const glm::dvec3 size(voxels.tree->box.upper - voxels.tree->box.lower);
-  return kLightCells + size.x * size.y * size.z;
+  return InjectWork{1.0, size.x * size.y * size.z}.units();
 }
 
 layout::InjectParams whereOf(const LightField& field, const LightVoxels& voxels) {
@@ -65,13 +61,13 @@ GpuTask Injector::retire(LightField& field, Pacing pacing) {
   }
   double queued = 0.0;
   for (const LightVoxelsPtr& light : held.value_or(std::vector<LightVoxelsPtr>())) {
-    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+    if (queued > 0.0 && queued + unitsOf(*light) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, {"LPV_RETIRE"});
-    queued += cellsOf(*light);
+    queued += unitsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
   field.injectedVoxels.emplace();
@@ -84,24 +80,24 @@ GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& light
   const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (queued > 0.0 && queued + cellsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
+    if (queued > 0.0 && queued + unitsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     voxels[i]->group = lights[i].group;
     params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
     dispatch(field, *voxels[i], only ? Passes{"LPV_ADD", "LPV_DIVIDE"} : Passes{"LPV_ADD"});
-    queued += cellsOf(*voxels[i]);
+    queued += unitsOf(*voxels[i]);
   }
   for (const LightVoxelsPtr& light : voxels) {
     if (only || light->source.method.injection != Injection::kCount) continue;
-    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+    if (queued > 0.0 && queued + unitsOf(*light) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
     dispatch(field, *light, {"LPV_DIVIDE"});
-    queued += cellsOf(*light);
+    queued += unitsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
   field.injectedVoxels = voxels;
@@ -130,7 +126,7 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
               {"LPV_TEXTURED", voxels[i]->momentsPerCell > 1 ? "1" : "0"}})
         .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
     gpu::memoryBarrier();
-    queued += cellsOf(*voxels[i]);
+    queued += unitsOf(*voxels[i]);
     if (queued < pacing.unitsFor(Stage::kInject)) continue;
     co_yield submitted(Stage::kInject, queued);
     queued = 0.0;

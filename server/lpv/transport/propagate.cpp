@@ -62,11 +62,12 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
 
 GpuTask Propagator::run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing) {
   co_await prepare(field, clampFaces);
-  double queued = 0.0;  // cells x channels since the last pause
+  double queued = 0.0;  // units since the last pause
   for (int i = 1; i <= iterations && !box.empty(); ++i) {
     box = box.grown(field.grid.dims);
     field.result = 1 - field.result;
-    const double perLayer = cellsOf(box) / (box.upper.z - box.lower.z) * field.allChannels();
+    const double layer = cellsOf(box) / (box.upper.z - box.lower.z);
+    const double perLayer = PropagateWork{layer, double(field.allChannels())}.units();
     for (CellBox slab = box; slab.lower.z < box.upper.z; slab.lower.z = slab.upper.z) {
       const double room = pacing.unitsFor(Stage::kPropagate) - queued;
       if (queued > 0.0 && room < perLayer) {

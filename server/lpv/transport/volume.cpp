@@ -71,7 +71,7 @@ GpuTask VolumeMaker::run(LightField& field, const FieldBuffer& from, const Palet
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();
     slab += slabs;
-    co_yield submitted(Stage::kVolume, slabCells * slabs);
+    co_yield submitted(Stage::kVolume, VolumeWork{slabCells * slabs, 1.0}.units());
   }
 }
 

@@ -25,6 +25,14 @@ struct VolumeInputs {
   bool operator==(const VolumeInputs&) const = default;
 };
 
+/// Work of the stage: the same for pieces and for admission, which counts one volume.
+struct VolumeWork {
+  double cells = 0.0;
+  double groups = 0.0;
+
+  double units() const { return cells * groups; }
+};
+
 class VolumeMaker {
  public:
   VolumeMaker();

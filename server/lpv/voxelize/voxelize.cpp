@@ -110,18 +110,21 @@ glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& a
 
 /// Triangles whose costs are added up, and between whose areas others may work.
 constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
-/// What a column of cells costs that a triangle meets, in triangles.
-constexpr double kColumnCost = 0.5;
 
 GpuTask estimateCosts(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, TriangleCosts& out) {
   const glm::dmat3 map(areaFromObject);
   const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
-  out.costs.assign((mesh.triangles.size() + kTrianglesPerCost - 1) / kTrianglesPerCost, 1.0);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
-    out.area += area;
-    out.costs[i / kTrianglesPerCost] += kColumnCost * std::min(area, face) / double(kTrianglesPerCost);
-    if (i % kTrianglesPerPause == kTrianglesPerPause - 1) co_yield yield();
+  const std::size_t triangles = mesh.triangles.size();
+  for (std::size_t first = 0; first < triangles; first += kTrianglesPerCost) {
+    const std::size_t end = std::min(triangles, first + kTrianglesPerCost);
+    VoxelizeWork work{double(end - first), 0.0};
+    for (std::size_t i = first; i < end; ++i) {
+      const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
+      out.area += area;
+      work.columns += std::min(area, face);
+    }
+    out.costs.push_back(work.units() / work.triangles);
+    if (end % kTrianglesPerPause == 0) co_yield yield();
   }
 }
 
