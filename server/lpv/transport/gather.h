@@ -26,7 +26,7 @@ struct GatherInputs {
 };
 
 /// Work of the stage, in entries visited: a walk sees most of a small tree, and of a large one what is near and a few
-/// nodes of each size. Pieces: the whole blocks that are asked for, light by light, lights without VPLs left out.
+/// nodes of each size. A piece counts: the whole blocks that are asked for, light by light, lights without VPLs left out.
 /// Admission: the cells' share of blocks, all lights, trees as large as surfaces in the grid are expected to make them.
 struct GatherWork {
   double blocks = 0.0;

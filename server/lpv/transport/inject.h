@@ -21,7 +21,7 @@ struct InjectInputs {
   bool operator==(const InjectInputs&) const = default;
 };
 
-/// Work of the stage. Pieces: for each pass over a light (to take it out, to put it in, COUNT's division of several
+/// Work of the stage. A piece counts: for each pass over a light (to take it out, to put it in, COUNT's division of several
 /// lights) the cells that its voxels have room for, or the box of its tree. Admission: one pass over the cells that
 /// its surface may pass through.
 struct InjectWork {

@@ -19,7 +19,7 @@ struct PropagateInputs {
   bool operator==(const PropagateInputs&) const = default;
 };
 
-/// Work of the stage. Pieces: layers of the box that light has reached by an iteration. Admission: all cells each time.
+/// Work of the stage. A piece counts: layers of the box that light has reached by an iteration. Admission: all cells each time.
 struct PropagateWork {
   double cells = 0.0;  ///< summed over iterations
   double channels = 0.0;  ///< of all groups

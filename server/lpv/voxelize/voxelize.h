@@ -76,7 +76,7 @@ class DenseVoxelizer final : public TriangleVoxelizer {
   gpu::ProgramVariants programs_{{"voxelize/dense.comp"}};
 };
 
-/// Work of the stage. Pieces: columns by each triangle's area. Admission: by a mesh's area in its light's pose.
+/// Work of the stage. A piece counts: columns by each triangle's area. Admission: by a mesh's area in its light's pose.
 struct VoxelizeWork {
   double triangles = 0.0;
   double columns = 0.0;  ///< of cells that the triangles meet, summed over triangles
