@@ -61,9 +61,21 @@ class ShadingPass {
   static void bindExposure(const FrameTargets& targets);
   GpuTask findExposure(FrameTargets& targets, layout::ExposureParams params, Pacing pacing);
 
-  gpu::ProgramVariants shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
+  struct Variant {
+    int channels = 1;  ///< of the textures: 1 or 3
+    int groups = 1;
+    Lookup lookup = Lookup::kSh2;
+    int nearField = 0;  ///< LPV_NEAR_FIELD_..
+    bool display = false;
+    gpu::Defines defines() const;
+  };
+  struct ExposureVariant {
+    bool finish = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_FINISH", finish)}; }
+  };
+  gpu::Programs<Variant> shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
   gpu::ProgramVariants display_{{"frame/fullscreen.vert", "frame/display.frag"}};
-  gpu::ProgramVariants exposure_{{"frame/exposure.comp"}};
+  gpu::Programs<ExposureVariant> exposure_{{"frame/exposure.comp"}};
   std::uint32_t noVertices_ = 0;  ///< a vertex array without attributes
 };
 

@@ -29,6 +29,11 @@ int dispatchesFor(const VplTree& tree) { return int(tree.entryCount) / layout::k
 
 }  // namespace
 
+gpu::Defines Gatherer::Variant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured),
+          gpu::define("LPV_TWO_SIDED", twoSided)};
+}
+
 Gatherer::Gatherer() : params_("gather params", sizeof(layout::GatherParams), gpu::BufferUse::kDynamic) {}
 
 void Gatherer::bind(const LightField& field, const LightVoxels& voxels) {
@@ -56,9 +61,8 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
     const LightVoxels& light = *voxels[i];
     if (light.tree->entryCount == 0) continue;
     layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
-    gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
-                                           {"LPV_TEXTURED", light.momentsPerCell > 1 ? "1" : "0"},
-                                           {"LPV_TWO_SIDED", lights[i].twoSided ? "1" : "0"}});
+    gpu::Program& program = programs_.get(
+        {.channels = field.channels, .textured = light.momentsPerCell > 1, .twoSided = lights[i].twoSided});
     const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount))}.units();
     for (std::uint32_t first = 0; first < blockCount;) {
       const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);

@@ -26,8 +26,9 @@ struct GatherInputs {
 };
 
 /// Work of the stage, in entries visited: a walk sees most of a small tree, and of a large one what is near and a few
-/// nodes of each size. A piece counts: the whole blocks that are asked for, light by light, lights without VPLs left out.
-/// Admission: the cells' share of blocks, all lights, trees as large as surfaces in the grid are expected to make them.
+/// nodes of each size. A piece counts: the whole blocks that are asked for, light by light, lights without VPLs left
+/// out. Admission: the cells' share of blocks, all lights, trees as large as surfaces in the grid are expected to make
+/// them.
 struct GatherWork {
   double blocks = 0.0;
   double lights = 0.0;
@@ -50,7 +51,13 @@ class Gatherer {
  private:
   void bind(const LightField& field, const LightVoxels& voxels);
 
-  gpu::ProgramVariants programs_{{"transport/gather.comp"}};
+  struct Variant {
+    int channels = 1;
+    bool textured = false;
+    bool twoSided = false;
+    gpu::Defines defines() const;
+  };
+  gpu::Programs<Variant> programs_{{"transport/gather.comp"}};
   gpu::Buffer params_;
 };
 

@@ -36,9 +36,21 @@ layout::InjectParams paramsOf(const LightField& field, const EmittingLight& ligh
 
 }  // namespace
 
+gpu::Defines Injector::VplVariant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured)};
+}
+
+gpu::Defines Injector::Variant::defines() const {
+  gpu::Defines out = light.defines();
+  if (passes.retire) out.push_back(gpu::define("LPV_RETIRE", 1));
+  if (passes.add) out.push_back(gpu::define("LPV_ADD", 1));
+  if (passes.divide) out.push_back(gpu::define("LPV_DIVIDE", 1));
+  return out;
+}
+
 Injector::Injector() : params_("inject params", sizeof(layout::InjectParams), gpu::BufferUse::kDynamic) {}
 
-void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Passes& passes) {
+void Injector::dispatch(LightField& field, const LightVoxels& voxels, Passes passes) {
   params_.bindUniform(layout::kParams);
   field.injected.buffer.bindStorage(layout::kFieldOut);
   field.lobeCounts.bindStorage(layout::kLobeCounts);
@@ -46,10 +58,7 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Pass
   voxels.cells.bindStorage(layout::kVoxelCells);
   voxels.moments.bindStorage(layout::kVoxelMoments);
   voxels.cells.bindAsDispatchArguments();
-  gpu::Defines variant = {{"LPV_CHANNELS", std::to_string(field.channels)},
-                          {"LPV_TEXTURED", voxels.momentsPerCell > 1 ? "1" : "0"}};
-  for (const char* pass : passes) variant.emplace_back(pass, "1");
-  programs_.get(variant).dispatchIndirect(0);
+  programs_.get({.light = {field.channels, voxels.momentsPerCell > 1}, .passes = passes}).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
@@ -66,7 +75,7 @@ GpuTask Injector::retire(LightField& field, Pacing pacing) {
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
-    dispatch(field, *light, {"LPV_RETIRE"});
+    dispatch(field, *light, {.retire = true});
     queued += unitsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
@@ -86,7 +95,7 @@ GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& light
     }
     voxels[i]->group = lights[i].group;
     params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
-    dispatch(field, *voxels[i], only ? Passes{"LPV_ADD", "LPV_DIVIDE"} : Passes{"LPV_ADD"});
+    dispatch(field, *voxels[i], {.add = true, .divide = only});
     queued += unitsOf(*voxels[i]);
   }
   for (const LightVoxelsPtr& light : voxels) {
@@ -96,7 +105,7 @@ GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& light
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
-    dispatch(field, *light, {"LPV_DIVIDE"});
+    dispatch(field, *light, {.divide = true});
     queued += unitsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
@@ -121,9 +130,7 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     tree.nodes.bindStorage(layout::kTreeNodes);
     tree.entries.bindStorage(layout::kTreeEntries);
     field.injected.buffer.bindStorage(layout::kFieldOut);
-    vplPrograms_
-        .get({{"LPV_CHANNELS", std::to_string(field.channels)},
-              {"LPV_TEXTURED", voxels[i]->momentsPerCell > 1 ? "1" : "0"}})
+    vplPrograms_.get({.channels = field.channels, .textured = voxels[i]->momentsPerCell > 1})
         .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
     gpu::memoryBarrier();
     queued += unitsOf(*voxels[i]);

@@ -21,9 +21,9 @@ struct InjectInputs {
   bool operator==(const InjectInputs&) const = default;
 };
 
-/// Work of the stage. A piece counts: for each pass over a light (to take it out, to put it in, COUNT's division of several
-/// lights) the cells that its voxels have room for, or the box of its tree. Admission: one pass over the cells that
-/// its surface may pass through.
+/// Work of the stage. A piece counts: for each pass over a light (to take it out, to put it in, COUNT's division of
+/// several lights) the cells that its voxels have room for, or the box of its tree. Admission: one pass over the cells
+/// that its surface may pass through.
 struct InjectWork {
   double lights = 0.0;
   double cells = 0.0;  ///< summed over lights
@@ -46,11 +46,26 @@ class Injector {
                const Palette& palette, Pacing pacing);
 
  private:
-  using Passes = std::vector<const char*>;  ///< of shaders/transport/inject.comp
-  void dispatch(LightField& field, const LightVoxels& voxels, const Passes& passes);
+  /// Of shaders/transport/inject.comp.
+  struct Passes {
+    bool retire = false;
+    bool add = false;
+    bool divide = false;
+  };
+  struct VplVariant {
+    int channels = 1;
+    bool textured = false;
+    gpu::Defines defines() const;
+  };
+  struct Variant {
+    VplVariant light;
+    Passes passes;
+    gpu::Defines defines() const;
+  };
+  void dispatch(LightField& field, const LightVoxels& voxels, Passes passes);
 
-  gpu::ProgramVariants programs_{{"transport/inject.comp"}};
-  gpu::ProgramVariants vplPrograms_{{"transport/inject_vpls.comp"}};
+  gpu::Programs<Variant> programs_{{"transport/inject.comp"}};
+  gpu::Programs<VplVariant> vplPrograms_{{"transport/inject_vpls.comp"}};
   gpu::Buffer params_;
 };
 

@@ -41,6 +41,10 @@ int layersFor(double cellsPerLayer, double room) {
 
 }  // namespace
 
+gpu::Defines Propagator::Variant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_CLAMP_FACES", clampFaces)};
+}
+
 Propagator::Propagator() : params_("propagate params", sizeof(layout::PropagateParams), gpu::BufferUse::kDynamic) {}
 
 void Propagator::step(LightField& field, const CellBox& box, int iteration, bool clampFaces) {
@@ -54,7 +58,7 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
   field.injected.texels.bind(layout::kFieldSource);
   field.pingPong[std::size_t(field.result)].buffer.bindStorage(layout::kFieldOut);
   if (clampFaces) field.sum->buffer.bindStorage(layout::kFieldSum);
-  programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_CLAMP_FACES", clampFaces ? "1" : "0"}})
+  programs_.get({.channels = field.channels, .clampFaces = clampFaces})
       .dispatch(std::uint32_t(groupsOf(size.x, layout::kFieldGroupX)), std::uint32_t(groupsY * field.allChannels()),
                 std::uint32_t(groupsOf(size.z, layout::kFieldMarch)));
   gpu::memoryBarrier();

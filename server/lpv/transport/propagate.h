@@ -19,7 +19,8 @@ struct PropagateInputs {
   bool operator==(const PropagateInputs&) const = default;
 };
 
-/// Work of the stage. A piece counts: layers of the box that light has reached by an iteration. Admission: all cells each time.
+/// Work of the stage. A piece counts: layers of the box that light has reached by an iteration. Admission: all cells
+/// each time.
 struct PropagateWork {
   double cells = 0.0;  ///< summed over iterations
   double channels = 0.0;  ///< of all groups
@@ -38,7 +39,12 @@ class Propagator {
  private:
   void step(LightField& field, const CellBox& box, int iteration, bool clampFaces);
 
-  gpu::ProgramVariants programs_{{"transport/propagate.comp"}};
+  struct Variant {
+    int channels = 1;
+    bool clampFaces = false;
+    gpu::Defines defines() const;
+  };
+  gpu::Programs<Variant> programs_{{"transport/propagate.comp"}};
   gpu::Buffer params_;
 };
 

@@ -36,24 +36,27 @@ std::uint32_t groups(int cells, int perGroup) { return std::uint32_t((cells + pe
 
 }  // namespace
 
+gpu::Defines VolumeMaker::Variant::defines() const {
+  const bool toTextures = target == VolumeTarget::kTextures;
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURES", toTextures),
+          gpu::define("LPV_BUFFER", !toTextures), gpu::define("LPV_INJECTED", target == VolumeTarget::kInjected),
+          gpu::define("LPV_EMITTER_DISTANCE", emitterDistance)};
+}
+
 VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
 
 GpuTask VolumeMaker::run(LightField& field, const FieldBuffer& from, const Palette& palette, VolumeTarget target,
                          Pacing pacing) {
   const glm::ivec3 dims = field.grid.dims;
   layout::VolumeParams params = paramsOf(field, palette);
-  const bool injected = target == VolumeTarget::kInjected, toTextures = target == VolumeTarget::kTextures;
+  const bool toTextures = target == VolumeTarget::kTextures;
   if (toTextures) {
     field.makeTextures();
   } else {
     field.makeIncidentVolume();
   }
   const bool near = toTextures && bool(field.textures->emitterDistance);
-  gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
-                                         {"LPV_TEXTURES", toTextures ? "1" : "0"},
-                                         {"LPV_BUFFER", toTextures ? "0" : "1"},
-                                         {"LPV_INJECTED", injected ? "1" : "0"},
-                                         {"LPV_EMITTER_DISTANCE", near ? "1" : "0"}});
+  gpu::Program& program = programs_.get({.channels = field.channels, .target = target, .emitterDistance = near});
   const double slabCells = double(dims.x) * double(dims.y);
   for (int slab = 0; slab < dims.z * field.groups;) {
     const int group = slab / dims.z, z = slab % dims.z;

@@ -41,7 +41,13 @@ class VolumeMaker {
   GpuTask run(LightField& field, const FieldBuffer& from, const Palette& palette, VolumeTarget target, Pacing pacing);
 
  private:
-  gpu::ProgramVariants programs_{{"transport/volume.comp"}};
+  struct Variant {
+    int channels = 1;
+    VolumeTarget target = VolumeTarget::kTextures;
+    bool emitterDistance = false;
+    gpu::Defines defines() const;
+  };
+  gpu::Programs<Variant> programs_{{"transport/volume.comp"}};
   gpu::Buffer params_;
 };
 
