@@ -107,7 +107,7 @@ void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
   const TickReport& report = *meta.report;
   for (const StageTime& time : report.stages) {
     pb::StageTime* stage = out->add_stage_times();
-    stage->set_stage(time.stage);
+    stage->set_stage(nameOf(time.stage));
     stage->set_seconds(time.seconds);
   }
   for (const std::string& feature : report.features) out->add_features(feature);
