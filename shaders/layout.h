@@ -34,7 +34,7 @@ LPV_CONST int kLargeTriangles = 4; // ListHeader, then uint per work item
 LPV_CONST int kCounters = 5;       // Counters
 LPV_CONST int kFieldOut = 6;       // vec4 per halo cell and channel
 LPV_CONST int kFieldSum = 7;       // vec4 per halo cell and channel (clamped form only)
-LPV_CONST int kProduct = 8;        // float, kProductFloats per cell
+LPV_CONST int kIncidentVolume = 8; // float, kVolumeFloats per cell
 LPV_CONST int kExposure = 9;       // vec4: the exposure; then one per group of its reduction
 LPV_CONST int kRecordedPairs = 10; // tests only: uvec2 (triangle, cell)
 LPV_CONST int kTestIn = 11;        // tests only
@@ -46,7 +46,8 @@ LPV_CONST int kDirections = 16;    // float, 3 per vertex, object space
 LPV_CONST int kRowIntegrals =
     17;  // double, 3 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 LPV_CONST int kTreeNodes = 18;  // uvec4 per node of every level of a light's tree (shaders/voxelize/vpl_tree.glsl)
-LPV_CONST int kTreeRecords = 19;  // vec4, LPV_RECORD per record of a light's tree (shaders/transport/vpls.glsl)
+LPV_CONST int kTreeEntries = 19;  // vec4, kPlainEntryTexels or kTexturedEntryTexels per entry of a light's tree
+                                  // (shaders/transport/vpls.glsl)
 LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
 LPV_CONST int kCursors = 21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
@@ -68,7 +69,7 @@ LPV_CONST int kRadiance = 10;
 LPV_CONST int kLightTexture = 11;  // radiance factor of the light that is voxelized
 LPV_CONST int kPositions = 12;  // samplerBuffer: vec3 per vertex, object space
 LPV_CONST int kTriangles = 13;  // usamplerBuffer: uvec3 per triangle
-LPV_CONST int kTree = 14;  // samplerBuffer over the records of a light's tree
+LPV_CONST int kTree = 14;  // samplerBuffer over the entries of a light's tree
 LPV_CONST int kDirect =
     15;  // samplerBuffer: the lights as receivers look at them (shaders/transport/emitter_list.glsl)
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
@@ -133,9 +134,9 @@ LPV_CONST int kVplColour = kPlainVplWords;  // area x colour, 3 sums
 LPV_CONST int kVplWeight = kVplColour + kColours * kWideWords;  // area x brightest channel
 LPV_CONST int kTexturedVplWords = kVplWeight + kWideWords;
 
-// --- the volume product
+// --- the volume
 LPV_CONST int kCoefficients = 4;  // 2-band SH
-LPV_CONST int kProductFloats = kColours * kCoefficients;  // of a cell: [colour][coefficient]
+LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][coefficient]
 
 // --- values of defines that choose a mode
 // LPV_LOOKUP: lpv::Lookup
@@ -171,8 +172,8 @@ struct VoxelHeader {
 // --- VPLs and their tree (MATHS.md 3b)
 LPV_CONST int kNormalBins = 54;  // per cell: 3 x 3 on each face of a cube
 LPV_CONST int kMaxLevels = 9;  // of a tree: blocks of 1, 2, 4 .. 256 cells
-LPV_CONST int kPlainRecordTexels = 4;  // vec4 of a record (shaders/transport/vpls.glsl) ...
-LPV_CONST int kTexturedRecordTexels = 5;  // ... and of one with a colour
+LPV_CONST int kPlainEntryTexels = 4;  // vec4 of an entry (shaders/transport/vpls.glsl) ...
+LPV_CONST int kTexturedEntryTexels = 5;  // ... and of one with a colour
 LPV_CONST int kMostProbes = 64;  // places of the table that a VPL is looked for in
 LPV_CONST float kFarFromVpls = 1e4;  // cells: nothing near
 LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,

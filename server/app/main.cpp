@@ -15,6 +15,7 @@
 #include "app/signals.h"
 #include "app/version.h"
 #include "convert/blob_content.h"
+#include "engine/device_choice.h"
 #include "engine/engine.h"
 #include "gpu/device.h"
 #include "grpc/door.h"

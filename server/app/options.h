@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/engine.h"
+#include "engine/device_choice.h"
 #include "grpc/certificates.h"
 #include "session/limits.h"
 

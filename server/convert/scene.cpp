@@ -5,6 +5,7 @@
 #include "convert/blob_content.h"
 #include "convert/geometry.h"
 #include "convert/session.h"
+#include "convert/wire_fields.h"
 
 namespace lpv::api {
 namespace {
@@ -75,57 +76,59 @@ Status takeMesh(const Message& in, const FieldSelection& named, std::optional<Me
   return {};
 }
 
-const std::vector<std::string> kLightPaths = {"mesh",
-                                              "inline_mesh",
-                                              "transform",
-                                              "transform.translation",
-                                              "transform.rotation",
-                                              "transform.scale",
-                                              "radiance",
-                                              "power",
-                                              "texture",
-                                              "two_sided",
-                                              "enabled",
-                                              "group"};
-const std::vector<std::string> kSurfacePaths = {"mesh",
-                                                "inline_mesh",
-                                                "transform",
-                                                "transform.translation",
-                                                "transform.rotation",
-                                                "transform.scale",
-                                                "albedo",
-                                                "albedo_texture",
-                                                "roughness",
-                                                "metalness",
-                                                "two_sided"};
+/// Takes the plain fields that the message names. One that a mask names but the message leaves out goes back to its
+/// default where the message can tell absence, else to proto's default; a Vec3 goes to 0, 0, 0.
+template <typename T>
+void takePlain(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
+  const auto& places = wireFields<T>();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const WireField& place = places[i];
+    const Field<T>& field = fieldTable<T>()[i];
+    if (!place || !named(field.path, named.isNew() && isPresent(in, place))) continue;
+    const bool isDefault = place.hasOwnDefault() && !isPresent(in, place);
+    field.give(*out, isDefault ? field.get(T()) : readField(in, place));
+  }
+}
+
+/// The paths that an update mask of a T may have.
+template <typename T>
+const std::vector<std::string>& maskPaths() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> out = {"inline_mesh", "transform"};
+    for (const Field<T>& field : fieldTable<T>()) {
+      out.emplace_back(field.path);
+      if (field.kind == FieldKind::kEmission) out.emplace_back("power");
+    }
+    return out;
+  }();
+  return all;
+}
+
+/// Mesh, transform and the plain fields.
+template <typename T>
+Status takeCommon(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<T>* out) {
+  if (Status s = takeMesh(in, named, &out->mesh); !s.ok()) return s;
+  const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
+  if (!transform) return transform.status().within("transform");
+  out->transform = *transform;
+  takePlain<T>(in, named, out);
+  return {};
+}
 
 Expected<LightFields> lightFields(const pb::Light& in, const FieldSelection& named) {
   LightFields out;
-  if (Status s = takeMesh(in, named, &out.mesh); !s.ok()) return s;
-  const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
-  if (!transform) return transform.status().within("transform");
-  out.transform = *transform;
+  if (Status s = takeCommon<Light>(in, named, &out); !s.ok()) return s;
   if (named("radiance", in.has_radiance())) out.radiance = fromProto(in.radiance());
   if (named("power", in.has_power())) out.power = fromProto(in.power());
   if (out.radiance && out.power) return invalid("power", "radiance and power are both to change; give one");
   if (named("texture", !in.texture().empty())) out.texture = in.texture();
-  if (named("two_sided", in.two_sided())) out.twoSided = in.two_sided();
-  if (named("enabled", in.has_enabled())) out.enabled = in.has_enabled() ? in.enabled() : true;
-  if (named("group", !in.group().empty())) out.group = in.group();
   return out;
 }
 
 Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const FieldSelection& named) {
   SurfaceFields out;
-  if (Status s = takeMesh(in, named, &out.mesh); !s.ok()) return s;
-  const Expected<TransformFields> transform = transformFields(in.transform(), in.has_transform(), named);
-  if (!transform) return transform.status().within("transform");
-  out.transform = *transform;
-  if (named("albedo", in.has_albedo())) out.albedo = fromProto(in.albedo());
+  if (Status s = takeCommon<Surface>(in, named, &out); !s.ok()) return s;
   if (named("albedo_texture", !in.albedo_texture().empty())) out.albedoTexture = in.albedo_texture();
-  if (named("roughness", in.has_roughness())) out.roughness = in.has_roughness() ? in.roughness() : 1.0;
-  if (named("metalness", in.metalness() != 0.0)) out.metalness = in.metalness();
-  if (named("two_sided", in.has_two_sided())) out.twoSided = !in.has_two_sided() || in.two_sided();
   return out;
 }
 
@@ -152,7 +155,7 @@ Expected<Operation> operationFromProto(const pb::Operation& op) {
     case pb::Operation::kUpdateLight: {
       const pb::UpdateLight& update = op.update_light();
       const FieldSelection named(update.update_mask());
-      if (Status s = named.check(kLightPaths); !s.ok()) return s.within("update_light");
+      if (Status s = named.check(maskPaths<Light>()); !s.ok()) return s.within("update_light");
       return operationOf<UpdateLight>("update_light.light", update.light().name(), lightFields(update.light(), named));
     }
     case pb::Operation::kDeleteLight:
@@ -163,7 +166,7 @@ Expected<Operation> operationFromProto(const pb::Operation& op) {
     case pb::Operation::kUpdateSurface: {
       const pb::UpdateSurface& update = op.update_surface();
       const FieldSelection named(update.update_mask());
-      if (Status s = named.check(kSurfacePaths); !s.ok()) return s.within("update_surface");
+      if (Status s = named.check(maskPaths<Surface>()); !s.ok()) return s.within("update_surface");
       return operationOf<UpdateSurface>("update_surface.surface", update.surface().name(),
                                         surfaceFields(update.surface(), named));
     }
@@ -223,9 +226,7 @@ void toProto(const Versioned<Light>& in, pb::Light* out) {
     toProto(light.radiance, out->mutable_radiance());
   }
   if (light.texture) out->set_texture(light.texture->hash);
-  out->set_two_sided(light.twoSided);
-  out->set_enabled(light.enabled);
-  out->set_group(light.group);
+  writePlain(light, out);
   out->mutable_status()->set_triangle_count(std::int64_t(light.mesh->triangles.size()));
   out->mutable_status()->set_revision(in.revision);
 }
@@ -235,11 +236,8 @@ void toProto(const Versioned<Surface>& in, pb::Surface* out) {
   out->set_name(surface.name);
   out->set_mesh(surface.mesh->hash);
   toProto(surface.transform, out->mutable_transform());
-  toProto(surface.albedo, out->mutable_albedo());
   if (surface.albedoTexture) out->set_albedo_texture(surface.albedoTexture->hash);
-  out->set_roughness(surface.roughness);
-  out->set_metalness(surface.metalness);
-  out->set_two_sided(surface.twoSided);
+  writePlain(surface, out);
   out->set_revision(in.revision);
   out->set_triangle_count(std::int64_t(surface.mesh->triangles.size()));
 }

@@ -5,10 +5,12 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/status.h"
+#include "engine/stage.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
 #include "scene/volume.h"
@@ -61,8 +63,7 @@ struct TickRequest {
 };
 
 struct StageTime {
-  std::string stage;  ///< "upload", "voxelize", "inject", "propagate", "gather", "volume", "gbuffer", "emitters",
- ///< "shade", "readback"
+  Stage stage = Stage::kUpload;
   double seconds = 0.0;  ///< wall clock from the stage's first piece to its fence, other sessions' pieces left out
 };
 
@@ -80,7 +81,7 @@ struct TickReport {
   std::uint64_t pieces = 0;        ///< bounded pieces of work the tick was made of
   std::uint64_t othersPieces = 0;  ///< other sessions' pieces that were begun while it was under way
   double longestPiece = 0.0;       ///< seconds; other sessions had to wait so long for the device
-  std::string longestStage;        ///< whose piece that was; "other": work without a stage
+  std::optional<Stage> longestStage;  ///< whose piece that was; none: work without a stage
   double largestPrediction = 0.0;  ///< seconds that a piece was predicted to take
 };
 
@@ -95,7 +96,7 @@ struct TickResult {
 /// What a tick that starts from nothing is expected to take of the device.
 struct Prediction {
   double seconds = 0.0;
-  std::string mostly;  ///< the stage that takes the most of it
+  Stage mostly = Stage::kUpload;  ///< the stage that takes the most of it
 };
 
 /// Called once, on the GL thread: take the result away and return at once.
@@ -129,18 +130,5 @@ class Engine {
   /// Drops what is kept for one view.
   virtual void forgetView(SessionKey session, std::uint64_t view) = 0;
 };
-
-/// "auto" (hardware before software), "software", or an index of listDevices().
-struct DeviceChoice {
-  enum class Kind { kAuto, kSoftware, kIndex } kind = Kind::kAuto;
-  int index = 0;
-};
-Expected<DeviceChoice> parseDeviceChoice(const std::string& text);
-
-/// One line per EGL device and fallback: what it is, whether it would be used and why. Starts no thread.
-std::vector<std::string> describeDevices(const DeviceChoice& choice);
-
-/// Starts the GL thread; UNAVAILABLE with the reasons per device when no OpenGL 4.5 context can be made.
-Expected<std::unique_ptr<Engine>> startEngine(const DeviceChoice& choice);
 
 }  // namespace lpv

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/shader_source.h"
@@ -59,5 +60,20 @@ class ProgramVariants {
   std::vector<std::string> files_;
   std::map<Defines, Program> programs_;
 };
+
+/// The same, where a variant is a value of a plain struct: its `defines()` say what its members are called in the
+/// shader.
+template <typename Variant>
+class Programs {
+ public:
+  explicit Programs(std::vector<std::string> files) : programs_(std::move(files)) {}
+  Program& get(const Variant& variant) { return programs_.get(variant.defines()); }
+
+ private:
+  ProgramVariants programs_;
+};
+
+/// A define with a number, or 0 or 1.
+inline Defines::value_type define(const char* name, int value) { return {name, std::to_string(value)}; }
 
 }  // namespace lpv::gpu

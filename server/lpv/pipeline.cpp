@@ -1,13 +1,23 @@
 #include "lpv/pipeline.h"
 
 #include <algorithm>
-#include <bit>
 #include <iterator>
-#include <set>
+#include <optional>
 
 #include "gpu/failure.h"
-#include "lpv/pacing/chunked.h"
-#include "shaders/layout.h"
+#include "lpv/frame/draw.h"
+#include "lpv/frame/emitters.h"
+#include "lpv/frame/gbuffer.h"
+#include "lpv/frame/shading.h"
+#include "lpv/readback.h"
+#include "lpv/resources/scene_cache.h"
+#include "lpv/tick_report.h"
+#include "lpv/transport/emitter_list.h"
+#include "lpv/transport/gather.h"
+#include "lpv/transport/inject.h"
+#include "lpv/transport/propagate.h"
+#include "lpv/transport/volume.h"
+#include "lpv/voxelize/voxelize.h"
 
 namespace lpv {
 
@@ -16,64 +26,18 @@ namespace {
 /// A piece is aimed at this share of what it may take: predictions are not exact.
 constexpr double kAim = 0.6;
 
-const char* nameOf(InjectionMethod method) {
-  switch (method) {
-    case InjectionMethod::kRaster:
-      return "raster";
-    case InjectionMethod::kDense:
-      return "dense";
-    case InjectionMethod::kCompute:
-      break;
-  }
-  return "compute";
-}
+/// What the counters count.
+struct CountInputs {
+  Stamp lights = 0;    ///< begins with zeros
+  Stamp textured = 0;  ///< clamped cells; a volume's are read with the volume
 
-const char* transportName(Transport transport) {
-  switch (transport) {
-    case Transport::kGather:
-      return "gather";
-    case Transport::kDirect:
-      return "direct";
-    case Transport::kPropagate:
-      break;
-  }
-  return "propagate";
-}
+  bool operator==(const CountInputs&) const = default;
+};
 
 /// DIRECT looks at polygons as they are: they are put into the grid for those who look at volumes only.
-bool needsVoxels(const EmittingLight& light, const SessionState& session, const TickRequest& request) {
-  const bool direct = session.field->transport == Transport::kDirect;
+bool needsVoxels(const EmittingLight& light, const TickRequest& request) {
+  const bool direct = request.scene->options.transport == Transport::kDirect;
   return !direct || !light.polygons || request.transported || request.injected;
-}
-
-/// Compiled variants that the lights needed.
-std::set<std::string> lightFeatures(const SessionState& session) {
-  std::set<std::string> features;
-  for (std::size_t i = 0; i < session.lights.size(); ++i) {
-    if (session.lights[i].twoSided) features.insert("two-sided");
-    if (session.voxels[i]->source.textured()) features.insert("textures");
-    if (session.voxels[i]->source.directed()) features.insert("directions");
-  }
-  return features;
-}
-
-void fillReport(const SessionState& session, TickReport& report) {
-  report.features = {session.method.injection == Injection::kFlux ? "flux" : "count", nameOf(session.method.method),
-                     transportName(session.field->transport), session.palette.channels == 1 ? "monochrome" : "colour"};
-  if (session.groups.size() > 1) report.features.push_back(std::to_string(session.groups.size()) + " groups");
-  if (session.clampFaces) report.features.emplace_back("clamp-faces");
-  for (const std::string& feature : lightFeatures(session)) report.features.push_back(feature);
-  report.trianglesSkipped = session.trianglesSkipped;
-  report.touchedCells = session.touchedCells;
-  for (const LightVoxelsPtr& voxels : session.voxels) {
-    if (voxels->tree == nullptr || !voxels->made) continue;
-    report.trianglesSkipped += voxels->tree->degenerate;
-    report.touchedCells += voxels->tree->cellCount;
-    report.vpls += voxels->tree->vplCount;
-  }
-  report.clampedCells = session.clampedCells;
-  for (const LightVoxelsPtr& voxels : session.voxels)
-    report.fixedPointError = std::max(report.fixedPointError, voxels->roundingError);
 }
 
 /// Where each frame of a tick is made: kept views in the session, others here for the tick.
@@ -90,138 +54,274 @@ struct FrameViews {
   std::vector<std::unique_ptr<View>> unkept;
 };
 
+/// Light that has arrived in cells, as volumes are made from it.
+struct Transported {
+  const FieldBuffer& field;
+  Stamp stamp;
+};
+
+/// Volumes whose copies are under way, by what they are made from.
+struct VolumeCopies {
+  std::optional<VolumeInputs> transported;
+  std::optional<InjectInputs> injected;
+
+  bool any() const { return transported || injected; }
+};
+
 }  // namespace
 
-Pacing Pipeline::pacing(const SessionState& session) const { return {session.clock.get(), kAim * pieceSeconds_}; }
+/// Of one session. What has no product here describes memory: of the field, or of the list of emitters.
+struct StageProducts {
+  Cached<InjectInputs> injected;  ///< PROPAGATE
+  Cached<PropagateInputs> propagated;
+  Cached<GatherInputs, ReceiverBlocks> gathered;  ///< the blocks that are
+  Cached<SurfaceBlocksInputs, ReceiverBlocks> surfaceBlocks;
+  Cached<EmitterListInputs> listed;
+  EmitterBufferList emitters;
+  Cached<VolumeInputs> textured;
+  Cached<VolumeInputs, VolumePtr> transportedVolume;
+  Cached<InjectInputs, VolumePtr> injectedVolume;
+  Cached<InjectInputs> counting;  ///< GATHER, DIRECT
+  Cached<CountInputs, layout::Counters> counts;
+  Readbacks readbacks;
+};
+
+struct Pipeline::Stages {
+  explicit Stages(double seconds) : pieceSeconds(seconds) {}
+
+  double pieceSeconds;
+  SceneCache cache;
+  Voxelizer voxelizer;
+  Injector injector;
+  Propagator propagator;
+  Gatherer gatherer;
+  VolumeMaker volumeMaker;
+  MeshDrawer drawer;
+  GbufferRenderer gbufferRenderer;
+  EmitterRenderer emitterRenderer;
+  ShadingPass shadingPass;
+
+  Pacing pacing(const SessionState& s) const { return {s.clock.get(), kAim * pieceSeconds}; }
+  GpuTask voxelize(SessionState& s, const TickRequest& request, TickReport& report);
+  GpuTask inject(SessionState& s, const TickRequest& request, TickReport& report);
+  GpuTask propagate(SessionState& s, const Scene& scene);
+  GpuTask gather(SessionState& s, const TickRequest& request);
+  GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
+  void listEmitters(SessionState& s, double openingRatio);
+  GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
+  GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
+  GpuTask takeVolumes(SessionState& s, const VolumeCopies& copies);
+  GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+};
+
+std::array<double, kStages> unitsOf(const Workload& w) {
+  const double blocks = w.cells / double(layout::kBlockX * layout::kBlockY * layout::kBlockZ);
+  const double channels = w.groups() * w.channels();
+  std::array<double, kStages> units{};
+  const auto of = [&units](Stage stage) -> double& { return units[std::size_t(stage)]; };
+  of(Stage::kUpload) = w.bytes;
+  of(Stage::kVoxelize) = VoxelizeWork{w.lightTriangles, w.columns}.units();
+  if (w.transport == Transport::kPropagate) {
+    of(Stage::kInject) = InjectWork{w.lights, w.litCells}.units();
+    of(Stage::kPropagate) = PropagateWork{w.iterations * w.cells, channels}.units();
+  } else {
+    of(Stage::kGather) = GatherWork{blocks, w.lights, w.rootsOfEntries}.units();
+  }
+  of(Stage::kVolume) = VolumeWork{w.cells, double(w.groups())}.units();
+  return units;
+}
+
+Pipeline::Pipeline(double pieceSeconds) : stages_(std::make_unique<Stages>(pieceSeconds)) {}
+
+Pipeline::~Pipeline() = default;
 
 GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& result) {
   const Scene& scene = *request.scene;
+  Stages& stages = *stages_;
   gpu::throwOnReset();
   s.adopt(scene);
-  co_yield rest();
-  co_await cache_.upload(scene, s.resources);
+  if (s.products == nullptr) s.products = std::make_shared<StageProducts>();
+  StageProducts& made = *s.products;
+  co_yield yield();
+  co_await stages.cache.upload(scene, s.resources);
 
+  const bool propagates = scene.options.transport == Transport::kPropagate;
+  if (propagates) {
+    co_await stages.inject(s, request, result.report);
+    co_await stages.propagate(s, scene);
+  } else {
+    co_await stages.voxelize(s, request, result.report);
+    co_await stages.gather(s, request);
+    stages.listEmitters(s, scene.options.openingRatio());
+  }
+  const Transported light{s.field().transported(), propagates ? made.propagated.stamp() : made.gathered.stamp()};
+  co_await stages.makeTextures(s, request, light);
   VolumeCopies copies;
-  if (!s.injected || s.method.vpls) {
-    co_await voxelize(s, request, result.report);
-    copies.counters = copies.counters || !s.injected;
-    s.injected = true;
-  }
-  if (scene.options.transport == Transport::kPropagate && !s.transported) {
-    co_await propagator_.run(*s.field, s.box, s.iterations, s.clampFaces, pacing(s));
-    s.transported = true;
-  }
-  if (scene.options.transport != Transport::kPropagate) {
-    co_await gather(s, request);
-    if (!s.directMade) s.direct.make(s.lights, s.voxels, s.k);
-    s.directMade = true;
-  }
-  co_await makeVolumes(s, request, copies);
+  co_await stages.makeVolumes(s, request, light, copies);
   FrameViews views(s, request);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
-    co_await drawFrame(s, request, request.frames[i], *views.of[i]);
+    co_await stages.drawFrame(s, scene, request.frames[i], *views.of[i]);
 
-  if (copies.counters) queueCounterCopy(s);
+  const CountInputs counted = {propagates ? made.injected.stamp() : made.counting.stamp(), made.textured.stamp()};
+  const bool counters = copies.any() || !made.counts.holds(counted);
+  if (counters) copyCounters(s.field(), made.readbacks);
   if (!views.of.empty()) {
     const gpu::Fence drawn = gpu::Fence::insert();
     co_yield waitFor(drawn);
-    for (View* view : views.of) co_await copyFrame(*view, pacing(s));
+    for (View* view : views.of) co_await copyFrame(*view, stages.pacing(s));
   }
-  if (copies.counters || !views.of.empty()) {
+  if (counters || !views.of.empty()) {
     const gpu::Fence copied = gpu::Fence::insert();
     co_yield submitted(Stage::kReadback, 0.0);
     co_yield waitFor(copied);
   }
-  co_await takeCopies(s, copies);
+  if (counters) made.counts.set(counted, takeCounters(made.readbacks));
+  co_await stages.takeVolumes(s, copies);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
     co_await takeFrame(*views.of[i], request.frames[i], result.frames.emplace_back());
   gpu::throwOnError("tick");
 
   result.revision = scene.revision;
-  if (request.transported) result.transported = s.transportedVolume;
-  if (request.injected) result.injected = s.injectedVolume;
-  fillReport(s, result.report);
+  if (request.transported) result.transported = made.transportedVolume.product();
+  if (request.injected) result.injected = made.injectedVolume.product();
+  fillReport(s, scene.options, made.counts.product(), result.report);
 }
 
-/// Lights that did not change are added again, not voxelized again.
-GpuTask Pipeline::voxelize(SessionState& s, const TickRequest& request, TickReport& report) {
-  if (!s.method.vpls) co_await s.field->clear();
-  if (!s.method.vpls) co_await injector_.retire(*s.field, s.injectedVoxels, pacing(s));
-  s.injectedVoxels.clear();
+/// Light by light; voxels follow from a light's geometry and texture alone.
+GpuTask Pipeline::Stages::voxelize(SessionState& s, const TickRequest& request, TickReport& report) {
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
     LightVoxels& voxels = *s.voxels[i];
     const EmittingLight& light = s.lights[i];
-    if (voxels.made || !needsVoxels(light, s, request)) continue;
+    if (!needsVoxels(light, request) || voxels.made.holds(voxels.source)) continue;
     const GpuLightTexture* texture =
         light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
-    co_await voxelizer_.run(*s.field, *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
-    voxels.made = true;
+    co_await voxelizer.run(s.field(), *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
+    voxels.made.set(voxels.source);
     report.lightsVoxelized++;
   }
-  if (s.method.vpls) {
-    if (!s.injected) s.field->counters.update(0, gpu::bytesOfValue(layout::Counters{}));
-    co_return;
-  }
-  co_await injector_.add(*s.field, s.lights, s.voxels, s.palette, pacing(s));
-  s.injectedVoxels = s.voxels;
 }
 
-/// Where the result is read, and not yet there: everywhere for volumes, around surfaces for frames, which DIRECT makes
-/// without.
-GpuTask Pipeline::gather(SessionState& s, const TickRequest& request) {
-  if (!s.transported) {
-    co_await fillChunked(s.field->pingPong[0].buffer);
-    co_await fillChunked(s.field->emitterDistance, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
-  }
-  s.transported = true;
-  ReceiverBlocks wanted;
-  if (request.transported) {
-    wanted = allBlocks(s.field->grid.dims);
-  } else if (!request.frames.empty() && s.field->transport == Transport::kGather) {
-    if (s.surfaceBlocks.empty()) co_await blocksOfSurfaces(*request.scene, s.surfaceBlocks);
-    wanted = s.surfaceBlocks;
-  }
-  ReceiverBlocks missing;
-  std::set_difference(wanted.begin(), wanted.end(), s.gathered.begin(), s.gathered.end(), std::back_inserter(missing));
-  if (missing.empty()) co_return;
-  co_await gatherer_.run(*s.field, s.lights, s.voxels, s.palette, s.k, missing, pacing(s));
-  ReceiverBlocks all;
-  std::set_union(s.gathered.begin(), s.gathered.end(), missing.begin(), missing.end(), std::back_inserter(all));
-  s.gathered = std::move(all);
-  s.textured = false;
-  s.transportedVolume.reset();
+/// Voxels are made anew in place, so what they gave to the field is taken out of it first.
+GpuTask Pipeline::Stages::inject(SessionState& s, const TickRequest& request, TickReport& report) {
+  const InjectInputs inputs = {s.memory.stamp(), s.arranged.stamp()};
+  if (s.products->injected.holds(inputs)) co_return;
+  co_await injector.retire(s.field(), pacing(s));
+  co_await voxelize(s, request, report);
+  co_await injector.add(s.field(), s.lights, s.voxels, s.palette(), pacing(s));
+  s.products->injected.set(inputs);
 }
 
-/// Only what somebody asked for and nothing has since made out of date.
-GpuTask Pipeline::makeVolumes(SessionState& s, const TickRequest& request, VolumeCopies& copies) {
-  const std::size_t productBytes = s.field->grid.cells() * s.groups.size() * 12 * sizeof(float);
-  if (!request.frames.empty() && !s.textured && s.field->transport != Transport::kDirect) {
-    if (!s.textures)
-      s.textures.emplace(s.field->grid.dims, s.field->channels, s.field->groups,
-                         s.field->transport == Transport::kGather);
-    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kTextures, &*s.textures, nullptr, pacing(s));
-    s.textured = copies.counters = true;
-  }
-  const bool transported = request.transported && s.transportedVolume == nullptr;
-  const bool injected = request.injected && s.injectedVolume == nullptr;
-  if ((transported || injected) && s.product.size() != productBytes)
-    s.product = gpu::Buffer("product", productBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-  if (transported) {
-    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kProduct, nullptr, &s.product, pacing(s));
-    co_await copyVolume(s, VolumeStage::kTransported);
-    if (s.field->transport != Transport::kPropagate) queueDirectCopy(s);
-    copies.transported = copies.counters = true;
-  }
-  if (injected) {
-    if (s.method.vpls) co_await injector_.show(*s.field, s.lights, s.voxels, s.palette, pacing(s));
-    co_await volumeMaker_.run(*s.field, s.palette, VolumeTarget::kInjected, nullptr, &s.product, pacing(s));
-    co_await copyVolume(s, VolumeStage::kInjected);
-    copies.injected = copies.counters = true;
-  }
+GpuTask Pipeline::Stages::propagate(SessionState& s, const Scene& scene) {
+  StageProducts& made = *s.products;
+  const int iterations = scene.options.iterationsFor(scene.grid);
+  const PropagateInputs inputs = {made.injected.stamp(), iterations, scene.options.clampFaces};
+  if (made.propagated.holds(inputs)) co_return;
+  co_await propagator.run(s.field(), s.arranged.product().box, iterations, inputs.clampFaces, pacing(s));
+  made.propagated.set(inputs);
 }
 
-GpuTask Pipeline::drawFrame(SessionState& s, const TickRequest& request, const FrameRequest& frame, View& view) {
+/// Everywhere for volumes, around surfaces for frames, which DIRECT makes without.
+GpuTask Pipeline::Stages::findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out) {
   const Scene& scene = *request.scene;
+  if (request.transported) {
+    out = allBlocks(scene.grid.dims);
+  } else if (!request.frames.empty() && scene.options.transport == Transport::kGather) {
+    auto& blocks = s.products->surfaceBlocks;
+    const SurfaceBlocksInputs inputs = {scene.grid, scene.surfaces};
+    if (!blocks.holds(inputs)) {
+      ReceiverBlocks found;
+      co_await blocksOfSurfaces(scene, found);
+      blocks.set(inputs, std::move(found));
+    }
+    out = blocks.product();
+  }
+}
+
+/// Where the result is read, and not yet there.
+GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
+  StageProducts& made = *s.products;
+  const InjectInputs counted = {s.memory.stamp(), s.arranged.stamp()};
+  if (!made.counting.holds(counted)) {
+    s.field().resetCounters();
+    made.counting.set(counted);
+  }
+  const GatherInputs inputs = {s.memory.stamp(), s.arranged.stamp(), request.scene->options.openingRatio()};
+  if (!made.gathered.holds(inputs)) {
+    co_await gatherer.clear(s.field());
+    made.gathered.set(inputs);
+  }
+  ReceiverBlocks wanted;
+  co_await findReceivers(s, request, wanted);
+  const ReceiverBlocks had = made.gathered.product();
+  ReceiverBlocks missing, all;
+  std::set_difference(wanted.begin(), wanted.end(), had.begin(), had.end(), std::back_inserter(missing));
+  if (missing.empty()) co_return;
+  std::set_union(had.begin(), had.end(), missing.begin(), missing.end(), std::back_inserter(all));
+  made.gathered.forget();  // while light is added to some blocks
+  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, missing, pacing(s));
+  made.gathered.set(inputs, std::move(all));
+}
+
+void Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
+  StageProducts& made = *s.products;
+  const EmitterListInputs inputs = {s.arranged.stamp(), openingRatio};
+  if (made.listed.holds(inputs)) return;
+  made.emitters.make(s.lights, s.voxels, openingRatio);
+  made.listed.set(inputs);
+}
+
+/// For frames; DIRECT's look at the lights alone.
+GpuTask Pipeline::Stages::makeTextures(SessionState& s, const TickRequest& request, Transported light) {
+  if (request.frames.empty() || request.scene->options.transport == Transport::kDirect) co_return;
+  const VolumeInputs inputs = {light.stamp, 0};
+  if (s.products->textured.holds(inputs)) co_return;
+  co_await volumeMaker.run(s.field(), light.field, s.palette(), VolumeTarget::kTextures, pacing(s));
+  s.products->textured.set(inputs);
+}
+
+/// Those that somebody asks for; volumes that nobody asks for any more are let go of when they are out of date.
+GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& request, Transported light,
+                                      VolumeCopies& copies) {
+  StageProducts& made = *s.products;
+  LightField& field = s.field();
+  const bool propagates = field.transport == Transport::kPropagate;
+  const VolumeInputs transported = {light.stamp, propagates ? 0 : made.listed.stamp()};
+  if (!made.transportedVolume.holds(transported) && request.transported) {
+    co_await volumeMaker.run(field, light.field, s.palette(), VolumeTarget::kTransported, pacing(s));
+    co_await copyVolume(field, made.readbacks.transported);
+    if (!propagates) copyEmitterList(field, made.emitters, made.readbacks);
+    copies.transported = transported;
+  }
+  const InjectInputs injected = {s.memory.stamp(), s.arranged.stamp()};
+  if (!made.injectedVolume.holds(injected) && request.injected) {
+    if (!propagates) co_await injector.show(field, s.lights, s.voxels, s.palette(), pacing(s));
+    co_await volumeMaker.run(field, field.injected, s.palette(), VolumeTarget::kInjected, pacing(s));
+    co_await copyVolume(field, made.readbacks.injected);
+    copies.injected = injected;
+  }
+}
+
+/// After the fence behind the copies.
+GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copies) {
+  StageProducts& made = *s.products;
+  const std::vector<std::string>& groups = s.arranged.product().groups;
+  const Grid& grid = s.field().grid;
+  if (copies.transported) {
+    auto volume = std::make_shared<Volume>();
+    volume->stage = VolumeStage::kTransported;
+    co_await takeVolume(made.readbacks.transported, grid, groups, *volume);
+    volume->direct = takeEmitterList(s.field(), made.emitters.count, made.readbacks);
+    made.transportedVolume.set(*copies.transported, std::move(volume));
+  }
+  if (copies.injected) {
+    auto volume = std::make_shared<Volume>();
+    volume->stage = VolumeStage::kInjected;
+    co_await takeVolume(made.readbacks.injected, grid, groups, *volume);
+    made.injectedVolume.set(*copies.injected, std::move(volume));
+  }
+}
+
+GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
   if (view.targets == nullptr || !view.targets->fits(frame)) {
     view.targets = nullptr;
     view.targets = std::make_unique<FrameTargets>(frame.size, frame.format, frame.exposure.automatic);
@@ -231,18 +331,23 @@ GpuTask Pipeline::drawFrame(SessionState& s, const TickRequest& request, const F
     view.gbuffer = std::make_unique<Gbuffer>(frame.size);
   }
   layout::FrameParams params = FrameView(frame.camera, frame.size).params(scene.grid);
-  params.palette = glm::vec3(s.palette.radiance[0]);
+  params.palette = glm::vec3(s.palette().radiance[0]);
   params.exposure = exposureParams(frame.exposure);
   FrameTargets& targets = *view.targets;
   targets.frameParams.update(0, gpu::bytesOfValue(params));
 
-  if (!view.gbuffer->shows(frame, scene))
-    co_await gbufferRenderer_.run(*view.gbuffer, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
-  co_await emitterRenderer_.run(targets.emitters, frame, scene, s.resources, drawer_, targets.frameParams, pacing(s));
+  Gbuffer& gbuffer = *view.gbuffer;
+  const GbufferInputs shown = gbufferInputs(frame, scene);
+  if (!gbuffer.shown.holds(shown)) {
+    co_await gbufferRenderer.run(gbuffer, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
+    gbuffer.shown.set(shown);
+  }
+  co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
+  const LightField& field = s.field();
   const bool nearField = scene.options.quality == Quality::kAccurate;
-  const IrradianceSources lit = {s.field->transport, scene.options.lookup, nearField,
-                                 s.textures ? &*s.textures : nullptr, &s.direct};
-  co_await shader_.run(targets, *view.gbuffer, lit, frame, pacing(s));
+  const IrradianceSources lit = {field.transport, scene.options.lookup, nearField,
+                                 field.textures ? &*field.textures : nullptr, &s.products->emitters};
+  co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 
 }  // namespace lpv

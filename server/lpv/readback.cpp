@@ -5,7 +5,6 @@
 
 #include "gpu/gl.h"
 #include "lpv/pacing/chunked.h"
-#include "shaders/layout.h"
 
 namespace lpv {
 
@@ -22,41 +21,6 @@ void append(std::vector<T>& values, const std::byte* from, const Chunk& part) {
   values.insert(values.end(), first, first + part.bytes / sizeof(T));
 }
 
-EmitterListPtr directFrom(const SessionState& session) {
-  if (session.field->transport == Transport::kPropagate) return nullptr;
-  auto direct = std::make_shared<EmitterList>();
-  direct->grid = session.field->grid;
-  direct->always = session.field->transport == Transport::kDirect;
-  direct->texels.resize(session.direct.count);
-  std::memcpy(direct->texels.data(), session.directReadback.bytes().data(), direct->texels.size() * sizeof(glm::vec4));
-  if (direct->always) return direct;
-  direct->emitterDistance.resize(direct->grid.cells());
-  std::memcpy(direct->emitterDistance.data(), session.proximityReadback.bytes().data(),
-              direct->emitterDistance.size() * sizeof(float));
-  return direct;
-}
-
-GpuTask takeVolume(const gpu::Readback& readback, const SessionState& session, VolumeStage stage, VolumePtr& out) {
-  const Grid& grid = session.field->grid;
-  auto volume = std::make_shared<Volume>();
-  volume->grid = grid;
-  volume->stage = stage;
-  const std::byte* from = readback.bytes().data();
-  const std::size_t layerBytes = grid.cells() * 12 * sizeof(float);
-  for (const std::string& group : session.groups) {
-    VolumeLayer& layer = volume->layers.emplace_back();
-    layer.group = group;
-    layer.coefficients.reserve(grid.cells() * 12);
-    for (const Chunk& part : chunksOf(layerBytes)) {
-      append(layer.coefficients, from, part);
-      co_yield rest();
-    }
-    from += layerBytes;
-  }
-  if (stage == VolumeStage::kTransported) volume->direct = directFrom(session);
-  out = std::move(volume);
-}
-
 }  // namespace
 
 gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes) {
@@ -64,40 +28,63 @@ gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t 
   return readback;
 }
 
-GpuTask copyVolume(SessionState& session, VolumeStage stage) {
-  const bool injected = stage == VolumeStage::kInjected;
-  gpu::Readback& target = withRoom(injected ? session.injectedReadback : session.volumeReadback,
-                                   injected ? "injected volume" : "volume", session.product.size());
-  for (const Chunk& part : chunksOf(session.product.size())) {
-    target.copyFrom(session.product, part.offset, part.offset, part.bytes);
-    co_yield rest();
+GpuTask copyVolume(const LightField& field, gpu::Readback& target) {
+  const gpu::Buffer& volume = field.incidentVolume;
+  withRoom(target, "volume", volume.size());
+  for (const Chunk& part : chunksOf(volume.size())) {
+    target.copyFrom(volume, part.offset, part.offset, part.bytes);
+    co_yield yield();
   }
 }
 
-void queueDirectCopy(SessionState& session) {
-  const std::size_t bytes = session.direct.count * sizeof(glm::vec4);
-  withRoom(session.directReadback, "direct lights", bytes).copyFrom(session.direct.texels, 0, 0, bytes);
-  if (session.field->transport != Transport::kGather) return;
-  const std::size_t cells = session.field->emitterDistance.size();
-  withRoom(session.proximityReadback, "emitterDistance", cells).copyFrom(session.field->emitterDistance, 0, 0, cells);
+void copyEmitterList(const LightField& field, const EmitterBufferList& emitters, Readbacks& readbacks) {
+  const std::size_t bytes = emitters.count * sizeof(glm::vec4);
+  withRoom(readbacks.emitterList, "emitter list", bytes).copyFrom(emitters.texels, 0, 0, bytes);
+  if (field.transport != Transport::kGather) return;
+  const std::size_t cells = field.emitterDistance.size();
+  withRoom(readbacks.emitterDistance, "emitter distance", cells).copyFrom(field.emitterDistance, 0, 0, cells);
 }
 
-void queueCounterCopy(SessionState& session) {
+void copyCounters(const LightField& field, Readbacks& readbacks) {
   constexpr std::size_t kBytes = sizeof(layout::Counters);
-  withRoom(session.countersReadback, "counters", kBytes).copyFrom(session.field->counters, 0, 0, kBytes);
+  withRoom(readbacks.counters, "counters", kBytes).copyFrom(field.counters, 0, 0, kBytes);
 }
 
-GpuTask takeCopies(SessionState& session, const VolumeCopies& copies) {
-  if (copies.transported)
-    co_await takeVolume(session.volumeReadback, session, VolumeStage::kTransported, session.transportedVolume);
-  if (copies.injected)
-    co_await takeVolume(session.injectedReadback, session, VolumeStage::kInjected, session.injectedVolume);
-  if (!copies.counters) co_return;
+GpuTask takeVolume(const gpu::Readback& readback, const Grid& grid, const std::vector<std::string>& groups,
+                   Volume& out) {
+  out.grid = grid;
+  const std::byte* from = readback.bytes().data();
+  const std::size_t layerBytes = grid.cells() * layout::kVolumeFloats * sizeof(float);
+  for (const std::string& group : groups) {
+    VolumeLayer& layer = out.layers.emplace_back();
+    layer.group = group;
+    layer.coefficients.reserve(grid.cells() * layout::kVolumeFloats);
+    for (const Chunk& part : chunksOf(layerBytes)) {
+      append(layer.coefficients, from, part);
+      co_yield yield();
+    }
+    from += layerBytes;
+  }
+}
+
+EmitterListPtr takeEmitterList(const LightField& field, std::size_t texels, const Readbacks& readbacks) {
+  if (field.transport == Transport::kPropagate) return nullptr;
+  auto list = std::make_shared<EmitterList>();
+  list->grid = field.grid;
+  list->always = field.transport == Transport::kDirect;
+  list->texels.resize(texels);
+  std::memcpy(list->texels.data(), readbacks.emitterList.bytes().data(), texels * sizeof(glm::vec4));
+  if (list->always) return list;
+  list->emitterDistance.resize(list->grid.cells());
+  std::memcpy(list->emitterDistance.data(), readbacks.emitterDistance.bytes().data(),
+              list->emitterDistance.size() * sizeof(float));
+  return list;
+}
+
+layout::Counters takeCounters(const Readbacks& readbacks) {
   layout::Counters counts;
-  std::memcpy(&counts, session.countersReadback.bytes().data(), sizeof counts);
-  session.trianglesSkipped = counts.degenerate;
-  session.clampedCells = counts.clamped;
-  session.touchedCells = counts.touched;
+  std::memcpy(&counts, readbacks.counters.bytes().data(), sizeof counts);
+  return counts;
 }
 
 GpuTask copyFrame(View& view, Pacing pacing) {
@@ -136,7 +123,7 @@ GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out) 
     } else {
       append(frame->rgb8, pixels, part);
     }
-    co_yield rest();
+    co_yield yield();
   }
   if (view.targets->exposure) {
     glm::vec4 found(0.0F);

@@ -1,27 +1,35 @@
 #pragma once
 // Stage: results from the GPU to the CPU, without waiting: queue the copy, fence, poll, then read the mapping.
 
+#include <string>
+#include <vector>
+
 #include "gpu/fence.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/session_state.h"
+#include "lpv/transport/emitter_list.h"
+#include "shaders/layout.h"
 
 namespace lpv {
 
-/// Copies of a tick that are under way: queued by the functions below, taken by finish().
-struct VolumeCopies {
-  bool transported = false;
-  bool injected = false;
-  bool counters = false;
+/// Where copies of a tick's volumes and counts go; they grow, and are used again.
+struct Readbacks {
+  gpu::Readback transported, injected, emitterList, emitterDistance, counters;
 };
 
-/// Makes the product (or the injected field) readable by the CPU once a later fence has signalled.
-GpuTask copyVolume(SessionState& session, VolumeStage stage);
-/// What the lights look like to receivers near them, along with the transported volume.
-void queueDirectCopy(SessionState& session);
-/// The counters of the voxelization and volume stages.
-void queueCounterCopy(SessionState& session);
-/// After the fence: what was copied, volumes and counts, into the session's state.
-GpuTask takeCopies(SessionState& session, const VolumeCopies& copies);
+/// Makes field.incidentVolume readable by the CPU, in `target`, once a later fence has signalled.
+GpuTask copyVolume(const LightField& field, gpu::Readback& target);
+/// The same for what the lights look like to receivers near them, which goes along with the transported volume.
+void copyEmitterList(const LightField& field, const EmitterBufferList& emitters, Readbacks& readbacks);
+/// The same for the counters of the inject and volume stages.
+void copyCounters(const LightField& field, Readbacks& readbacks);
+
+/// After the fence: the volume, layer by layer. `readback` outlives the coroutine.
+GpuTask takeVolume(const gpu::Readback& readback, const Grid& grid, const std::vector<std::string>& groups,
+                   Volume& out);
+/// After the fence: the list of `texels` texels; null with PROPAGATE.
+EmitterListPtr takeEmitterList(const LightField& field, std::size_t texels, const Readbacks& readbacks);
+layout::Counters takeCounters(const Readbacks& readbacks);
 
 /// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).
 GpuTask copyFrame(View& view, Pacing pacing);

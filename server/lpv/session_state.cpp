@@ -2,88 +2,68 @@
 
 #include <algorithm>
 
+#include "lpv/transport/emitter_list.h"
+#include "lpv/transport/light_grouping.h"
+#include "scene/error_goal.h"
+
 namespace lpv {
 
 namespace {
 
-bool emitAlike(const std::vector<EmittingLight>& a, const std::vector<EmittingLight>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const EmittingLight& x, const EmittingLight& y) { return x.emitsLike(y); });
+LightsInputs inputsOf(const Scene& scene, const std::vector<EmittingLight>& lights) {
+  const LightingSettings& options = scene.options;
+  LightsInputs inputs;
+  for (const EmittingLight& light : lights) inputs.lights.push_back(light.emission());
+  inputs.grid = scene.grid;
+  inputs.transport = options.transport;
+  inputs.method = {options.injection, options.method, options.denseSamples, options.transport != Transport::kPropagate};
+  const glm::ivec3& dims = scene.grid.dims;
+  if (groupsItself(options)) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
+  return inputs;
+}
+
+/// The groups that lights of the same names had.
+std::vector<int> groupsOf(const std::vector<EmittingLight>& lights, const std::vector<EmittingLight>& before) {
+  std::vector<int> groups;
+  for (const EmittingLight& light : lights) {
+    const auto same = [&](const EmittingLight& old) {
+      return old.source != nullptr && old.source->name == light.source->name;
+    };
+    const auto old = std::find_if(before.begin(), before.end(), same);
+    if (old != before.end()) groups.push_back(old->group);
+  }
+  return groups;
 }
 
 }  // namespace
 
 void SessionState::adopt(const Scene& scene) {
-  std::vector<EmittingLight> now = emittingLights(scene, lights);
-  const LightingSettings& options = scene.options;
-  const VoxelMethod wantedMethod = {options.injection, options.method, options.denseSamples,
-                                    options.transport != Transport::kPropagate};
-  const bool sameField = field != nullptr && field->grid == scene.grid && field->transport == options.transport;
-  const bool sameMethod = method == wantedMethod;
-  method = wantedMethod;
-  const bool sameGrouping = ownGroups == groupsItself(options);
-  ownGroups = groupsItself(options);
-  if (!sameField || !sameMethod || !sameGrouping || !injected || !emitAlike(now, lights)) {
-    adoptLights(scene, std::move(now));
+  const std::vector<EmittingLight> before = std::move(lights);
+  lights = emittingLights(scene, before);
+  LightsInputs inputs = inputsOf(scene, lights);
+  if (arranged.holds(inputs)) {
+    for (std::size_t i = 0; i < lights.size(); ++i) lights[i].group = before[i].group;
   } else {
-    for (std::size_t i = 0; i < now.size(); ++i) now[i].group = lights[i].group;
-    lights = std::move(now);
+    keepVoxels(inputs);
+    LightArrangement made{choosePalette(lights), cellsAround(lights, scene.grid.dims), {}};
+    made.groups = groupLights(scene, lights, groupsOf(lights, before));
+    arranged.set(std::move(inputs), std::move(made));
   }
-  const int wantedIterations = options.iterationsFor(scene.grid);
-  if (!transported || iterations != wantedIterations || clampFaces != options.clampFaces ||
-      k != options.openingRatio()) {
-    iterations = wantedIterations;
-    clampFaces = options.clampFaces;
-    k = options.openingRatio();
-    forgetTransported();
-  }
-  choosePolygons(lights, options.transport, k);
-  if (blockSurfaces != scene.surfaces || !sameField) {
-    blockSurfaces = scene.surfaces;
-    surfaceBlocks.clear();
-  }
+  choosePolygons(lights, scene.options.transport, scene.options.openingRatio());
+  keepMemory(scene.grid, scene.options.transport);
 }
 
-void SessionState::adoptLights(const Scene& scene, std::vector<EmittingLight> now) {
-  std::vector<int> previous;
-  for (const EmittingLight& light : now) {
-    const auto same = [&](const EmittingLight& old) {
-      return old.source != nullptr && old.source->name == light.source->name;
-    };
-    const auto old = std::find_if(lights.begin(), lights.end(), same);
-    if (old != lights.end()) previous.push_back(old->group);
-  }
-  lights = std::move(now);
-  palette = choosePalette(lights);
-  groups = groupLights(scene, lights, previous);
-  keepVoxels(scene.grid.dims);
-  box = cellsAround(lights, scene.grid.dims);
-  injected = false;
-  injectedVolume.reset();
-  forgetTransported();
-  const Transport transport = scene.options.transport;
-  if (field != nullptr && field->grid.dims == scene.grid.dims && field->channels == palette.channels &&
-      field->groups == int(groups.size()) && field->transport == transport) {
-    field->grid = scene.grid;
-    return;
-  }
-  injectedVoxels.clear();
-  field.reset();  // first the old memory, then the new
-  textures.reset();
-  product = {};
-  field = std::make_unique<LightField>(scene.grid, palette.channels, int(groups.size()), transport);
-}
-
-void SessionState::forgetTransported() {
-  transported = textured = directMade = false;
-  gathered.clear();
-  transportedVolume.reset();
+void SessionState::keepMemory(const Grid& grid, Transport transport) {
+  const FieldInputs inputs = {grid.dims, palette().channels, int(arranged.product().groups.size()), transport};
+  // Where it does not fit, first the old memory goes and then comes the new.
+  if (!memory.holds(inputs))
+    memory.set(inputs, std::make_unique<LightField>(grid, inputs.channels, inputs.groups, transport));
+  field().grid = grid;
 }
 
 /// A light whose geometry stayed keeps its voxels; one that changed makes them anew in the memory of one that is gone.
-void SessionState::keepVoxels(const glm::ivec3& dims) {
+void SessionState::keepVoxels(const LightsInputs& inputs) {
   std::vector<LightVoxelsPtr> old = std::move(voxels);
-  std::erase(old, nullptr);
   voxels.assign(lights.size(), nullptr);
   const auto take = [&old](const auto& wanted) {
     const auto found = std::find_if(old.begin(), old.end(), wanted);
@@ -92,33 +72,31 @@ void SessionState::keepVoxels(const glm::ivec3& dims) {
     old.erase(found);
     return taken;
   };
-  std::vector<VoxelSource> sources;
+  const glm::ivec3& dims = inputs.grid.dims;
+  const bool vpls = inputs.method.vpls;
+  std::vector<VoxelizeInputs> sources;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    sources.push_back({lights[i].mesh, lights[i].texture, lights[i].gridFromObject, dims, method});
-    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->made && v->source == sources[i]; });
+    sources.push_back({lights[i].mesh, lights[i].texture, lights[i].gridFromObject, dims, inputs.method});
+    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->made.madeFrom(sources[i]); });
   }
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (voxels[i] != nullptr) continue;
-    const CellBox cells = cellsAround({lights[i]}, dims);
-    const int sets = sources[i].textured() ? 3 : 1;
-    voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(cells, sets, method.vpls); });
-    if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, sets, method.vpls);
-    voxels[i]->made = false;
+    if (voxels[i] == nullptr) {
+      const CellBox cells = cellsAround({lights[i]}, dims);
+      const int momentsPerCell = sources[i].textured() ? 3 : 1;
+      voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(cells, momentsPerCell, vpls); });
+      if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, momentsPerCell, vpls);
+    }
     voxels[i]->source = sources[i];
   }
 }
 
 void SessionState::invalidate() {
-  voxels.clear();
-  injectedVoxels.clear();
-  field.reset();
-  textures.reset();
   resources = {};
+  voxels.clear();
+  arranged.forget();
+  memory.forget();
+  products.reset();
   views.clear();
-  product = {};
-  injected = false;
-  injectedVolume.reset();
-  forgetTransported();
 }
 
 }  // namespace lpv

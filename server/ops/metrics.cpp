@@ -104,7 +104,7 @@ void addTicks(const Counters& c, const Engine& engine, Scrape& out) {
   out.histogram("lpv_tick_seconds", "From asking for a tick to having it, other sessions' turns included.",
                 c.tickSeconds);
   out.family(MetricType::Histogram, "lpv_stage_seconds", "A stage of a tick, without other sessions' turns.");
-  for (std::size_t i = 0; i < kStages; ++i) out.add(c.stageSeconds[i], {{"stage", kStageNames[i]}});
+  for (std::size_t i = 0; i < kStages; ++i) out.add(c.stageSeconds[i], {{"stage", nameOf(Stage(i))}});
   out.reasons("lpv_tick_failures_total", "Ticks that failed.", c.tickWatch.failures());
   out.counter("lpv_context_losses_total", "Times the graphics context was found lost.", double(engine.contextLosses()));
 }

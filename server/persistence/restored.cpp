@@ -11,6 +11,7 @@
 #include "convert/geometry.h"
 #include "convert/scene.h"
 #include "convert/session.h"
+#include "convert/wire_fields.h"
 #include "persistence/snapshot.h"
 
 namespace lpv::api {
@@ -92,19 +93,17 @@ Expected<Versioned<Light>> lightFrom(const pb::Light& in, const Contents& conten
   const Expected<Transform> transform = transformOf(in.transform());
   if (!transform) return outOfRange("light", in.name(), transform.status());
   light->transform = *transform;
-  LightFields checked;
+  LightFields given;
   if (in.has_power()) {
-    light->power = checked.power = fromProto(in.power());
+    given.power = fromProto(in.power());
   } else {
-    light->radiance = fromProto(in.radiance());
-    checked.radiance = light->radiance;
+    given.radiance = fromProto(in.radiance());
   }
-  checked.group = light->group = in.group();
-  light->twoSided = in.two_sided();
-  light->enabled = in.enabled();
+  takeStored<Light>(in, &given);
   Status status = checkName(in.name());
-  if (status.ok()) status = checkFields(checked);
+  if (status.ok()) status = checkFields(given);
   if (!status.ok()) return outOfRange("light", in.name(), status);
+  assignValues(*light, given);
   return Versioned<Light>{light, in.status().revision()};
 }
 
@@ -134,14 +133,13 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   const Expected<Transform> transform = transformOf(in.transform());
   if (!transform) return outOfRange("surface", in.name(), transform.status());
   surface->transform = *transform;
-  SurfaceFields checked;
-  checked.albedo = surface->albedo = fromProto(in.albedo());
-  checked.roughness = surface->roughness = in.roughness();
-  checked.metalness = surface->metalness = in.metalness();
-  surface->twoSided = in.has_two_sided() ? in.two_sided() : !wasOneSided(in);
+  SurfaceFields given;
+  takeStored<Surface>(in, &given);
+  if (!in.has_two_sided()) given.twoSided = !wasOneSided(in);
   Status status = checkName(in.name());
-  if (status.ok()) status = checkFields(checked);
+  if (status.ok()) status = checkFields(given);
   if (!status.ok()) return outOfRange("surface", in.name(), status);
+  assignValues(*surface, given);
   return Versioned<Surface>{surface, in.revision()};
 }
 

@@ -9,8 +9,8 @@ namespace {
 
 /// VPLs that one cell makes of a surface that passes through it: a few directions, seen in statues.
 constexpr double kVplsPerCell = 12.0;
-/// A tree's records per VPL.
-constexpr double kRecordsPerVpl = 1.5;
+/// A tree's entries per VPL.
+constexpr double kEntriesPerVpl = 1.5;
 constexpr double kSameColour = 1e-3;
 
 /// Area in the world is at most this many times that in object space.
@@ -50,7 +50,7 @@ void Workload::add(const Light& light) {
   lightTriangles += triangles;
   columns += met;
   litCells += std::min(cells, 3.0 * met + triangles);
-  rootsOfRecords += std::sqrt(kRecordsPerVpl * vpls);
+  rootsOfEntries += std::sqrt(kEntriesPerVpl * vpls);
   countMesh(*light.mesh);
   if (light.texture != nullptr) {
     bytes += 16.0 * double(light.texture->width) * double(light.texture->height);

@@ -28,7 +28,7 @@ class Workload {
   double lightTriangles = 0.0;
   double columns = 0.0;           ///< columns of cells that lights' triangles meet, summed over triangles
   double litCells = 0.0;          ///< cells that lights' surfaces pass through, summed over lights
-  double rootsOfRecords = 0.0;    ///< sum over lights of the square root of its tree's size
+  double rootsOfEntries = 0.0;    ///< sum over lights of the square root of its tree's size
   double bytes = 0.0;             ///< bytes of meshes and textures
 
   bool operator==(const Workload&) const = default;

@@ -82,10 +82,4 @@ std::int64_t Counters::resultBytesSent() const {
   return sum;
 }
 
-void Counters::countStage(const std::string& stage, double seconds) {
-  for (std::size_t i = 0; i < kStages; ++i) {
-    if (stage == kStageNames[i]) return stageSeconds[i].observe(seconds);
-  }
-}
-
 }  // namespace lpv

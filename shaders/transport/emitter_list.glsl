@@ -3,8 +3,8 @@
 // tests/gpu/transport/emitter_list_test.cpp compares the two.
 //
 // Texels: (lights, k, 0, 0); per light (radiance rgb, 0 for polygons or 1 for a tree) and (first texel, triangles or
-// records, sides that emit, texels of a record); then triangles of three corners each, counter-clockwise seen from the
-// front, and the records of shaders/transport/vpls.glsl. Grid space.
+// entries, sides that emit, texels of an entry); then triangles of three corners each, counter-clockwise seen from the
+// front, and the entries of shaders/transport/vpls.glsl. Grid space.
 #include "layout.h"
 #include "common/angles.glsl"
 #define LPV_RECEIVERS 1
@@ -54,14 +54,14 @@ vec3 vplIrradiance(int at, int stride, vec3 x, vec3 n, float sides) {
   const VplEntry v = vplEntry(texelFetch(direct, at), texelFetch(direct, at + 1), texelFetch(direct, at + 2),
                               texelFetch(direct, at + 3));
   const float e = irradianceFrom(v, v.position - x, n, sides > 1.5);
-  return stride == kTexturedRecordTexels ? e * texelFetch(direct, at + 4).rgb : vec3(e);
+  return stride == kTexturedEntryTexels ? e * texelFetch(direct, at + 4).rgb : vec3(e);
 }
 
 /// As GATHER walks it (shaders/transport/gather.comp), but for a point. From `most` rounds on nodes are taken whole.
-vec3 treeIrradiance(int first, int records, int stride, vec3 x, vec3 n, float sides, float k, inout int rounds,
+vec3 treeIrradiance(int first, int entries, int stride, vec3 x, vec3 n, float sides, float k, inout int rounds,
                     int most) {
   vec3 sum = vec3(0.0);
-  for (int at = 0; at < records;) {
+  for (int at = 0; at < entries;) {
     const vec4 node = texelFetch(direct, first + at * stride), next = texelFetch(direct, first + at * stride + 1);
     const int vpls = int(next.x), after = int(next.y);
     const vec3 d = node.xyz - x;

@@ -51,18 +51,18 @@ void addVpl(int at, vec2 receiver, vec4 depth) {
 #endif
 }
 
-/// From record `at` on; returns where the walk stands when it has done its share.
+/// From entry `at` on; returns where the walk stands when it has done its share.
 int walk(int at, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
   const int end = params.entryCount;
   const float reach = params.openingRatio * params.openingRatio;
   for (int rounds = 0; at < end && rounds < kMaxRounds;) {
-    const vec4 node = texelFetch(tree, at * kRecordTexels), next = texelFetch(tree, at * kRecordTexels + 1);
+    const vec4 node = texelFetch(tree, at * kEntryTexels), next = texelFetch(tree, at * kEntryTexels + 1);
     const int vpls = int(next.x), after = int(next.y);
     const vec3 gap = max(max(lower - node.xyz, node.xyz - upper), 0.0);
     const bool leaf = after == at + 1 + vpls;
     const bool whole = leaf || dot(gap, gap) > reach * node.w * node.w;
     const int last = whole ? at + vpls : at;
-    for (int i = at + 1; i <= last; ++i) addVpl(i * kRecordTexels, receiver, depth);
+    for (int i = at + 1; i <= last; ++i) addVpl(i * kEntryTexels, receiver, depth);
     rounds += 1 + last - at;
     at = whole ? after : at + 1 + vpls;
   }

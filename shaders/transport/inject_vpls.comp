@@ -9,7 +9,7 @@ layout(local_size_x = kCellGroup) in;
 
 layout(std140, binding = kParams) uniform Block { InjectParams params; };
 layout(std430, binding = kTreeNodes) readonly buffer Nodes { uvec4 nodes[]; };  // the leaves are the first of them
-layout(std430, binding = kTreeRecords) readonly buffer Records { vec4 records[]; };
+layout(std430, binding = kTreeEntries) readonly buffer Entries { vec4 entries[]; };
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 
 void main() {
@@ -18,14 +18,14 @@ void main() {
   if (leaf >= size.x * size.y * size.z || nodes[leaf].z == 0u) return;
   const ivec3 cell = params.boxLower + ivec3(leaf % size.x, (leaf / size.x) % size.y, leaf / (size.x * size.y));
   const int header = int(nodes[leaf].w);
-  const int vpls = int(records[header * kRecordTexels + 1].x);
+  const int vpls = int(entries[header * kEntryTexels + 1].x);
   vec4 emitted[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
   for (int i = 1; i <= vpls; ++i) {
-    const int at = (header + i) * kRecordTexels;
-    const vec4 lobes = vec4(kLobe0 * params.sides * records[at].w, kLobe1 * params.band1Factor * records[at + 1].yzx);
+    const int at = (header + i) * kEntryTexels;
+    const vec4 lobes = vec4(kLobe0 * params.sides * entries[at].w, kLobe1 * params.band1Factor * entries[at + 1].yzx);
     for (int k = 0; k < LPV_CHANNELS; ++k) {
 #if LPV_TEXTURED
-      emitted[k] += lobes * records[at + 4][k];
+      emitted[k] += lobes * entries[at + 4][k];
 #else
       emitted[k] += lobes;
 #endif

@@ -1,9 +1,9 @@
-// The volume product (MATHS.md 3a): SH of incident radiance, L00 = U0 / (1.5 s^2), L1m = -U1m / (1.5 s^2), directions
+// The volume (MATHS.md 3a): SH of incident radiance, L00 = U0 / (1.5 s^2), L1m = -U1m / (1.5 s^2), directions
 // towards the light, cut back to phi >= 0 and |D| <= phi. LPV_INJECTED: the injected field as it is, with its colours.
 //
 // LPV_TEXTURES: into 3D textures for frames; a field of one channel stays one texture, its colour is applied on
 // reading, and the groups of lights lie one behind the other along z. LPV_BUFFER: into the buffer that is
-// read back (kProduct).
+// read back (kIncidentVolume).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/field.glsl"
@@ -11,8 +11,8 @@
 #if !defined(LPV_TEXTURES) || !defined(LPV_BUFFER) || !defined(LPV_INJECTED)
 #error "LPV_TEXTURES, LPV_BUFFER, LPV_INJECTED: 0 or 1"
 #endif
-#ifndef LPV_PROXIMITY
-#error "LPV_PROXIMITY: 0, or 1 with LPV_TEXTURES: how near emitters are goes along"
+#ifndef LPV_EMITTER_DISTANCE
+#error "LPV_EMITTER_DISTANCE: 0, or 1 with LPV_TEXTURES: how near emitters are goes along"
 #endif
 
 layout(local_size_x = kFieldGroupX, local_size_y = kFieldGroupY) in;
@@ -29,16 +29,16 @@ layout(binding = kIncidentOut + 1, rgba32f) uniform writeonly image3D incidentGr
 layout(binding = kIncidentOut + 2, rgba32f) uniform writeonly image3D incidentBlue;
 #endif
 #endif
-#if LPV_PROXIMITY
+#if LPV_EMITTER_DISTANCE
 layout(std430, binding = kEmitterDistanceBuffer) readonly buffer EmitterDistance { float emitterDistance[]; };
 layout(binding = kEmitterDistanceOut, r32f) uniform writeonly image3D emitterDistanceOut;
 #endif
 #if LPV_BUFFER
-layout(std430, binding = kProduct) writeonly buffer Product { float product[]; };
+layout(std430, binding = kIncidentVolume) writeonly buffer IncidentVolume { float volume[]; };
 #endif
 
-/// One colour of the product; `cut` is raised where the moments are not those of real light.
-vec4 productOf(vec4 u, inout bool cut) {
+/// One colour of a cell; `cut` is raised where the moments are not those of real light.
+vec4 incidentOf(vec4 u, inout bool cut) {
 #if LPV_INJECTED
   return u;
 #else
@@ -64,8 +64,8 @@ vec4 channelOf(ivec3 cell, int k) {
 int cells() { return params.dims.x * params.dims.y * params.dims.z; }
 
 void store(ivec3 cell, int colour, vec4 c) {
-  const int base = (cellIndex(cell, params.dims) + params.group * cells()) * kProductFloats + colour * kCoefficients;
-  for (int j = 0; j < kCoefficients; ++j) product[base + j] = c[j];
+  const int base = (cellIndex(cell, params.dims) + params.group * cells()) * kVolumeFloats + colour * kCoefficients;
+  for (int j = 0; j < kCoefficients; ++j) volume[base + j] = c[j];
 }
 #endif
 
@@ -73,12 +73,12 @@ void main() {
   const ivec3 cell = ivec3(gl_GlobalInvocationID.xy, params.firstSlice + int(gl_WorkGroupID.z));
   if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
   const ivec3 texel = cell + ivec3(0, 0, params.group * params.dims.z);
-#if LPV_PROXIMITY
+#if LPV_EMITTER_DISTANCE
   if (params.group == 0) imageStore(emitterDistanceOut, cell, vec4(emitterDistance[cellIndex(cell, params.dims)]));
 #endif
   bool cut = false;
 #if LPV_CHANNELS == 1
-  const vec4 c = productOf(channelOf(cell, 0), cut);
+  const vec4 c = incidentOf(channelOf(cell, 0), cut);
 #if LPV_TEXTURES
   imageStore(incident, texel, c);
 #endif
@@ -86,7 +86,7 @@ void main() {
 #else
   mat3x4 colours = mat3x4(0.0);
   for (int k = 0; k < LPV_CHANNELS; ++k) colours += outerProduct(channelOf(cell, k), params.palette[k].rgb);
-  for (int i = 0; i < 3; ++i) colours[i] = productOf(colours[i], cut);
+  for (int i = 0; i < 3; ++i) colours[i] = incidentOf(colours[i], cut);
 #if LPV_TEXTURES
   imageStore(incidentRed, texel, colours[0]);
   imageStore(incidentGreen, texel, colours[1]);

@@ -1,7 +1,7 @@
-// Virtual point lights as transport reads them (MATHS.md 3b). A record is a node's header or one of its VPLs, which
+// Virtual point lights as transport reads them (MATHS.md 3b). An entry is a node's header or one of its VPLs, which
 // follow it, one per normal bin that holds light.
-//   header  (centre, edge) (VPLs, the record after the node and all below it, -, -)
-//   VPL     (position, area) (area x direction, spread) (extent xx, yy, zz, their sum) (extent xy, xz, yz, -)
+//   header  (centre, edge) (VPLs, the entry after the node and all below it, -, -)
+//   VPL     (position, area) (area x direction, spread) (covariance xx, yy, zz, their sum) (covariance xy, xz, yz, -)
 //           with a texture: (colour, -)
 // Grid space: cell units. Colours are shares of the light's brightest texel.
 //
@@ -11,17 +11,17 @@
 // With spreadOf() that has the power, pi x area, and the first moment of what was merged. (MATHS.md 3b.4 has max(0, t) +
 // (area - |N|) / 4: the same power and moment, but what faces the receiver alone is lit twice, and the back at all.)
 //
-// Where it sends it from. Merged emitters are spread about their position; extent is the covariance of where light
+// Where it sends it from. Merged emitters are spread about their position; the covariance of positions is of where light
 // leaves, cell^2. What arrives is expanded about the position up to second order (MATHS.md 3b.2), which is what makes
-// nodes usable from near; the series is damped where it does not converge, within about twice the extent.
+// nodes usable from near; the series is damped where it does not converge, within about twice the square root of that.
 #ifndef LPV_TEXTURED
 #error "LPV_TEXTURED: 0 or 1"
 #endif
 
 #if LPV_TEXTURED
-const int kRecordTexels = kTexturedRecordTexels;
+const int kEntryTexels = kTexturedEntryTexels;
 #else
-const int kRecordTexels = kPlainRecordTexels;
+const int kEntryTexels = kPlainEntryTexels;
 #endif
 
 struct Vpl {
@@ -29,7 +29,7 @@ struct Vpl {
   float area;
   vec3 direction;  // area x mean direction of emission
   float spread;    // of N.w among what was merged, an area
-  mat3 extent;     // covariance of positions
+  mat3 positionCovariance;  // of where it emits, cell^2
   vec3 colour;
 };
 
@@ -43,7 +43,7 @@ float spreadOf(float area, vec3 direction) {
 }
 
 /// What is in one cell is taken for a flat square: its own second moments are not worth their place in the table.
-mat3 extentInCell(float area, vec3 direction) {
+mat3 covarianceInCell(float area, vec3 direction) {
   const vec3 n = direction / max(area, 1e-30);
   return min(area, 1.0) / 12.0 * (mat3(1.0) - outerProduct(n, n));
 }

@@ -5,7 +5,7 @@
 layout(local_size_x = kCellGroup) in;
 
 layout(std140, binding = kParams) uniform Block { VoxelizeParams params; };
-#include "voxelize/deposit.glsl"
+#include "voxelize/accumulators.glsl"
 layout(std430, binding = kVoxelMoments) writeonly buffer Moments { vec4 moments[]; };
 
 #if LPV_SETS

@@ -1,76 +1,7 @@
-// Where a light's voxels are summed: integers only, so that the sums do not depend on the order of the additions and are
-// the same bits on every run and from every injector.
-//
-// Words of a cell: shaders/layout.h. LPV_TEXTURED: moments of each colour. LPV_SETS: COUNT of a light with at most
-// kSetTriangles triangles keeps which of them came, and no sums.
-// LPV_VPLS: FLUX for GATHER has a table of VPLs instead, shaders/voxelize/vpl_table.glsl.
-#ifndef LPV_FLUX
-#error "LPV_FLUX: 0 (COUNT) or 1"
-#endif
-#ifndef LPV_TEXTURED
-#error "LPV_TEXTURED: 0 or 1"
-#endif
-
-#ifndef LPV_VPLS
-#define LPV_VPLS 0
-#endif
-
-#ifndef LPV_SETS
-#define LPV_SETS 0
-#endif
-
-#if LPV_TEXTURED
-const int kMomentsPerCell = kColours;
-#else
-const int kMomentsPerCell = 1;
-#endif
-#if LPV_FLUX && LPV_TEXTURED
-const int kAccumulatorWords = kTexturedFluxWords;
-#elif LPV_FLUX
-const int kAccumulatorWords = kFluxWords;
-#elif LPV_SETS
-const int kAccumulatorWords = kSetWords;
-#elif LPV_TEXTURED
-const int kAccumulatorWords = kTexturedCountWords;
-#else
-const int kAccumulatorWords = kCountWords;
-#endif
-
-#if LPV_VPLS
-#include "voxelize/vpl_table.glsl"
-#else
-#ifdef LPV_RECORD_PAIRS
-layout(std430, binding = kRecordedPairs) buffer Recorded { uint recordedCount; uint recordedPad; uvec2 recorded[]; };
-#else
-layout(std430, binding = kAccumulators) buffer Accumulators { uint words[]; };
-#endif
-layout(std430, binding = kVoxelCells) buffer Voxels { VoxelHeader voxelHeader; uvec2 voxels[]; };
-#endif
+// What a triangle adds to a light's accumulators.
+#include "voxelize/accumulators.glsl"
 
 #ifndef LPV_RECORD_PAIRS
-
-/// `count` more in a list of which every kCellGroup-th adds a group to later dispatches; the first group is always there,
-/// since it also counts triangles without area. The number of the first.
-uint appendToList(uint count) {
-  const uint slot = atomicAdd(voxelHeader.count, count);
-  const uint groups = (slot + count - 1u) / uint(kCellGroup) - (max(slot, 1u) - 1u) / uint(kCellGroup);
-  if (groups > 0u) atomicAdd(voxelHeader.groupsX, groups);
-  return slot;
-}
-
-/// A place in the list. All threads come here at once and wait for one number: those that run in step ask together.
-uint nextInList() {
-#ifdef LPV_BALLOT
-  const uint64_t together = ballotARB(true);
-  const uvec2 askers = unpackUint2x32(together), before = unpackUint2x32(together & gl_SubGroupLtMaskARB);
-  const uint rank = uint(bitCount(before.x) + bitCount(before.y));
-  uint slot = 0u;
-  if (rank == 0u) slot = appendToList(uint(bitCount(askers.x) + bitCount(askers.y)));
-  return readFirstInvocationARB(slot) + rank;
-#else
-  return appendToList(1u);
-#endif
-}
 
 #if !LPV_VPLS
 /// Adds to a cell's first word; the first VPL of a cell appends it to the list. Returns where the cell's sums begin.

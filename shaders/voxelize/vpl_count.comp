@@ -18,8 +18,8 @@ void main() {
       if (!childOf(level, block, i, child)) continue;
       const Node node = nodeAt(nodeIndex(level - 1, child));
       bins |= node.bins;
-      below += node.records;
-      lit += node.records > 0u ? 1u : 0u;
+      below += node.entries;
+      lit += node.entries > 0u ? 1u : 0u;
     }
   }
   const uint own = bins == uvec2(0u) || isSingleChild(lit) ? 0u : 1u + binsIn(bins);

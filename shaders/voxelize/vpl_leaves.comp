@@ -35,7 +35,7 @@ void main() {
   v.area *= params.areaScale;
   v.direction *= params.areaScale;
   v.spread = spreadOf(v.area, v.direction);
-  v.extent = extentInCell(v.area, v.direction);
+  v.positionCovariance = covarianceInCell(v.area, v.direction);
   const Node node = nodeAt(nodeIndex(0, cell));
   storeVpl(node.first + 1u + placeOf(node.bins, key & ((1u << kBinBits) - 1u)), v);
 }

@@ -26,7 +26,7 @@ Vpl merged(int level, ivec3 block, uint bin) {
   Vpl sum, v;
   sum.position = sum.direction = sum.colour = vec3(0.0);
   sum.area = 0.0;
-  sum.extent = mat3(0.0);
+  sum.positionCovariance = mat3(0.0);
   float weights = 0.0;
   const vec3 from = (vec3(block) + 0.5) * float(1 << level);
   for (int i = 0; i < 8; ++i) {
@@ -43,7 +43,7 @@ Vpl merged(int level, ivec3 block, uint bin) {
   for (int i = 0; i < 8; ++i) {
     if (weights == 0.0 || !childsVpl(level, block, i, bin, v)) continue;
     const vec3 away = v.position - sum.position;
-    sum.extent += weightOf(v) / weights * (v.extent + outerProduct(away, away));
+    sum.positionCovariance += weightOf(v) / weights * (v.positionCovariance + outerProduct(away, away));
   }
 #if LPV_TEXTURED
   sum.colour = sum.area > 0.0 ? sum.colour / sum.area : vec3(0.0);
@@ -56,7 +56,7 @@ uint childrenWithLight(int level, ivec3 block) {
   uint lit = 0u;
   for (int i = 0; i < 8; ++i) {
     ivec3 child;
-    if (childOf(level, block, i, child) && nodeAt(nodeIndex(level - 1, child)).records > 0u) lit++;
+    if (childOf(level, block, i, child) && nodeAt(nodeIndex(level - 1, child)).entries > 0u) lit++;
   }
   return lit;
 }
@@ -66,9 +66,9 @@ void main() {
   ivec3 block;
   if (!blockOf(level, int(thread()), block)) return;
   const Node node = nodeAt(nodeIndex(level, block));
-  if (node.records == 0u || isSingleChild(childrenWithLight(level, block))) return;
-  uint record = node.first + 1u;
+  if (node.entries == 0u || isSingleChild(childrenWithLight(level, block))) return;
+  uint entry = node.first + 1u;
   for (uint bin = 0u; bin < uint(kNormalBins); ++bin) {
-    if (hasBin(node.bins, bin)) storeVpl(record++, merged(level, block, bin));
+    if (hasBin(node.bins, bin)) storeVpl(entry++, merged(level, block, bin));
   }
 }

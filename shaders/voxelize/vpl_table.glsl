@@ -11,7 +11,7 @@ const int kVplWords = kPlainVplWords;
 #endif
 
 layout(std430, binding = kAccumulators) buffer Table { uint words[]; };
-layout(std430, binding = kVoxelCells) buffer Voxels { VoxelHeader voxelHeader; uvec2 voxels[]; };
+#include "voxelize/voxel_list.glsl"
 
 ivec3 cellInBox(int index, ivec3 size) { return ivec3(index % size.x, (index / size.x) % size.y, index / (size.x * size.y)); }
 
@@ -26,8 +26,6 @@ uint mixed(uint x) {  // fmix32 of MurmurHash3
   x *= 0xC2B2AE35u;
   return x ^ (x >> 16);
 }
-
-uint nextInList();
 
 /// First word of the entry of a cell and bin, made where there is none; -1, counted, when the table is too full.
 int vplPlace(ivec3 cell, int bin) {

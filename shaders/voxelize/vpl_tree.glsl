@@ -4,12 +4,12 @@
 
 layout(std140, binding = kParams) uniform Block { TreeParams params; };
 
-/// What the walk over occupied nodes needs, and what numbers them. Records are numbered depth first: a node's own, then
+/// What the walk over occupied nodes needs, and what numbers them. Entries are numbered depth first: a node's own, then
 /// its children's.
 struct Node {
   uvec2 bins;    // which normal bins hold light
-  uint records;  // of the node and all below it; 0: empty
-  uint first;    // its first record
+  uint entries;  // of the node and all below it; 0: empty
+  uint first;    // its first entry
 };
 layout(std430, binding = kTreeNodes) buffer Nodes { uvec4 nodes[]; };
 
@@ -49,5 +49,5 @@ bool childOf(int level, ivec3 block, int i, out ivec3 child) {
   return all(greaterThanEqual(child, lower)) && all(lessThan(child, upper));
 }
 
-/// Whether a node says no more than its only child does: it has no records of its own then.
+/// Whether a node says no more than its only child does: it has no entries of its own then.
 bool isSingleChild(uint childrenWithLight) { return childrenWithLight == 1u; }

@@ -20,7 +20,7 @@
 #include <sstream>
 
 #include "core_scene.h"
-#include "engine/engine.h"
+#include "engine/device_choice.h"
 #include "gpu/device.h"
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
@@ -28,6 +28,7 @@
 #include "reference/texel.h"
 #include "reference/textures.h"
 #include "reference/volume.h"
+#include "scene/lookup.h"
 
 namespace {
 
@@ -136,8 +137,10 @@ Times timesOf(Engine& engine, const Scene& scene, int repeats) {
     const double before = cpuSeconds();
     const TickResult result = tick(engine, moved);
     cpu.push_back(cpuSeconds() - before);
-    voxelize.push_back(bench::secondsOf(result.report, "voxelize") + bench::secondsOf(result.report, "inject"));
-    transport.push_back(bench::secondsOf(result.report, "gather") + bench::secondsOf(result.report, "propagate"));
+    voxelize.push_back(bench::secondsOf(result.report, Stage::kVoxelize) +
+                       bench::secondsOf(result.report, Stage::kInject));
+    transport.push_back(bench::secondsOf(result.report, Stage::kGather) +
+                        bench::secondsOf(result.report, Stage::kPropagate));
   }
   return {1e3 * medianOf(voxelize), 1e3 * medianOf(transport), 1e3 * medianOf(cpu)};
 }

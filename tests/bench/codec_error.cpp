@@ -1,5 +1,7 @@
 #include "bench/codec_error.h"
 
+#include "scene/lookup.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -37,7 +37,7 @@ FrameRequest frame(bool still) {
 /// Milliseconds of every stage as counters, averaged over the ticks.
 void countStages(benchmark::State& state, const TickReport& report) {
   for (const StageTime& time : report.stages) {
-    benchmark::Counter& counter = state.counters[time.stage];
+    benchmark::Counter& counter = state.counters[nameOf(time.stage)];
     counter.flags = benchmark::Counter::kAvgIterations;
     counter.value += 1e3 * time.seconds;
   }

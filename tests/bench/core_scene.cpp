@@ -7,6 +7,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "engine/device_choice.h"
 #include "reference/meshes.h"
 
 namespace lpv::bench {
@@ -109,7 +110,7 @@ ScenePtr movedTo(const Scene& scene, const glm::dvec3& position) {
   return moved;
 }
 
-double secondsOf(const TickReport& report, const std::string& stage) {
+double secondsOf(const TickReport& report, Stage stage) {
   for (const StageTime& time : report.stages) {
     if (time.stage == stage) return time.seconds;
   }

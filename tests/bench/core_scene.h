@@ -25,6 +25,6 @@ Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells);
 ScenePtr movedTo(const Scene& scene, const glm::dvec3& position);
 
 /// Seconds of one stage of a report, 0 when it did not run.
-double secondsOf(const TickReport& report, const std::string& stage);
+double secondsOf(const TickReport& report, Stage stage);
 
 }  // namespace lpv::bench

@@ -50,6 +50,9 @@ struct Load {
   bool mostLights = false;  ///< as many as are admitted
 };
 
+/// The stage of a tick's longest piece.
+const char* longestOf(const TickReport& report) { return report.longestStage ? nameOf(*report.longestStage) : "other"; }
+
 Scene sceneOf(const Load& load) {
   Scene scene = bench::roomWith(load.mesh, position(0), load.cells);
   for (int i = 1; i < load.lights; ++i) {
@@ -131,7 +134,7 @@ class Neighbour {
     }
     std::printf(
         "    its ticks: %d, the last %.0f ms; longest piece %.1f ms (%s), largest prediction %.1f ms, %llu pieces\n",
-        ticks_, 1e3 * seconds_, 1e3 * worst_.longestPiece, worst_.longestStage.c_str(), 1e3 * worst_.largestPrediction,
+        ticks_, 1e3 * seconds_, 1e3 * worst_.longestPiece, longestOf(worst_), 1e3 * worst_.largestPrediction,
         static_cast<unsigned long long>(worst_.pieces));
   }
 
@@ -191,8 +194,8 @@ void alone(const Load& large) {
     const TickReport report = bench::tick(requestOf(large, scene, kLarge, step)).report;
     const double seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
     std::printf("    alone, tick %d: %.0f ms, longest piece %.1f ms (%s), %llu pieces;", step + 1, 1e3 * seconds,
-                1e3 * report.longestPiece, report.longestStage.c_str(), static_cast<unsigned long long>(report.pieces));
-    for (const StageTime& stage : report.stages) std::printf(" %s %.1f", stage.stage.c_str(), 1e3 * stage.seconds);
+                1e3 * report.longestPiece, longestOf(report), static_cast<unsigned long long>(report.pieces));
+    for (const StageTime& stage : report.stages) std::printf(" %s %.1f", nameOf(stage.stage), 1e3 * stage.seconds);
     std::printf("\n");
   }
   bench::engine().forget(kLarge);

@@ -105,7 +105,7 @@ class Table {
   Cost measure(const MeshPtr& mesh, int cells, const VoxelMethod& method) {
     const EmittingLight light = placed(mesh, cells);
     LightField field({glm::dvec3(0.0), 1.0, glm::ivec3(cells)}, 1);
-    finish(field.clear());
+    finish(injector_.retire(field, {&clock_}));
     SceneResources resources;
     Scene scene;
     auto named = std::make_shared<Light>();
@@ -123,7 +123,7 @@ class Table {
       const double wall1 = wallSeconds(), cpu1 = cpuSeconds();
       finish(injector_.add(field, {light}, {voxels}, palette, {&clock_}));
       const double wall2 = wallSeconds();
-      finish(injector_.retire(field, {voxels}, {&clock_}));
+      finish(injector_.retire(field, {&clock_}));
       spent += wall1 - wall0;
       if (i == 0) continue;  // compiles
       wall.push_back(1e3 * (wall1 - wall0));

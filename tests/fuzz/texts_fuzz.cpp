@@ -48,7 +48,7 @@ void tokens(const std::string& text) {
 /// Of proto3 strings: the door has seen that they are UTF-8.
 void names(const std::string& text) {
   if (!isUtf8(text)) return;
-  for (const Status& status : {checkName(text), checkGroup(text), api::sessionId("name", text).status(),
+  for (const Status& status : {checkName(text), checkGroup("group", text), api::sessionId("name", text).status(),
                                api::sessionId("name", "sessions/" + text).status()}) {
     if (!status.ok()) checkRefusal(status);
   }

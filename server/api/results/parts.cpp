@@ -102,10 +102,19 @@ bool FrameParts::next(pb::FramePart* out) {
   return true;
 }
 
-/// Of a name in kStageNames.
-pb::TickStage stageNamed(std::string_view name) {
-  const auto found = std::find(kStageNames.begin(), kStageNames.end(), name);
-  return found == kStageNames.end() ? pb::TICK_STAGE_UNSPECIFIED : pb::TickStage(found - kStageNames.begin() + 1);
+/// By name: a stage that the protocol does not know yet is UNSPECIFIED.
+pb::TickStage toProto(Stage stage) {
+  static const std::array<pb::TickStage, kStages> all = [] {
+    std::array<pb::TickStage, kStages> out{};
+    for (const StageRow& row : kStageTable) {
+      std::string name = std::string("TICK_STAGE_") + row.name;
+      std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+      if (!pb::TickStage_Parse(name, &out[std::size_t(row.stage)]))
+        out[std::size_t(row.stage)] = pb::TICK_STAGE_UNSPECIFIED;
+    }
+    return out;
+  }();
+  return all[std::size_t(stage)];
 }
 
 void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
@@ -117,7 +126,7 @@ void toProto(const ResultMeta& meta, pb::ResultInfo* out) {
   const TickReport& report = *meta.report;
   for (const StageTime& time : report.stages) {
     pb::StageTime* stage = out->add_stage_times();
-    stage->set_stage(stageNamed(time.stage));
+    stage->set_stage(toProto(time.stage));
     stage->set_seconds(time.seconds);
   }
   for (const std::string& feature : report.features) out->add_features(feature);

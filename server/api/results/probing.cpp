@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "api/results/parts.h"
+#include "scene/lookup.h"
 
 namespace lpv::api {
 

@@ -17,7 +17,7 @@ constexpr double kHardwarePieceSeconds = 0.005;
 constexpr double kSoftwarePieceSeconds = 0.010;
 constexpr std::size_t kPiecesAhead = 2;  // of the GPU: one runs, one waits
 constexpr std::chrono::microseconds kNap(500);
-/// A tick during which the context is lost so often may be why.
+/// Gives up on a tick after this many context losses; it may be causing them.
 constexpr int kMostLosses = 3;
 
 /// The error being handled, as a status.
@@ -37,7 +37,7 @@ std::unique_ptr<Pipeline> newPipeline(bool software) {
   return std::make_unique<Pipeline>(software ? kSoftwarePieceSeconds : kHardwarePieceSeconds);
 }
 
-void noteLength(TickReport& report, double seconds, const char* stage) {
+void noteLength(TickReport& report, double seconds, std::optional<Stage> stage) {
   if (seconds <= report.longestPiece) return;
   report.longestPiece = seconds;
   report.longestStage = stage;
@@ -113,7 +113,7 @@ void GlThread::handle(SubmitJob job) {
     return;
   }
   if (const Status made = remake(); !made.ok()) return job.done(made);
-  turns_.arrive(job.request.session);
+  fairQueue_.arrive(job.request.session);
   Tick& tick = ticks_.emplace_back();
   tick.request = std::move(job.request);
   tick.done = std::move(job.done);
@@ -143,7 +143,7 @@ void GlThread::recover() {
     tick.story.reset();
     tick.session.reset();
     tick.result = {};
-    tick.told = false;
+    tick.storyEnded = false;
     ++tick.losses;
   }
   timeline_ = {};
@@ -194,7 +194,7 @@ void GlThread::forgetNow(const ForgetJob& job) {
     session->second->views.erase(*job.view);
   } else {
     sessions_.erase(session);
-    turns_.forget(job.session);
+    fairQueue_.forget(job.session);
   }
 }
 
@@ -203,7 +203,7 @@ bool GlThread::underway(SessionKey session) const {
 }
 
 bool GlThread::ready(const Tick& tick) {
-  if (tick.told) return false;
+  if (tick.storyEnded) return false;
   const Pause& pause = tick.story->pause();
   return pause.kind != Pause::Kind::kFence || pause.fence == nullptr || pause.fence->signalled();
 }
@@ -215,13 +215,13 @@ GlThread::Tick* GlThread::nextReady() {
     if (ready(tick)) able.push_back(&tick);
   }
   const auto found =
-      leastServed(turns_, able.begin(), able.end(), [](const Tick* tick) { return tick->request.session; });
+      leastServed(fairQueue_, able.begin(), able.end(), [](const Tick* tick) { return tick->request.session; });
   return found == able.end() ? nullptr : *found;
 }
 
 void GlThread::advance(Tick& tick) {
   const SessionKey session = tick.request.session;
-  turns_.begin(session);
+  fairQueue_.begin(session);
   const auto begin = Timeline::Clock::now();
   try {
     tick.story->resume();
@@ -235,9 +235,9 @@ void GlThread::advance(Tick& tick) {
   }
   // No piece, only work on this thread: others waited for it all the same.
   const double seconds = std::chrono::duration<double>(Timeline::Clock::now() - begin).count();
-  turns_.charge(session, seconds);
-  noteLength(tick.result.report, seconds, "other");
-  tick.told = tick.story->done();
+  fairQueue_.charge(session, seconds);
+  noteLength(tick.result.report, seconds, std::nullopt);
+  tick.storyEnded = tick.story->done();
 }
 
 void GlThread::queued(Tick& tick, Timeline::Clock::time_point begin) {
@@ -252,7 +252,7 @@ void GlThread::queued(Tick& tick, Timeline::Clock::time_point begin) {
     return;
   }
   report.largestPrediction = std::max(report.largestPrediction, predicted);
-  turns_.charge(tick.request.session, predicted);
+  fairQueue_.charge(tick.request.session, predicted);
   timeline_.add(pause, predicted, begin, tick.session->clock);
 }
 
@@ -266,8 +266,8 @@ void GlThread::takeEnded() {
   for (const Timeline::Ended& ended : timeline_.poll()) {
     Tick* tick = tickOf(*ended.owner);
     if (tick == nullptr) continue;  // it has failed
-    turns_.charge(tick->request.session, ended.seconds - ended.predicted);
-    noteLength(tick->result.report, ended.seconds, kStageNames[std::size_t(ended.stage)]);
+    fairQueue_.charge(tick->request.session, ended.seconds - ended.predicted);
+    noteLength(tick->result.report, ended.seconds, ended.stage);
   }
 }
 
@@ -281,13 +281,13 @@ void GlThread::fail(Tick& tick, const Status& status) {
 
 void GlThread::deliverFinished() {
   for (auto tick = ticks_.begin(); tick != ticks_.end();) {
-    if (!tick->told || timeline_.holds(*tick->session->clock)) {
+    if (!tick->storyEnded || timeline_.holds(*tick->session->clock)) {
       ++tick;
       continue;
     }
     const StageClock& clock = *tick->session->clock;
     for (std::size_t i = 0; i < kStages; ++i) {
-      if (clock.ran(Stage(i))) tick->result.report.stages.push_back({kStageNames[i], clock.seconds(Stage(i))});
+      if (clock.ran(Stage(i))) tick->result.report.stages.push_back({Stage(i), clock.seconds(Stage(i))});
     }
     tick->result.report.othersPieces = piecesBegun_ - tick->piecesBefore - tick->result.report.pieces;
     const TickDone done = std::move(tick->done);
@@ -306,7 +306,7 @@ void GlThread::waitForGpu() const {
     return;
   }
   for (const Tick& tick : ticks_) {
-    if (tick.told || tick.story->pause().kind != Pause::Kind::kFence) continue;
+    if (tick.storyEnded || tick.story->pause().kind != Pause::Kind::kFence) continue;
     tick.story->pause().fence->wait(kNap);
     return;
   }

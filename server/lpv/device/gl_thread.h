@@ -14,6 +14,7 @@
 #include "gpu/context.h"
 #include "lpv/device/fair_queue.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/pacing/timeline.h"
 #include "lpv/pipeline.h"
 #include "lpv/session_state.h"
 
@@ -64,7 +65,7 @@ class GlThread {
     TickResult result;
     std::shared_ptr<SessionState> session;
     std::optional<GpuTask> story;
-    bool told = false;  ///< its story has been told to the end: only fences are outstanding
+    bool storyEnded = false;  ///< the coroutine has run to its end: only fences are outstanding
     std::uint64_t piecesBefore = 0;  ///< begun on the device before this tick
     int losses = 0;  ///< of the context, while it was under way
   };
@@ -98,7 +99,7 @@ class GlThread {
   Timeline timeline_;
   std::map<SessionKey, std::shared_ptr<SessionState>> sessions_;
   std::list<Tick> ticks_;  ///< in the order of their arrival
-  FairQueue turns_;
+  FairQueue fairQueue_;
   std::uint64_t piecesBegun_ = 0;
   std::optional<std::uint64_t> loseAt_;
   std::deque<ForgetJob> forgetLater_;  ///< of sessions with a tick under way

@@ -8,6 +8,7 @@
 #include "gpu/framebuffer.h"
 #include "gpu/program.h"
 #include "lpv/frame/frame_view.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/scene_cache.h"
 

@@ -6,6 +6,7 @@
 #include "gpu/framebuffer.h"
 #include "gpu/texture.h"
 #include "lpv/frame/draw.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 
 namespace lpv {

@@ -1,7 +1,5 @@
 #include "lpv/frame/gbuffer.h"
 
-#include <algorithm>
-
 #include "gpu/gl.h"
 
 namespace lpv {
@@ -38,23 +36,19 @@ Gbuffer::Gbuffer(const glm::ivec2& size)
       depth(gpu::Texture::make2d("surface depth", size, GL_DEPTH_COMPONENT32F, gpu::Sampling::kNearestClamp)),
       target("G-buffer", {&albedo, &normal}, &depth) {}
 
-bool Gbuffer::shows(const FrameRequest& request, const Scene& scene) const {
-  return complete && camera == request.camera && target.size() == request.size &&
-         std::equal(surfaces.begin(), surfaces.end(), scene.surfaces.begin(), scene.surfaces.end(),
-                    [](const SurfacePtr& a, const auto& b) { return a == b.second; });
+GbufferInputs gbufferInputs(const FrameRequest& request, const Scene& scene) {
+  GbufferInputs inputs;
+  inputs.camera = request.camera;
+  for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  return inputs;
 }
 
 GpuTask GbufferRenderer::run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene,
                              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
                              Pacing pacing) {
-  gbuffer.complete = false;
-  gbuffer.camera = request.camera;
-  gbuffer.surfaces.clear();
-  for (const auto& [name, surface] : scene.surfaces) gbuffer.surfaces.push_back(surface);
   const std::vector<DrawItem> items = visibleSurfaces(FrameView(request.camera, request.size), scene, resources);
   const auto programOf = [this](const DrawItem& item) -> gpu::Program& { return programs_.get(variantOf(item)); };
   co_await drawer.run(Stage::kGbuffer, gbuffer.target, frameParams, items, programOf, pacing);
-  gbuffer.complete = true;
 }
 
 }  // namespace lpv

@@ -6,12 +6,23 @@
 #include "engine/engine.h"
 #include "gpu/framebuffer.h"
 #include "gpu/texture.h"
+#include "lpv/cached.h"
 #include "lpv/frame/draw.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 
 namespace lpv {
 
-/// Albedo, normal and depth of the nearest surface in each pixel; true as long as nothing in its key changes.
+/// What a G-buffer shows.
+struct GbufferInputs {
+  Camera camera;
+  std::vector<SurfacePtr> surfaces;
+
+  bool operator==(const GbufferInputs&) const = default;
+};
+GbufferInputs gbufferInputs(const FrameRequest& request, const Scene& scene);
+
+/// Albedo, normal and depth of the nearest surface in each pixel.
 struct Gbuffer {
   explicit Gbuffer(const glm::ivec2& size);
 
@@ -19,13 +30,7 @@ struct Gbuffer {
   gpu::Texture normal;  ///< RG16, octahedral, world space, towards the viewer
   gpu::Texture depth;   ///< 32F, reversed: 0 where there is nothing
   gpu::Framebuffer target;
-
-  /// What it shows.
-  Camera camera;
-  std::vector<SurfacePtr> surfaces;
-  bool complete = false;
-
-  bool shows(const FrameRequest& request, const Scene& scene) const;
+  Cached<GbufferInputs> shown;
 };
 
 class GbufferRenderer {

@@ -33,7 +33,7 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
     targets.exposure.bindStorage(layout::kExposure);
     return;
   }
-  if (lit->transport != Transport::kPropagate) lit->direct->view.bind(layout::kDirect);
+  if (lit->transport != Transport::kPropagate) lit->emitters->view.bind(layout::kDirect);
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
@@ -92,6 +92,12 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
   return {.factor = float(std::exp2(exposure.ev)), .key = float(kAutoExposureKey), .firstGroup = 0, .pad0 = 0};
 }
 
+gpu::Defines ShadingPass::Variant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_GROUPS", groups),
+          gpu::define("LPV_LOOKUP", int(lookup)), gpu::define("LPV_NEAR_FIELD", nearField),
+          gpu::define("LPV_DISPLAY", display)};
+}
+
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
 
 ShadingPass::~ShadingPass() { glDeleteVertexArrays(1, &noVertices_); }
@@ -129,12 +135,12 @@ GpuTask ShadingPass::findExposure(FrameTargets& targets, layout::ExposureParams 
     params.firstGroup = std::uint32_t(first);
     targets.frameParams.update(offsetof(layout::FrameParams, exposure), gpu::bytesOfValue(params));
     bindExposure(targets);
-    exposure_.get({{"LPV_FINISH", "0"}}).dispatch(std::uint32_t(count));
+    exposure_.get({.finish = false}).dispatch(std::uint32_t(count));
     first += count;
     co_yield submitted(Stage::kShade, double(count) * layout::kExposurePixels);
   }
   bindExposure(targets);
-  exposure_.get({{"LPV_FINISH", "1"}}).dispatch(1);
+  exposure_.get({.finish = true}).dispatch(1);
   gpu::memoryBarrier();
 }
 
@@ -143,11 +149,11 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
   const bool grid = lit.volume != nullptr;
-  gpu::Program& program = shade_.get({{"LPV_CHANNELS", grid && lit.volume->channels > 1 ? "3" : "1"},
-                                      {"LPV_GROUPS", std::to_string(grid ? lit.volume->groups : 1)},
-                                      {"LPV_LOOKUP", std::to_string(int(lit.lookup))},
-                                      {"LPV_NEAR_FIELD", std::to_string(int(nearFieldMode(lit)))},
-                                      {"LPV_DISPLAY", direct ? "1" : "0"}});
+  gpu::Program& program = shade_.get({.channels = grid && lit.volume->channels > 1 ? 3 : 1,
+                                      .groups = grid ? lit.volume->groups : 1,
+                                      .lookup = lit.lookup,
+                                      .nearField = int(nearFieldMode(lit)),
+                                      .display = direct});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;
   co_await findExposure(targets, exposureParams(request.exposure), pacing);

@@ -8,9 +8,10 @@
 #include "gpu/program.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/incident_textures.h"
 #include "lpv/transport/emitter_list.h"
-#include "lpv/transport/volume.h"
 
 namespace lpv {
 
@@ -41,7 +42,7 @@ struct IrradianceSources {
   Lookup lookup = Lookup::kSh2;
   bool nearField = false;  ///< GATHER: near emitters receivers look at the lights; else the volume is all they see
   const IncidentTextures* volume = nullptr;  ///< null with DIRECT
-  const EmitterBufferList* direct = nullptr;      ///< not read with PROPAGATE
+  const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
 };
 
 class ShadingPass {
@@ -60,9 +61,21 @@ class ShadingPass {
   static void bindExposure(const FrameTargets& targets);
   GpuTask findExposure(FrameTargets& targets, layout::ExposureParams params, Pacing pacing);
 
-  gpu::ProgramVariants shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
+  struct Variant {
+    int channels = 1;  ///< of the textures: 1 or 3
+    int groups = 1;
+    Lookup lookup = Lookup::kSh2;
+    int nearField = 0;  ///< LPV_NEAR_FIELD_..
+    bool display = false;
+    gpu::Defines defines() const;
+  };
+  struct ExposureVariant {
+    bool finish = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_FINISH", finish)}; }
+  };
+  gpu::Programs<Variant> shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};
   gpu::ProgramVariants display_{{"frame/fullscreen.vert", "frame/display.frag"}};
-  gpu::ProgramVariants exposure_{{"frame/exposure.comp"}};
+  gpu::Programs<ExposureVariant> exposure_{{"frame/exposure.comp"}};
   std::uint32_t noVertices_ = 0;  ///< a vertex array without attributes
 };
 

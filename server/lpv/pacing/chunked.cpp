@@ -14,7 +14,7 @@ std::vector<Chunk> chunksOf(std::size_t bytes) {
 GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word) {
   for (const Chunk& part : chunksOf(buffer.size() / 4 * 4)) {
     buffer.fill(word, part.offset, part.bytes);
-    co_yield rest();
+    co_yield yield();
   }
 }
 

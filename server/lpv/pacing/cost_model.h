@@ -9,7 +9,7 @@ namespace lpv {
 
 /// What a unit of each stage takes on a device, in seconds: before anything was measured what was seen on a machine of
 /// its kind, then more and more what is measured. Sizes a session's first pieces and predicts whole ticks. Units are
-/// those of lpv/device/admission_cost.h. One thread learns, any thread asks.
+/// those of kStageTable. One thread learns, any thread asks.
 class CostModel {
  public:
   explicit CostModel(bool software = true);

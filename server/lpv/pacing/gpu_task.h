@@ -15,7 +15,7 @@ namespace lpv {
 
 /// Why a coroutine paused.
 struct Pause {
-  enum class Kind { kPiece, kRest, kFence } kind = Kind::kPiece;
+  enum class Kind { kPiece, kYield, kFence } kind = Kind::kPiece;
   Stage stage = Stage::kUpload;       ///< kPiece: what the commands since the last pause belong to
   double units = 1.0;                 ///< kPiece: how much was done, in the stage's own unit (StageClock)
   const gpu::Fence* fence = nullptr;  ///< kFence: what to wait for; outlives the wait
@@ -26,7 +26,7 @@ inline Pause submitted(Stage stage, double units = 1.0) { return {Pause::Kind::k
 
 /// Others may have their turn; what was done since the last pause belongs to no stage, or keeps this thread more than
 /// it keeps the GPU.
-inline Pause rest() { return {Pause::Kind::kRest, Stage::kUpload, 0.0, nullptr}; }
+inline Pause yield() { return {Pause::Kind::kYield, Stage::kUpload, 0.0, nullptr}; }
 
 /// Nothing more can be done before `fence` has signalled.
 inline Pause waitFor(const gpu::Fence& fence) { return {Pause::Kind::kFence, Stage::kReadback, 0.0, &fence}; }

@@ -36,30 +36,4 @@ double StageClock::secondsPerUnit(Stage stage) const {
 
 double StageClock::unitsFor(Stage stage, double target) const { return std::max(1.0, target / secondsPerUnit(stage)); }
 
-void Timeline::add(const Pause& piece, double predicted, Clock::time_point begin, std::shared_ptr<StageClock> owner) {
-  entries_.push_back({gpu::Fence::insert(), piece.stage, piece.units, predicted, begin, std::move(owner)});
-}
-
-std::vector<Timeline::Ended> Timeline::poll() {
-  std::vector<Ended> ended;
-  while (!entries_.empty() && entries_.front().fence.signalled()) {
-    const Clock::time_point now = Clock::now();
-    const Entry& entry = entries_.front();
-    const double seconds = std::chrono::duration<double>(now - std::max(entry.begin, lastEnd_)).count();
-    entry.owner->add(entry.stage, seconds, entry.units);
-    ended.push_back({entry.owner, entry.stage, seconds, entry.predicted});
-    lastEnd_ = now;
-    entries_.pop_front();
-  }
-  return ended;
-}
-
-bool Timeline::holds(const StageClock& owner) const {
-  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.owner.get() == &owner; });
-}
-
-void Timeline::waitForOldest(std::chrono::microseconds atMost) const {
-  if (!entries_.empty()) entries_.front().fence.wait(atMost);
-}
-
 }  // namespace lpv

@@ -2,16 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdint>
-#include <deque>
 #include <memory>
-#include <vector>
 
 #include "engine/stage.h"
-#include "gpu/fence.h"
 #include "lpv/pacing/cost_model.h"
-#include "lpv/pacing/gpu_task.h"
 
 namespace lpv {
 
@@ -48,43 +43,6 @@ struct Pacing {
   double target = 0.003;  ///< seconds a piece should take
 
   int unitsFor(Stage stage) const { return int(std::min(1e9, clock->unitsFor(stage, target))); }
-};
-
-/// GpuTask under way on the device, in the order of submission. A piece's time runs from its first command, or from the
-/// end of the piece before it, to its fence.
-class Timeline {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  /// A piece that has ended, and what it was predicted to take, seconds.
-  struct Ended {
-    std::shared_ptr<StageClock> owner;
-    Stage stage;
-    double seconds;
-    double predicted;
-  };
-
-  /// Marks the end of a piece that began at `begin`.
-  void add(const Pause& piece, double predicted, Clock::time_point begin, std::shared_ptr<StageClock> owner);
-  /// Takes note of what has ended, oldest first, and tells it; never waits.
-  std::vector<Ended> poll();
-  /// Waits at most this long for the oldest piece; poll() afterwards.
-  void waitForOldest(std::chrono::microseconds atMost) const;
-  std::size_t underway() const { return entries_.size(); }
-  /// Whether a piece of this session is under way.
-  bool holds(const StageClock& owner) const;
-
- private:
-  struct Entry {
-    gpu::Fence fence;
-    Stage stage;
-    double units;
-    double predicted;
-    Clock::time_point begin;
-    std::shared_ptr<StageClock> owner;
-  };
-  std::deque<Entry> entries_;
-  Clock::time_point lastEnd_{};
 };
 
 }  // namespace lpv

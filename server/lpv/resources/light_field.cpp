@@ -1,6 +1,5 @@
 #include "lpv/resources/light_field.h"
 
-#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -36,15 +35,20 @@ LightField::LightField(const Grid& g, int c, int n, Transport t)
   makeInjected();
 }
 
-GpuTask LightField::clear() {
-  if (cleared) co_return;
-  co_await fillChunked(injected.buffer);
-  co_await fillChunked(lobeCounts);
-  cleared = true;
-}
+void LightField::resetCounters() { counters.update(0, gpu::bytesOfValue(layout::Counters{})); }
 
 void LightField::makeInjected() {
   if (!injected.buffer) injected = FieldBuffer("injected field", grid.dims, allChannels());
+}
+
+void LightField::makeTextures() {
+  if (!textures) textures.emplace(grid.dims, channels, groups, transport == Transport::kGather);
+}
+
+void LightField::makeIncidentVolume() {
+  if (incidentVolume) return;
+  const std::size_t floats = grid.cells() * std::size_t(groups) * layout::kVolumeFloats;
+  incidentVolume = gpu::Buffer("incident volume", floats * sizeof(float), gpu::BufferUse::kDevice, gpu::Undefined{});
 }
 
 }  // namespace lpv

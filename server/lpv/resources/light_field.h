@@ -4,12 +4,13 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gpu/buffer.h"
 #include "gpu/buffer_texture.h"
 #include "gpu/readback.h"
-#include "lpv/pacing/gpu_task.h"
-#include "lpv/resources/lights.h"
+#include "lpv/resources/incident_textures.h"
+#include "lpv/resources/light_voxels.h"
 #include "scene/grid.h"
 #include "scene/options.h"
 
@@ -24,16 +25,26 @@ struct FieldBuffer {
   gpu::BufferTexture texels;
 };
 
-/// Everything whose size follows from grid, channels and groups. Made anew when one of them or the transport changes.
+/// What the memory's size follows from.
+struct FieldInputs {
+  glm::ivec3 dims{0};
+  int channels = 1;
+  int groups = 1;
+  Transport transport = Transport::kPropagate;
+
+  bool operator==(const FieldInputs&) const = default;
+};
+
+/// Everything whose size follows from FieldInputs, and what is in it where later stages add to that.
 struct LightField {
-  /// With what `transport` needs from the start; clear() comes before anything is put into it.
+  /// With what `transport` needs from the start. Contents are undefined but for `counters`.
   LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate);
 
   Grid grid;
   int channels;  ///< 1..3 (lights.h, Palette)
   int groups;    ///< of lights: each has channels of its own, one group after the other
-  gpu::Buffer
-      accumulators;  ///< words per cell (shaders/voxelize/deposit.glsl), or a table of VPLs; all zero between lights
+  gpu::Buffer accumulators;  ///< words per cell (shaders/voxelize/accumulators.glsl), or a table of VPLs; all zero
+ ///< between lights
   gpu::Buffer vplList;       ///< header and used entries of that table (layout::kVoxelCells)
   gpu::Readback vplHeader;
   gpu::Buffer lobeCounts;                  ///< float per cell: N of eq. 1, negative once divided by
@@ -42,17 +53,24 @@ struct LightField {
   FieldBuffer injected;                    ///< emitted intensity of unit palette radiance, W/sr per W/(sr m^2)
   std::array<FieldBuffer, 2> pingPong;        ///< propagation goes back and forth between them; GATHER sums in one
   std::optional<FieldBuffer> sum;          ///< clamped form only
-  int result = 0;                          ///< which of `steps` holds the transported field (unless `sum` does):
-                   ///< PROPAGATE flux through cells, else SH of incident radiance
-  bool cleared = false;
+  int result = 0;  ///< which of `pingPong` holds the transported field (unless `sum` does): PROPAGATE flux through
+                   ///< cells, else SH of incident radiance
   bool clamped = false;  ///< the transported field is in `sum`
+  /// PROPAGATE: the lights whose voxels, added up, are what `injected` and `lobeCounts` hold; nothing where that is not
+  /// known.
+  std::optional<std::vector<LightVoxelsPtr>> injectedVoxels;
   gpu::Buffer emitterDistance;  ///< GATHER: float per cell, cells to the nearest VPL near it
   gpu::Buffer receivers, cursors;  ///< GATHER: blocks under way, and how far each has come
+  std::optional<IncidentTextures> textures;  ///< the volume as frames read it; made where a frame is
+  gpu::Buffer incidentVolume;  ///< layout::kVolumeFloats per cell and group, between the volume stage and its copy
 
-  /// Clears what is added to, once: the injected field and what counts lobes.
-  GpuTask clear();
+  /// Zeroes what counts degenerate triangles, lit and clamped cells.
+  void resetCounters();
   /// The injected field, for transports that do not start from one. Its content is undefined.
   void makeInjected();
+  /// The textures and the buffer of the volume, where there are none. Their content is undefined.
+  void makeTextures();
+  void makeIncidentVolume();
 
   int allChannels() const { return channels * groups; }
 

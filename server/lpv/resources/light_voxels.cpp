@@ -18,33 +18,9 @@ std::size_t cellsIn(const CellBox& box) {
 /// With room for a light that moves on: it touches a few cells more or less every tick.
 std::size_t roomFor(const CellBox& box) { return std::bit_ceil(std::max<std::size_t>(cellsIn(box), 64)); }
 
-/// Nodes before each level of the tree over a box, and of all; how many levels that is.
-int layOut(const CellBox& box, std::array<std::uint32_t, layout::kMaxLevels + 1>& offsets) {
-  int level = 0;
-  for (glm::ivec3 n(2); n != glm::ivec3(1); ++level) {
-    n = box.empty() ? glm::ivec3(1) : ((box.upper - 1) >> level) - (box.lower >> level) + 1;
-    offsets[std::size_t(level) + 1] = offsets[std::size_t(level)] + std::uint32_t(n.x * n.y * n.z);
-  }
-  return level;
-}
-
 }  // namespace
 
-VplTree::VplTree(const CellBox& b) : box(b), levels(layOut(box, offsets)) {
-  nodes = gpu::Buffer("tree nodes", std::bit_ceil(offsets[std::size_t(levels)]) * sizeof(glm::uvec4));
-}
-
-bool VplTree::adopt(const CellBox& other) {
-  std::array<std::uint32_t, layout::kMaxLevels + 1> wanted{};
-  const int count = layOut(other, wanted);
-  if (wanted[std::size_t(count)] * sizeof(glm::uvec4) > nodes.size()) return false;
-  box = other;
-  levels = count;
-  offsets = wanted;
-  return true;
-}
-
-LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : momentsPerCell(s) {
+LightVoxels::LightVoxels(const CellBox& box, int moments_, bool vpls) : momentsPerCell(moments_) {
   if (vpls) {
     tree = std::make_unique<VplTree>(box);
     return;
@@ -52,12 +28,14 @@ LightVoxels::LightVoxels(const CellBox& box, int s, bool vpls) : momentsPerCell(
   capacity = roomFor(box);
   cells =
       gpu::Buffer("voxel cells", sizeof(layout::VoxelHeader) + capacity * sizeof(glm::uvec2), gpu::BufferUse::kDynamic);
-  moments = gpu::Buffer("voxel moments", capacity * std::size_t(s) * sizeof(glm::vec4));
+  moments = gpu::Buffer("voxel moments", capacity * std::size_t(momentsPerCell) * sizeof(glm::vec4));
 }
 
-bool LightVoxels::takes(const CellBox& box, int wantedSets, bool vpls) {
-  if (wantedSets != momentsPerCell || vpls != (tree != nullptr)) return false;
-  return vpls ? tree->adopt(box) : cellsIn(box) <= capacity;
+bool LightVoxels::takes(const CellBox& box, int wantedMoments, bool vpls) {
+  if (wantedMoments != momentsPerCell || vpls != (tree != nullptr)) return false;
+  if (vpls ? !tree->adopt(box) : cellsIn(box) > capacity) return false;
+  made.forget();
+  return true;
 }
 
 }  // namespace lpv

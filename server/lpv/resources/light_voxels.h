@@ -2,17 +2,15 @@
 // One light in the grid, apart from the others: made from its geometry and texture only, so that a change of colour, of
 // brightness or of another light leaves it as it is.
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "gpu/buffer.h"
-#include "gpu/buffer_texture.h"
+#include "lpv/cached.h"
 #include "lpv/resources/lights.h"
+#include "lpv/resources/vpl_tree.h"
 #include "scene/options.h"
-#include "shaders/layout.h"
 
 namespace lpv {
 
@@ -26,46 +24,26 @@ struct VoxelMethod {
   bool operator==(const VoxelMethod&) const = default;
 };
 
-/// What a light's voxels follow from.
-struct VoxelSource {
+/// What a light's voxels are made from.
+struct VoxelizeInputs {
   MeshPtr mesh;
   TexturePtr texture;
   glm::dmat4 gridFromObject{1.0};
   glm::ivec3 dims{0};
   VoxelMethod method;
 
-  bool operator==(const VoxelSource&) const = default;
+  bool operator==(const VoxelizeInputs&) const = default;
   bool textured() const { return texture != nullptr; }
   bool directed() const { return !mesh->directions.empty(); }
 };
 
-/// One light's VPLs and the tree over them (shaders/voxelize/vpl_tree.glsl, vpls.glsl; MATHS.md 3b.1-2).
-struct VplTree {
-  /// Nodes for every block of a box of cells.
-  explicit VplTree(const CellBox& box);
-
-  CellBox box;
-  std::array<std::uint32_t, layout::kMaxLevels + 1> offsets{};  ///< nodes before each level, and of all
-  int levels = 1;
-  gpu::Buffer nodes;
-  gpu::Buffer records;
-  gpu::BufferTexture texels;  ///< the same, as transport reads them
-  std::uint32_t entryCount = 0;
-  std::uint32_t vplCount = 0;  ///< of the leaves
-  std::uint32_t cellCount = 0;  ///< that hold light
-  std::uint32_t degenerate = 0;  ///< triangles without area
-
-  /// Takes another box over in the same memory; false when there is too little.
-  bool adopt(const CellBox& other);
-};
-
 struct LightVoxels {
   /// Room for every cell of `box`, or, with `vpls`, for a tree over it.
-  LightVoxels(const CellBox& box, int sets, bool vpls = false);
+  LightVoxels(const CellBox& box, int momentsPerCell, bool vpls = false);
 
-  VoxelSource source;
-  bool made = false;  ///< `cells` and `moments` are what follows from `source`
-  int momentsPerCell = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/deposit.glsl)
+  VoxelizeInputs source;  ///< what they are to be made from
+  Cached<VoxelizeInputs> made;  ///< what they were made from: `cells` and `moments`, or `tree`
+  int momentsPerCell = 1;  ///< moments per cell: 1, or 3 with a texture (shaders/voxelize/accumulators.glsl)
   std::size_t capacity = 0;  ///< cells
   gpu::Buffer cells;  ///< header and (cell, lobes) entries (layout::kVoxelCells)
   gpu::Buffer moments;  ///< vec4 per cell and set
@@ -75,8 +53,9 @@ struct LightVoxels {
   int group = 0;  ///< of the field that it was put into
   double roundingError = 0.0;  ///< bound for one coefficient, relative to the largest possible
 
-  /// Whether the voxels of a light in this box fit; a tree takes the box over.
-  bool takes(const CellBox& box, int wantedSets, bool vpls);
+  bool ready() const { return made.madeFrom(source); }
+  /// Makes room for the voxels of a light in this box, whose memory it takes over; false when they do not fit.
+  bool takes(const CellBox& box, int wantedMoments, bool vpls);
 };
 using LightVoxelsPtr = std::shared_ptr<LightVoxels>;
 

@@ -26,13 +26,13 @@ void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
   }
 }
 
-int texelsPerRecord(const LightVoxels& voxels) {
-  return voxels.momentsPerCell > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+int texelsPerEntry(const LightVoxels& voxels) {
+  return voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
 }
 
-/// Texels of a tree's records.
-std::size_t recordTexels(const LightVoxels& voxels) {
-  return voxels.tree->entryCount * std::size_t(texelsPerRecord(voxels));
+/// Texels of a tree's entries.
+std::size_t entryTexels(const LightVoxels& voxels) {
+  return voxels.tree->entryCount * std::size_t(texelsPerEntry(voxels));
 }
 
 }  // namespace
@@ -70,8 +70,8 @@ void EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std
     if (lights[i].polygons) continue;
     head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->radianceScale, 1.0);
     head[2 + 2 * i] = {float(count), float(voxels[i]->tree->entryCount), lights[i].twoSided ? 2.0F : 1.0F,
-                       float(texelsPerRecord(*voxels[i]))};
-    count += recordTexels(*voxels[i]);
+                       float(texelsPerEntry(*voxels[i]))};
+    count += entryTexels(*voxels[i]);
   }
   if (texels.size() < count * sizeof(glm::vec4)) {
     view = {};
@@ -82,10 +82,10 @@ void EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std
   texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(head)));
   for (std::size_t i = 0, at = head.size(); i < lights.size(); ++i) {
     if (lights[i].polygons || voxels[i]->tree->entryCount == 0) continue;
-    const std::size_t records = recordTexels(*voxels[i]);
-    glCopyNamedBufferSubData(voxels[i]->tree->records.id(), texels.id(), 0, GLintptr(at * sizeof(glm::vec4)),
-                             GLsizeiptr(records * sizeof(glm::vec4)));
-    at += records;
+    const std::size_t texelCount = entryTexels(*voxels[i]);
+    glCopyNamedBufferSubData(voxels[i]->tree->entries.id(), texels.id(), 0, GLintptr(at * sizeof(glm::vec4)),
+                             GLsizeiptr(texelCount * sizeof(glm::vec4)));
+    at += texelCount;
   }
 }
 

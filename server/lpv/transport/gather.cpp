@@ -1,8 +1,10 @@
 #include "lpv/transport/gather.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -10,16 +12,6 @@ namespace lpv {
 namespace {
 
 constexpr float kFarthest = 1e15F;       ///< stands for an infinite k: its square is a float
-
-const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
-
-glm::ivec3 blocksAcross(const glm::ivec3& dims) { return (dims + kBlock - 1) / kBlock; }
-
-std::uint32_t packed(const glm::uvec3& block) { return layout::packedBlock(block.x, block.y, block.z); }
-
-/// What a block costs with a tree of so many records, in records visited: a walk sees most of a small tree, and of a
-/// large one what is near and a few nodes of each size.
-double unitsPerBlock(const VplTree& tree) { return 16.0 + 8.0 * std::sqrt(double(tree.entryCount)); }
 
 layout::GatherParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
                               const glm::dvec3& weight, double k) {
@@ -37,15 +29,9 @@ int dispatchesFor(const VplTree& tree) { return int(tree.entryCount) / layout::k
 
 }  // namespace
 
-ReceiverBlocks allBlocks(const glm::ivec3& dims) {
-  ReceiverBlocks blocks;
-  const glm::ivec3 across = blocksAcross(dims);
-  for (int z = 0; z < across.z; ++z) {
-    for (int y = 0; y < across.y; ++y) {
-      for (int x = 0; x < across.x; ++x) blocks.push_back(packed(glm::ivec3(x, y, z)));
-    }
-  }
-  return blocks;
+gpu::Defines Gatherer::Variant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured),
+          gpu::define("LPV_TWO_SIDED", twoSided)};
 }
 
 Gatherer::Gatherer() : params_("gather params", sizeof(layout::GatherParams), gpu::BufferUse::kDynamic) {}
@@ -59,6 +45,11 @@ void Gatherer::bind(const LightField& field, const LightVoxels& voxels) {
   field.transported().buffer.bindStorage(layout::kFieldOut);
 }
 
+GpuTask Gatherer::clear(LightField& field) {
+  co_await fillChunked(field.pingPong[0].buffer);
+  co_await fillChunked(field.emitterDistance, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
+}
+
 GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k,
                       const ReceiverBlocks& blocks, Pacing pacing) {
@@ -70,10 +61,9 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
     const LightVoxels& light = *voxels[i];
     if (light.tree->entryCount == 0) continue;
     layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
-    gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
-                                           {"LPV_TEXTURED", light.momentsPerCell > 1 ? "1" : "0"},
-                                           {"LPV_TWO_SIDED", lights[i].twoSided ? "1" : "0"}});
-    const double units = unitsPerBlock(*light.tree);
+    gpu::Program& program = programs_.get(
+        {.channels = field.channels, .textured = light.momentsPerCell > 1, .twoSided = lights[i].twoSided});
+    const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount))}.units();
     for (std::uint32_t first = 0; first < blockCount;) {
       const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
       const std::uint32_t count =

@@ -2,29 +2,47 @@
 // Stage: transport GATHER (MATHS.md 3b.3-4): every cell that is asked for sums the lights' VPLs, nearby ones one by
 // one, far ones as nodes of their tree.
 
-#include <cstdint>
 #include <vector>
 
 #include "gpu/program.h"
+#include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
+#include "lpv/resources/palette.h"
+#include "lpv/transport/receiver_blocks.h"
 
 namespace lpv {
 
-/// Blocks of kBlockX x kBlockY x kBlockZ cells, packed as layout::kReceiverBlocks says, in ascending order.
-using ReceiverBlocks = std::vector<std::uint32_t>;
+/// What the gathered field is made from; the product is the blocks where it is made.
+struct GatherInputs {
+  Stamp memory = 0;           ///< of the field
+  Stamp lights = 0;           ///< and with them their trees and the palette
+  double openingRatio = 0.0;  ///< k
 
-/// All blocks of a grid.
-ReceiverBlocks allBlocks(const glm::ivec3& dims);
-/// Those with a cell that a surface of the scene reads when it is lit: within one cell of one of its triangles.
-GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);
+  bool operator==(const GatherInputs&) const = default;
+};
+
+/// Work of the stage, in entries visited: a walk sees most of a small tree, and of a large one what is near and a few
+/// nodes of each size. A piece counts: the whole blocks that are asked for, light by light, lights without VPLs left
+/// out. Admission: the cells' share of blocks, all lights, trees as large as surfaces in the grid are expected to make
+/// them.
+struct GatherWork {
+  double blocks = 0.0;
+  double lights = 0.0;
+  double rootsOfEntries = 0.0;  ///< square roots of the sizes of the lights' trees, summed
+
+  double units() const { return blocks * (16.0 * lights + 8.0 * rootsOfEntries); }
+};
 
 class Gatherer {
  public:
   Gatherer();
 
+  /// Takes all light out of the field.
+  GpuTask clear(LightField& field);
   /// Adds what the lights send to these blocks, which hold zeros, as SH of incident radiance to field.transported().
   /// `k`: the distance rule; infinite takes every VPL by itself.
   GpuTask run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
@@ -33,7 +51,13 @@ class Gatherer {
  private:
   void bind(const LightField& field, const LightVoxels& voxels);
 
-  gpu::ProgramVariants programs_{{"transport/gather.comp"}};
+  struct Variant {
+    int channels = 1;
+    bool textured = false;
+    bool twoSided = false;
+    gpu::Defines defines() const;
+  };
+  gpu::Programs<Variant> programs_{{"transport/gather.comp"}};
   gpu::Buffer params_;
 };
 

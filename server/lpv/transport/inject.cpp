@@ -1,5 +1,7 @@
 #include "lpv/transport/inject.h"
 
+#include <utility>
+
 #include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
@@ -7,14 +9,10 @@ namespace lpv {
 
 namespace {
 
-/// What a light costs besides its cells, in cells.
-constexpr double kLightCells = 1000.0;
-
-/// Cells that a light may have put something into.
-double cellsOf(const LightVoxels& voxels) {
-  if (voxels.tree == nullptr) return kLightCells + double(voxels.capacity);
+double unitsOf(const LightVoxels& voxels) {
+  if (voxels.tree == nullptr) return InjectWork{1.0, double(voxels.capacity)}.units();
   const glm::dvec3 size(voxels.tree->box.upper - voxels.tree->box.lower);
-  return kLightCells + size.x * size.y * size.z;
+  return InjectWork{1.0, size.x * size.y * size.z}.units();
 }
 
 layout::InjectParams whereOf(const LightField& field, const LightVoxels& voxels) {
@@ -38,9 +36,21 @@ layout::InjectParams paramsOf(const LightField& field, const EmittingLight& ligh
 
 }  // namespace
 
+gpu::Defines Injector::VplVariant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured)};
+}
+
+gpu::Defines Injector::Variant::defines() const {
+  gpu::Defines out = light.defines();
+  if (passes.retire) out.push_back(gpu::define("LPV_RETIRE", 1));
+  if (passes.add) out.push_back(gpu::define("LPV_ADD", 1));
+  if (passes.divide) out.push_back(gpu::define("LPV_DIVIDE", 1));
+  return out;
+}
+
 Injector::Injector() : params_("inject params", sizeof(layout::InjectParams), gpu::BufferUse::kDynamic) {}
 
-void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Passes& passes) {
+void Injector::dispatch(LightField& field, const LightVoxels& voxels, Passes passes) {
   params_.bindUniform(layout::kParams);
   field.injected.buffer.bindStorage(layout::kFieldOut);
   field.lobeCounts.bindStorage(layout::kLobeCounts);
@@ -48,53 +58,58 @@ void Injector::dispatch(LightField& field, const LightVoxels& voxels, const Pass
   voxels.cells.bindStorage(layout::kVoxelCells);
   voxels.moments.bindStorage(layout::kVoxelMoments);
   voxels.cells.bindAsDispatchArguments();
-  gpu::Defines variant = {{"LPV_CHANNELS", std::to_string(field.channels)},
-                          {"LPV_TEXTURED", voxels.momentsPerCell > 1 ? "1" : "0"}};
-  for (const char* pass : passes) variant.emplace_back(pass, "1");
-  programs_.get(variant).dispatchIndirect(0);
+  programs_.get({.light = {field.channels, voxels.momentsPerCell > 1}, .passes = passes}).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
-GpuTask Injector::retire(LightField& field, const std::vector<LightVoxelsPtr>& voxels, Pacing pacing) {
+GpuTask Injector::retire(LightField& field, Pacing pacing) {
+  const std::optional<std::vector<LightVoxelsPtr>> held = std::exchange(field.injectedVoxels, std::nullopt);
+  if (!held) {
+    co_await fillChunked(field.injected.buffer);
+    co_await fillChunked(field.lobeCounts);
+  }
   double queued = 0.0;
-  for (const LightVoxelsPtr& light : voxels) {
-    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+  for (const LightVoxelsPtr& light : held.value_or(std::vector<LightVoxelsPtr>())) {
+    if (queued > 0.0 && queued + unitsOf(*light) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
-    dispatch(field, *light, {"LPV_RETIRE"});
-    queued += cellsOf(*light);
+    dispatch(field, *light, {.retire = true});
+    queued += unitsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
+  field.injectedVoxels.emplace();
 }
 
 GpuTask Injector::add(LightField& field, const std::vector<EmittingLight>& lights,
                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, Pacing pacing) {
-  field.counters.update(0, gpu::bytesOfValue(layout::Counters{}));
+  field.resetCounters();
+  field.injectedVoxels.reset();
   const bool only = lights.size() == 1 && voxels[0]->source.method.injection == Injection::kCount;
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (queued > 0.0 && queued + cellsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
+    if (queued > 0.0 && queued + unitsOf(*voxels[i]) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     voxels[i]->group = lights[i].group;
     params_.update(0, gpu::bytesOfValue(paramsOf(field, lights[i], *voxels[i], palette.weights[i])));
-    dispatch(field, *voxels[i], only ? Passes{"LPV_ADD", "LPV_DIVIDE"} : Passes{"LPV_ADD"});
-    queued += cellsOf(*voxels[i]);
+    dispatch(field, *voxels[i], {.add = true, .divide = only});
+    queued += unitsOf(*voxels[i]);
   }
   for (const LightVoxelsPtr& light : voxels) {
     if (only || light->source.method.injection != Injection::kCount) continue;
-    if (queued > 0.0 && queued + cellsOf(*light) > pacing.unitsFor(Stage::kInject)) {
+    if (queued > 0.0 && queued + unitsOf(*light) > pacing.unitsFor(Stage::kInject)) {
       co_yield submitted(Stage::kInject, queued);
       queued = 0.0;
     }
     params_.update(0, gpu::bytesOfValue(whereOf(field, *light)));
-    dispatch(field, *light, {"LPV_DIVIDE"});
-    queued += cellsOf(*light);
+    dispatch(field, *light, {.divide = true});
+    queued += unitsOf(*light);
   }
   co_yield submitted(Stage::kInject, queued);
+  field.injectedVoxels = voxels;
 }
 
 GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& lights,
@@ -113,14 +128,12 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
     tree.nodes.bindStorage(layout::kTreeNodes);
-    tree.records.bindStorage(layout::kTreeRecords);
+    tree.entries.bindStorage(layout::kTreeEntries);
     field.injected.buffer.bindStorage(layout::kFieldOut);
-    vplPrograms_
-        .get({{"LPV_CHANNELS", std::to_string(field.channels)},
-              {"LPV_TEXTURED", voxels[i]->momentsPerCell > 1 ? "1" : "0"}})
+    vplPrograms_.get({.channels = field.channels, .textured = voxels[i]->momentsPerCell > 1})
         .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
     gpu::memoryBarrier();
-    queued += cellsOf(*voxels[i]);
+    queued += unitsOf(*voxels[i]);
     if (queued < pacing.unitsFor(Stage::kInject)) continue;
     co_yield submitted(Stage::kInject, queued);
     queued = 0.0;

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "scene/error_goal.h"
+#include "scene/lookup.h"
 #include "scene/sh.h"
-#include "scene/volume.h"
 
 namespace lpv {
 

@@ -20,7 +20,7 @@ double cellsOf(const CellBox& box) {
 GpuTask copy(const gpu::Buffer& from, const gpu::Buffer& to) {
   for (const Chunk& part : chunksOf(from.size())) {
     glCopyNamedBufferSubData(from.id(), to.id(), GLintptr(part.offset), GLintptr(part.offset), GLsizeiptr(part.bytes));
-    co_yield rest();
+    co_yield yield();
   }
 }
 
@@ -41,6 +41,10 @@ int layersFor(double cellsPerLayer, double room) {
 
 }  // namespace
 
+gpu::Defines Propagator::Variant::defines() const {
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_CLAMP_FACES", clampFaces)};
+}
+
 Propagator::Propagator() : params_("propagate params", sizeof(layout::PropagateParams), gpu::BufferUse::kDynamic) {}
 
 void Propagator::step(LightField& field, const CellBox& box, int iteration, bool clampFaces) {
@@ -54,7 +58,7 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
   field.injected.texels.bind(layout::kFieldSource);
   field.pingPong[std::size_t(field.result)].buffer.bindStorage(layout::kFieldOut);
   if (clampFaces) field.sum->buffer.bindStorage(layout::kFieldSum);
-  programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)}, {"LPV_CLAMP_FACES", clampFaces ? "1" : "0"}})
+  programs_.get({.channels = field.channels, .clampFaces = clampFaces})
       .dispatch(std::uint32_t(groupsOf(size.x, layout::kFieldGroupX)), std::uint32_t(groupsY * field.allChannels()),
                 std::uint32_t(groupsOf(size.z, layout::kFieldMarch)));
   gpu::memoryBarrier();
@@ -62,11 +66,12 @@ void Propagator::step(LightField& field, const CellBox& box, int iteration, bool
 
 GpuTask Propagator::run(LightField& field, CellBox box, int iterations, bool clampFaces, Pacing pacing) {
   co_await prepare(field, clampFaces);
-  double queued = 0.0;  // cells x channels since the last pause
+  double queued = 0.0;  // units since the last pause
   for (int i = 1; i <= iterations && !box.empty(); ++i) {
     box = box.grown(field.grid.dims);
     field.result = 1 - field.result;
-    const double perLayer = cellsOf(box) / (box.upper.z - box.lower.z) * field.allChannels();
+    const double layer = cellsOf(box) / (box.upper.z - box.lower.z);
+    const double perLayer = PropagateWork{layer, double(field.allChannels())}.units();
     for (CellBox slab = box; slab.lower.z < box.upper.z; slab.lower.z = slab.upper.z) {
       const double room = pacing.unitsFor(Stage::kPropagate) - queued;
       if (queued > 0.0 && room < perLayer) {

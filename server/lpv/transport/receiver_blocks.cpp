@@ -1,7 +1,8 @@
-// Where a volume is read: the blocks of cells around surfaces.
-#include <algorithm>
+#include "lpv/transport/receiver_blocks.h"
 
-#include "lpv/transport/gather.h"
+#include <algorithm>
+#include <cmath>
+
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -9,6 +10,11 @@ namespace lpv {
 namespace {
 
 const glm::dvec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
+
+glm::ivec3 blocksAcross(const glm::ivec3& dims) { return (dims + glm::ivec3(kBlock) - 1) / glm::ivec3(kBlock); }
+
+std::uint32_t packed(const glm::uvec3& block) { return layout::packedBlock(block.x, block.y, block.z); }
+
 /// Trilinear lookup reads the centres of the cells around a point: up to half a cell away from those it lies between.
 constexpr double kReach = 1.0;
 /// Blocks and triangles looked at between two pauses: about a millisecond.
@@ -19,7 +25,7 @@ constexpr std::size_t kLooksAtOnce = 100'000;
 class BlockMarks {
  public:
   explicit BlockMarks(const glm::ivec3& dims)
-      : across_((dims + glm::ivec3(kBlock) - 1) / glm::ivec3(kBlock)),
+      : across_(blocksAcross(dims)),
         marks_(std::size_t(across_.x) * std::size_t(across_.y) * std::size_t(across_.z), false) {}
 
   void add(const glm::dvec3 (&v)[3]) {
@@ -51,8 +57,7 @@ class BlockMarks {
     for (int z = 0; z < across_.z; ++z) {
       for (int y = 0; y < across_.y; ++y) {
         for (int x = 0; x < across_.x; ++x) {
-          if (marks_[index(x, y, z)])
-            out.push_back(layout::packedBlock(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
+          if (marks_[index(x, y, z)]) out.push_back(packed(glm::ivec3(x, y, z)));
         }
       }
     }
@@ -71,6 +76,17 @@ class BlockMarks {
 
 }  // namespace
 
+ReceiverBlocks allBlocks(const glm::ivec3& dims) {
+  ReceiverBlocks blocks;
+  const glm::ivec3 across = blocksAcross(dims);
+  for (int z = 0; z < across.z; ++z) {
+    for (int y = 0; y < across.y; ++y) {
+      for (int x = 0; x < across.x; ++x) blocks.push_back(packed(glm::ivec3(x, y, z)));
+    }
+  }
+  return blocks;
+}
+
 GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
   BlockMarks marks(scene.grid.dims);
   const glm::dmat4 gridFromWorld = scene.grid.gridFromWorldMatrix();
@@ -83,7 +99,7 @@ GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
       marks.add(corners);
       if (marks.looked() < kLooksAtOnce) continue;
       marks.lookAfresh();
-      co_yield rest();
+      co_yield yield();
     }
   }
   out = marks.blocks();

@@ -20,42 +20,43 @@ layout::VolumeParams paramsOf(const LightField& field, const Palette& palette) {
   return params;
 }
 
-void bindOutputs(VolumeTarget target, const IncidentTextures* textures, const gpu::Buffer* product) {
+void bindOutputs(const LightField& field, VolumeTarget target) {
   if (target != VolumeTarget::kTextures) {
-    product->bindStorage(layout::kProduct);
+    field.incidentVolume.bindStorage(layout::kIncidentVolume);
     return;
   }
-  const int count = textures->channels == 1 ? 1 : 3;
+  const IncidentTextures& textures = *field.textures;
+  const int count = textures.channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i)
-    textures->colours[std::size_t(i)].bindImage(std::uint32_t(layout::kIncidentOut + i), GL_WRITE_ONLY);
-  if (textures->emitterDistance) textures->emitterDistance.bindImage(layout::kEmitterDistanceOut, GL_WRITE_ONLY);
+    textures.colours[std::size_t(i)].bindImage(std::uint32_t(layout::kIncidentOut + i), GL_WRITE_ONLY);
+  if (textures.emitterDistance) textures.emitterDistance.bindImage(layout::kEmitterDistanceOut, GL_WRITE_ONLY);
 }
 
 std::uint32_t groups(int cells, int perGroup) { return std::uint32_t((cells + perGroup - 1) / perGroup); }
 
 }  // namespace
 
-IncidentTextures::IncidentTextures(const glm::ivec3& d, int c, int g, bool near) : dims(d), channels(c), groups(g) {
-  const glm::ivec3 size(dims.x, dims.y, dims.z * groups);
-  const std::size_t count = channels == 1 ? 1 : 3;
-  for (std::size_t i = 0; i < count; ++i)
-    colours[i] = gpu::Texture::make3d("incident radiance", size, GL_RGBA32F, gpu::Sampling::kLinearClamp);
-  if (near) emitterDistance = gpu::Texture::make3d("emitterDistance", dims, GL_R32F, gpu::Sampling::kLinearClamp);
+gpu::Defines VolumeMaker::Variant::defines() const {
+  const bool toTextures = target == VolumeTarget::kTextures;
+  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURES", toTextures),
+          gpu::define("LPV_BUFFER", !toTextures), gpu::define("LPV_INJECTED", target == VolumeTarget::kInjected),
+          gpu::define("LPV_EMITTER_DISTANCE", emitterDistance)};
 }
 
 VolumeMaker::VolumeMaker() : params_("volume params", sizeof(layout::VolumeParams), gpu::BufferUse::kDynamic) {}
 
-GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, VolumeTarget target,
-                         const IncidentTextures* textures, const gpu::Buffer* product, Pacing pacing) {
+GpuTask VolumeMaker::run(LightField& field, const FieldBuffer& from, const Palette& palette, VolumeTarget target,
+                         Pacing pacing) {
   const glm::ivec3 dims = field.grid.dims;
   layout::VolumeParams params = paramsOf(field, palette);
-  const bool injected = target == VolumeTarget::kInjected, toTextures = target == VolumeTarget::kTextures;
-  const bool near = toTextures && bool(textures->emitterDistance);
-  gpu::Program& program = programs_.get({{"LPV_CHANNELS", std::to_string(field.channels)},
-                                         {"LPV_TEXTURES", toTextures ? "1" : "0"},
-                                         {"LPV_BUFFER", toTextures ? "0" : "1"},
-                                         {"LPV_INJECTED", injected ? "1" : "0"},
-                                         {"LPV_PROXIMITY", near ? "1" : "0"}});
+  const bool toTextures = target == VolumeTarget::kTextures;
+  if (toTextures) {
+    field.makeTextures();
+  } else {
+    field.makeIncidentVolume();
+  }
+  const bool near = toTextures && bool(field.textures->emitterDistance);
+  gpu::Program& program = programs_.get({.channels = field.channels, .target = target, .emitterDistance = near});
   const double slabCells = double(dims.x) * double(dims.y);
   for (int slab = 0; slab < dims.z * field.groups;) {
     const int group = slab / dims.z, z = slab % dims.z;
@@ -66,14 +67,14 @@ GpuTask VolumeMaker::run(const LightField& field, const Palette& palette, Volume
     params.firstChannel = group * field.channels;
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
-    (injected ? field.injected : field.transported()).texels.bind(layout::kFieldIn);
+    from.texels.bind(layout::kFieldIn);
     field.counters.bindStorage(layout::kCounters);
-    bindOutputs(target, textures, product);
+    bindOutputs(field, target);
     if (near) field.emitterDistance.bindStorage(layout::kEmitterDistanceBuffer);
     program.dispatch(groups(dims.x, layout::kFieldGroupX), groups(dims.y, layout::kFieldGroupY), std::uint32_t(slabs));
     gpu::memoryBarrier();
     slab += slabs;
-    co_yield submitted(Stage::kVolume, slabCells * slabs);
+    co_yield submitted(Stage::kVolume, VolumeWork{slabCells * slabs, 1.0}.units());
   }
 }
 

@@ -1,44 +1,53 @@
 #pragma once
-// Stage: the volume product (MATHS.md 1, 3a), for frames as textures and for clients as a buffer.
-
-#include <array>
-#include <optional>
+// Stage: the volume (MATHS.md 1, 3a), for frames as textures and for clients as a buffer.
 
 #include "gpu/program.h"
-#include "gpu/texture.h"
+#include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
+#include "lpv/resources/palette.h"
 
 namespace lpv {
 
 /// What can be made of a field.
 enum class VolumeTarget {
-  kTextures,  ///< IncidentTextures::colours
-  kProduct,   ///< transported, as it is read back
-  kInjected,  ///< injected, as it is read back
+  kTextures,     ///< LightField::textures
+  kTransported,  ///< as it is read back
+  kInjected,     ///< as it is read back
 };
 
-/// SH of incident radiance at cell centres, to be read with trilinear filtering at gridPosition / dims.
-struct IncidentTextures {
-  IncidentTextures(const glm::ivec3& dims, int channels, int groups = 1, bool near = false);
-  glm::ivec3 dims;
-  int channels;
-  int groups;  ///< one behind the other along z, dims.z texels each
-  /// RGBA32F (L00, L1-1, L10, L11). One channel: colours[0] of unit palette radiance. Else one per colour.
-  std::array<gpu::Texture, 3> colours;
-  gpu::Texture emitterDistance;  ///< R32F: cells from a cell's centre to the nearest VPL; GATHER only
+/// What textures and volumes that leave the engine are made from.
+struct VolumeInputs {
+  Stamp transported = 0;  ///< with it grid, palette and groups
+  Stamp emitters = 0;     ///< the list that goes along; textures: none
+
+  bool operator==(const VolumeInputs&) const = default;
+};
+
+/// Work of the stage: the same for pieces and for admission, which counts one volume.
+struct VolumeWork {
+  double cells = 0.0;
+  double groups = 0.0;
+
+  double units() const { return cells * groups; }
 };
 
 class VolumeMaker {
  public:
   VolumeMaker();
 
-  /// Slab by slab. `textures` is written for kTextures, `product` (layout::kProduct) otherwise.
-  GpuTask run(const LightField& field, const Palette& palette, VolumeTarget target, const IncidentTextures* textures,
-              const gpu::Buffer* product, Pacing pacing);
+  /// Slab by slab, out of `from`: into field.textures, or for the other targets into field.incidentVolume.
+  GpuTask run(LightField& field, const FieldBuffer& from, const Palette& palette, VolumeTarget target, Pacing pacing);
 
  private:
-  gpu::ProgramVariants programs_{{"transport/volume.comp"}};
+  struct Variant {
+    int channels = 1;
+    VolumeTarget target = VolumeTarget::kTextures;
+    bool emitterDistance = false;
+    gpu::Defines defines() const;
+  };
+  gpu::Programs<Variant> programs_{{"transport/volume.comp"}};
   gpu::Buffer params_;
 };
 

@@ -4,11 +4,14 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <glm/gtx/component_wise.hpp>
+#include <utility>
 
 #include "gpu/failure.h"
 #include "gpu/gl.h"
 #include "lpv/pacing/chunked.h"
+#include "lpv/voxelize/fixed_point.h"
 
 namespace lpv {
 
@@ -24,13 +27,13 @@ glm::dmat4 outwardFromObject(const glm::dmat4& gridFromObject) {
 }
 
 /// Whether cells keep which triangles came to them instead of sums.
-bool keepsSets(const VoxelSource& source) {
+bool keepsSets(const VoxelizeInputs& source) {
   return source.method.injection == Injection::kCount && source.method.method != InjectionMethod::kDense &&
          !source.textured() && !source.directed() && source.mesh->triangles.size() <= layout::kSetTriangles;
 }
 
 /// Words of a cell's accumulators.
-std::size_t accumulatorWords(const VoxelSource& source) {
+std::size_t accumulatorWords(const VoxelizeInputs& source) {
   const bool flux = source.method.injection == Injection::kFlux;
   if (flux) return source.textured() ? layout::kTexturedFluxWords : layout::kFluxWords;
   if (keepsSets(source)) return layout::kSetWords;
@@ -38,12 +41,12 @@ std::size_t accumulatorWords(const VoxelSource& source) {
 }
 
 /// Lobes one triangle can put into one cell: a direction per vertex spreads them over at most 180 degrees each way.
-std::uint64_t lobesPerTriangle(const VoxelSource& source) {
+std::uint64_t lobesPerTriangle(const VoxelizeInputs& source) {
   if (source.method.method == InjectionMethod::kDense) return std::uint64_t(source.method.denseSamples);
   return source.directed() ? 9 : 1;
 }
 
-gpu::Defines variantOf(const VoxelSource& source) {
+gpu::Defines variantOf(const VoxelizeInputs& source) {
   const bool flux = source.method.injection == Injection::kFlux;
   gpu::Defines variant = {{"LPV_FLUX", flux ? "1" : "0"},
                           {"LPV_TEXTURED", source.textured() ? "1" : "0"},
@@ -53,10 +56,10 @@ gpu::Defines variantOf(const VoxelSource& source) {
   return variant;
 }
 
-gpu::Defines treeVariantOf(const VoxelSource& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
+gpu::Defines treeVariantOf(const VoxelizeInputs& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
 
 /// Words of an entry of the table of VPLs.
-std::size_t vplWords(const VoxelSource& source) {
+std::size_t vplWords(const VoxelizeInputs& source) {
   return source.textured() ? layout::kTexturedVplWords : layout::kPlainVplWords;
 }
 
@@ -69,14 +72,15 @@ std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
   return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
 }
 
-GpuTask makeTable(LightField& field, const VoxelSource& source, std::uint32_t entries) {
-  const std::size_t bytes = entries * vplWords(source) * sizeof(std::uint32_t);
-  if (field.accumulators.size() < bytes) {
-    field.accumulators = {};  // first the old memory, then the new
-    gpu::Buffer table("VPL table", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-    co_await fillChunked(table);
-    field.accumulators = std::move(table);
-  }
+/// Zeros of at least so many bytes.
+GpuTask makeZeros(const char* label, std::size_t bytes, gpu::Buffer& out) {
+  if (out.size() >= bytes) co_return;
+  out = {};  // first the old memory, then the new
+  out = gpu::Buffer(label, bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+  co_await fillChunked(out);
+}
+
+void makeList(LightField& field, std::uint32_t entries) {
   const std::size_t listBytes = sizeof(layout::VoxelHeader) + entries * sizeof(glm::uvec2);
   if (field.vplList.size() < listBytes) {
     field.vplList = {};
@@ -92,6 +96,12 @@ constexpr layout::VoxelHeader kEmptyList = [] {
   return header;
 }();
 
+/// What is known of a light's triangles before they are voxelized.
+struct TriangleCosts {
+  double area = 0.0;  ///< of all, in the grid's unit, cell^2: what the largest moment can be
+  std::vector<double> costs;  ///< of the triangles, in units of Stage::kVoxelize: means of a few at a time
+};
+
 /// A triangle's area x outward normal, in the grid's unit, cell^2.
 glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& areaFromObject) {
   const glm::dvec3 p(mesh.positions[t.x]), q(mesh.positions[t.y]), r(mesh.positions[t.z]);
@@ -100,18 +110,21 @@ glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& a
 
 /// Triangles whose costs are added up, and between whose areas others may work.
 constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
-/// What a column of cells costs that a triangle meets, in triangles.
-constexpr double kColumnCost = 0.5;
 
 GpuTask estimateCosts(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, TriangleCosts& out) {
   const glm::dmat3 map(areaFromObject);
   const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
-  out.costs.assign((mesh.triangles.size() + kTrianglesPerCost - 1) / kTrianglesPerCost, 1.0);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
-    out.area += area;
-    out.costs[i / kTrianglesPerCost] += kColumnCost * std::min(area, face) / double(kTrianglesPerCost);
-    if (i % kTrianglesPerPause == kTrianglesPerPause - 1) co_yield rest();
+  const std::size_t triangles = mesh.triangles.size();
+  for (std::size_t first = 0; first < triangles; first += kTrianglesPerCost) {
+    const std::size_t end = std::min(triangles, first + kTrianglesPerCost);
+    VoxelizeWork work{double(end - first), 0.0};
+    for (std::size_t i = first; i < end; ++i) {
+      const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
+      out.area += area;
+      work.columns += std::min(area, face);
+    }
+    out.costs.push_back(work.units() / work.triangles);
+    if (end % kTrianglesPerPause == 0) co_yield yield();
   }
 }
 
@@ -147,7 +160,7 @@ void listNormals(layout::VoxelizeParams& params, const Mesh& mesh) {
 
 /// Scales of a light's fixed point, into `params` and `voxels`.
 void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxels) {
-  const VoxelSource& source = voxels.source;
+  const VoxelizeInputs& source = voxels.source;
   const double triangles = double(source.mesh->triangles.size());
   if (source.method.injection == Injection::kFlux) {
     // A little more than the sum, for its rounding. A light without area has nothing to scale.
@@ -164,9 +177,9 @@ void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxe
   voxels.roundingError = fixedPoint->error;
 }
 
-/// But for its scales, which the estimateCosts of the light tells.
+/// But for its scales, for which the areas of the triangles are needed.
 VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
-  const VoxelSource& source = voxels.source;
+  const VoxelizeInputs& source = voxels.source;
   VoxelizeJob job;
   job.variant = variantOf(source);
   job.varying = source.textured() || source.directed();
@@ -189,6 +202,19 @@ VoxelizeJob jobOf(LightVoxels& voxels, const GpuLightTexture* texture) {
 
 }  // namespace
 
+/// One light's voxelization under way. It has the field's accumulators: where it is abandoned they go with it, and the
+/// next begins with zeros again.
+struct Voxelizer::Run {
+  LightField& field;
+  gpu::Buffer accumulators;
+  const GpuMesh& mesh;
+  const GpuLightTexture* texture;
+  LightVoxels& voxels;
+  TriangleCosts costs;
+  VoxelizeJob job;
+  Pacing pacing;
+};
+
 Voxelizer::Voxelizer() : params_("voxelize params", sizeof(layout::VoxelizeParams), gpu::BufferUse::kDynamic) {}
 
 TriangleVoxelizer& Voxelizer::voxelizerFor(InjectionMethod method) {
@@ -203,101 +229,99 @@ TriangleVoxelizer& Voxelizer::voxelizerFor(InjectionMethod method) {
   return compute_;
 }
 
-void Voxelizer::bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
-                     const LightVoxels& voxels) {
-  field.accumulators.bindStorage(layout::kAccumulators);
-  if (voxels.tree != nullptr) {
-    field.vplList.bindStorage(layout::kVoxelCells);
-    voxels.tree->nodes.bindStorage(layout::kTreeNodes);
+void Voxelizer::bind(const Run& run) {
+  run.accumulators.bindStorage(layout::kAccumulators);
+  if (run.voxels.tree != nullptr) {
+    run.field.vplList.bindStorage(layout::kVoxelCells);
+    run.voxels.tree->nodes.bindStorage(layout::kTreeNodes);
   } else {
-    voxels.cells.bindStorage(layout::kVoxelCells);
-    voxels.moments.bindStorage(layout::kVoxelMoments);
+    run.voxels.cells.bindStorage(layout::kVoxelCells);
+    run.voxels.moments.bindStorage(layout::kVoxelMoments);
   }
-  mesh.positionTexels->bind(layout::kPositions);
-  mesh.triangleTexels->bind(layout::kTriangles);
-  if (voxels.source.directed()) mesh.directions->bindStorage(layout::kDirections);
+  run.mesh.positionTexels->bind(layout::kPositions);
+  run.mesh.triangleTexels->bind(layout::kTriangles);
+  if (run.voxels.source.directed()) run.mesh.directions->bindStorage(layout::kDirections);
   params_.bindUniform(layout::kParams);
-  if (texture == nullptr) return;
-  mesh.uvs->bindStorage(layout::kUvs);
-  texture->radiance.bind(layout::kLightTexture);
-  texture->rowIntegrals.bindStorage(layout::kRowIntegrals);
+  if (run.texture == nullptr) return;
+  run.mesh.uvs->bindStorage(layout::kUvs);
+  run.texture->radiance.bind(layout::kLightTexture);
+  run.texture->rowIntegrals.bindStorage(layout::kRowIntegrals);
 }
 
-void Voxelizer::collect(const VoxelizeJob& job, const LightVoxels& voxels) {
-  params_.update(0, gpu::bytesOfValue(job.params));
-  voxels.cells.bindAsDispatchArguments();
-  collect_.get(job.variant).dispatchIndirect(0);
+void Voxelizer::collect(const Run& run) {
+  bind(run);
+  params_.update(0, gpu::bytesOfValue(run.job.params));
+  run.voxels.cells.bindAsDispatchArguments();
+  collect_.get(run.job.variant).dispatchIndirect(0);
   gpu::memoryBarrier();
 }
 
-GpuTask Voxelizer::deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
-                           const LightVoxels& voxels, const TriangleCosts& of, VoxelizeJob& job, Pacing pacing) {
-  TriangleVoxelizer& injector = voxelizerFor(voxels.source.method.method);
-  for (std::uint32_t first = 0; first < mesh.triangleCount;) {
-    const std::uint32_t end = first + std::min(injector.limit(job), mesh.triangleCount - first);
-    const Batch batch = nextBatch(of, first, end, pacing.unitsFor(Stage::kVoxelize));
-    job.params.firstTriangle = first;
-    job.params.triangleCount = batch.count;
-    params_.update(0, gpu::bytesOfValue(job.params));
-    bind(field, mesh, texture, voxels);
-    injector.dispatch(job);
+GpuTask Voxelizer::deposit(Run& run) {
+  TriangleVoxelizer& voxelizer = voxelizerFor(run.voxels.source.method.method);
+  for (std::uint32_t first = 0; first < run.mesh.triangleCount;) {
+    const std::uint32_t end = first + std::min(voxelizer.limit(run.job), run.mesh.triangleCount - first);
+    const Batch batch = nextBatch(run.costs, first, end, run.pacing.unitsFor(Stage::kVoxelize));
+    run.job.params.firstTriangle = first;
+    run.job.params.triangleCount = batch.count;
+    params_.update(0, gpu::bytesOfValue(run.job.params));
+    bind(run);
+    voxelizer.dispatch(run.job);
     first += batch.count;
     co_yield submitted(Stage::kVoxelize, batch.units);
   }
 }
 
 /// Again with a larger table while VPLs found no room in it.
-GpuTask Voxelizer::buildVplTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture,
-                                LightVoxels& voxels, const TriangleCosts& of, VoxelizeJob& job, Pacing pacing) {
-  VplTree& tree = *voxels.tree;
-  const gpu::Defines variant = treeVariantOf(voxels.source);
-  job.params.boxLower = tree.box.lower;
-  job.params.boxSize = tree.box.upper - tree.box.lower;
-  for (std::uint32_t entries = entriesFor(voxels, voxels.areaScale);; entries *= 2) {
-    job.params.tableEntries = entries;
-    co_await makeTable(field, voxels.source, entries);
-    field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
+GpuTask Voxelizer::buildVplTree(Run& run) {
+  VplTree& tree = *run.voxels.tree;
+  layout::VoxelizeParams& params = run.job.params;
+  const gpu::Defines variant = treeVariantOf(run.voxels.source);
+  const std::function<void()> bindLight = [&] { bind(run); };
+  params.boxLower = tree.box.lower;
+  params.boxSize = tree.box.upper - tree.box.lower;
+  for (std::uint32_t entries = entriesFor(run.voxels, run.voxels.areaScale);; entries *= 2) {
+    params.tableEntries = entries;
+    co_await makeZeros("VPL table", entries * vplWords(run.voxels.source) * sizeof(std::uint32_t), run.accumulators);
+    makeList(run.field, entries);
+    run.field.vplList.update(0, gpu::bytesOfValue(kEmptyList));
     co_await trees_.prepare(tree);
-    co_await deposit(field, mesh, texture, voxels, of, job, pacing);
-    const std::function<void()> bindLight = [&] { bind(field, mesh, texture, voxels); };
+    co_await deposit(run);
     co_await trees_.count(tree, variant, bindLight);
-    field.vplHeader.copyFrom(field.vplList, 0, 0, sizeof kEmptyList);
+    run.field.vplHeader.copyFrom(run.field.vplList, 0, 0, sizeof kEmptyList);
     const gpu::Fence counted = gpu::Fence::insert();
     co_yield submitted(Stage::kVoxelize, 0.0);
     co_yield waitFor(counted);
-    const VplCounts counts = TreeBuilder::read(field.vplHeader);
+    const VplCounts counts = VplTreeBuilder::read(run.field.vplHeader);
     if (counts.lost == 0) {
-      const TreeScales scales{voxels.areaScale, job.params.momentUnits};
-      co_await trees_.build(tree, counts, variant, scales, bindLight);
+      co_await trees_.build(tree, counts, variant, {run.voxels.areaScale, params.momentUnits}, bindLight);
       co_yield submitted(Stage::kVoxelize, 0.0);
       co_return;
     }
-    co_await fillChunked(field.accumulators);
+    co_await fillChunked(run.accumulators);
   }
+}
+
+/// Into a list of cells, or a tree of VPLs.
+GpuTask Voxelizer::voxelize(Run& run) {
+  if (run.voxels.tree != nullptr) {
+    co_await buildVplTree(run);
+    co_return;
+  }
+  const std::size_t words = run.field.grid.cells() * accumulatorWords(run.voxels.source);
+  co_await makeZeros("accumulators", words * sizeof(std::uint32_t), run.accumulators);
+  run.voxels.cells.update(0, gpu::bytesOfValue(kEmptyList));
+  co_await deposit(run);
+  collect(run);
+  co_yield submitted(Stage::kVoxelize, 0.0);
 }
 
 GpuTask Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
                        Pacing pacing) {
-  VoxelizeJob job = jobOf(voxels, texture);
-  TriangleCosts of;
-  co_await estimateCosts(*voxels.source.mesh, job.params.areaFromObject, voxels.source.dims, of);
-  chooseScales(job.params, of.area, voxels);
-  if (voxels.tree != nullptr) {
-    co_await buildVplTree(field, mesh, texture, voxels, of, job, pacing);
-    co_return;
-  }
-  const std::size_t bytes = field.grid.cells() * accumulatorWords(voxels.source) * sizeof(std::uint32_t);
-  if (field.accumulators.size() < bytes) {
-    field.accumulators = {};  // first the old memory, then the new
-    gpu::Buffer words("accumulators", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-    co_await fillChunked(words);
-    field.accumulators = std::move(words);
-  }
-  voxels.cells.update(0, gpu::bytesOfValue(kEmptyList));
-  co_await deposit(field, mesh, texture, voxels, of, job, pacing);
-  bind(field, mesh, texture, voxels);
-  collect(job, voxels);
-  co_yield submitted(Stage::kVoxelize, 0.0);
+  Run run{field, std::exchange(field.accumulators, {}), mesh, texture, voxels, {}, jobOf(voxels, texture), pacing};
+  co_await estimateCosts(*voxels.source.mesh, run.job.params.areaFromObject, voxels.source.dims, run.costs);
+  chooseScales(run.job.params, run.costs.area, voxels);
+  co_await voxelize(run);
+  field.accumulators = std::move(run.accumulators);
 }
 
 }  // namespace lpv

@@ -9,13 +9,14 @@
 
 #include "gpu/framebuffer.h"
 #include "gpu/program.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_texture.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
 #include "lpv/resources/scene_cache.h"
-#include "lpv/voxelize/vpl_tree.h"
+#include "lpv/voxelize/vpl_tree_builder.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -75,10 +76,12 @@ class DenseVoxelizer final : public TriangleVoxelizer {
   gpu::ProgramVariants programs_{{"voxelize/dense.comp"}};
 };
 
-/// What is known of a light's triangles before they are voxelized.
-struct TriangleCosts {
-  double area = 0.0;          ///< of all, in the grid's unit, cell^2: what the largest moment can be
-  std::vector<double> costs;  ///< of the triangles, in units of Stage::kVoxelize: means of a few at a time
+/// Work of the stage. A piece counts: columns by each triangle's area. Admission: by a mesh's area in its light's pose.
+struct VoxelizeWork {
+  double triangles = 0.0;
+  double columns = 0.0;  ///< of cells that the triangles meet, summed over triangles
+
+  double units() const { return triangles + 0.5 * columns; }
 };
 
 class Voxelizer {
@@ -91,20 +94,20 @@ class Voxelizer {
               Pacing pacing);
 
  private:
+  struct Run;
   TriangleVoxelizer& voxelizerFor(InjectionMethod method);
-  GpuTask deposit(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels,
-                  const TriangleCosts& of, VoxelizeJob& job, Pacing pacing);
-  GpuTask buildVplTree(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
-                       const TriangleCosts& of, VoxelizeJob& job, Pacing pacing);
-  void bind(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, const LightVoxels& voxels);
-  void collect(const VoxelizeJob& job, const LightVoxels& voxels);
+  GpuTask voxelize(Run& run);
+  GpuTask deposit(Run& run);
+  GpuTask buildVplTree(Run& run);
+  void bind(const Run& run);
+  void collect(const Run& run);
 
   gpu::Buffer params_;
   ComputeVoxelizer compute_;
   RasterVoxelizer raster_;
   DenseVoxelizer dense_;
   gpu::ProgramVariants collect_{{"voxelize/collect.comp"}};
-  TreeBuilder trees_;
+  VplTreeBuilder trees_;
 };
 
 }  // namespace lpv

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "scene/lookup.h"
 #include "session/delivery/receiver_sampler.h"
 
 namespace lpv {

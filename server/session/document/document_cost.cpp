@@ -13,7 +13,7 @@ Status checkTickSeconds(const Prediction& tick, const Limits& limits) {
   std::snprintf(text, sizeof text,
                 "max_tick_seconds: on this device a tick of the session is predicted to take %.1f s, most of it to %s; "
                 "allowed are %g s; use a coarser grid, fewer iterations, smaller lights or fewer light groups",
-                tick.seconds, tick.mostly.c_str(), limits.maxTickSeconds);
+                tick.seconds, nameOf(tick.mostly), limits.maxTickSeconds);
   return exhausted(Reason::kMaxTickSeconds, "max_tick_seconds", text);
 }
 

@@ -34,51 +34,40 @@ Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, con
                 field);
 }
 
-Status assign(Light& light, const LightFields& f, const Blobs& blobs) {
-  if (Status s = checkFields(f); !s.ok()) return s;
-  if (f.mesh) {
-    Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
-    if (!mesh) return mesh.status();
-    light.mesh = *mesh;
-  }
-  if (f.texture) {
-    Expected<TexturePtr> texture = resolveTexture("texture", *f.texture, blobs);
-    if (!texture) return texture.status();
-    light.texture = *texture;
-  }
-  Expected<Transform> transform = withFields(light.transform, f.transform);
-  if (!transform) return transform.status().within("transform");
-  light.transform = *transform;
-  if (f.radiance) {
-    light.radiance = *f.radiance;
-    light.power.reset();
-  }
-  if (f.power) light.power = f.power;
-  light.twoSided = f.twoSided.value_or(light.twoSided);
-  light.enabled = f.enabled.value_or(light.enabled);
-  light.group = f.group.value_or(light.group);
-  return {};
-}
+/// The texture of a T, and its path in an edit.
+template <typename T>
+struct TextureOf;
+template <>
+struct TextureOf<Light> {
+  static constexpr auto kMember = &Light::texture;
+  static constexpr auto kGiven = &LightFields::texture;
+  static constexpr const char* kPath = "texture";
+};
+template <>
+struct TextureOf<Surface> {
+  static constexpr auto kMember = &Surface::albedoTexture;
+  static constexpr auto kGiven = &SurfaceFields::albedoTexture;
+  static constexpr const char* kPath = "albedo_texture";
+};
 
-Status assign(Surface& surface, const SurfaceFields& f, const Blobs& blobs) {
+template <typename T>
+Status assign(T& object, const FieldsOf<T>& f, const Blobs& blobs) {
   if (Status s = checkFields(f); !s.ok()) return s;
   if (f.mesh) {
     Expected<MeshPtr> mesh = resolveMesh(*f.mesh, blobs);
     if (!mesh) return mesh.status();
-    surface.mesh = *mesh;
+    object.mesh = *mesh;
   }
-  if (f.albedoTexture) {
-    Expected<TexturePtr> texture = resolveTexture("albedo_texture", *f.albedoTexture, blobs);
+  using Texture = TextureOf<T>;
+  if (const std::optional<BlobHash>& hash = f.*Texture::kGiven) {
+    Expected<TexturePtr> texture = resolveTexture(Texture::kPath, *hash, blobs);
     if (!texture) return texture.status();
-    surface.albedoTexture = *texture;
+    object.*Texture::kMember = *texture;
   }
-  Expected<Transform> transform = withFields(surface.transform, f.transform);
+  Expected<Transform> transform = withFields(object.transform, f.transform);
   if (!transform) return transform.status().within("transform");
-  surface.transform = *transform;
-  surface.albedo = f.albedo.value_or(surface.albedo);
-  surface.roughness = f.roughness.value_or(surface.roughness);
-  surface.metalness = f.metalness.value_or(surface.metalness);
-  surface.twoSided = f.twoSided.value_or(surface.twoSided);
+  object.transform = *transform;
+  assignValues(object, f);
   return {};
 }
 

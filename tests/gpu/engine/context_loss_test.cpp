@@ -1,5 +1,6 @@
 // A lost context: everything is made again from the scene, and nobody is told anything else than without.
 
+#include "engine/device_choice.h"
 #include "gpu/engine/engine_rig.h"
 #include "lpv/device/engine_testing.h"
 

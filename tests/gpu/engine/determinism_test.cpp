@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "engine/device_choice.h"
 #include "gpu/engine/engine_rig.h"
 
 namespace lpv {

@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+#include "engine/device_choice.h"
+
 namespace lpv::test {
 
 void EngineTest::SetUp() {
@@ -62,7 +64,7 @@ Surface& addSurface(Scene& scene, const std::string& name, const MeshPtr& mesh) 
 
 std::vector<std::string> stagesOf(const TickResult& result) {
   std::vector<std::string> names;
-  for (const StageTime& time : result.report.stages) names.push_back(time.stage);
+  for (const StageTime& time : result.report.stages) names.push_back(nameOf(time.stage));
   return names;
 }
 

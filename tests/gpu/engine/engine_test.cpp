@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "engine/device_choice.h"
 #include "gpu/engine/engine_rig.h"
 
 namespace lpv {
@@ -32,7 +33,7 @@ TEST_F(EngineContractTest, FirstTickRunsEverythingAsked) {
   EXPECT_THAT(result.report.features, Contains("propagate"));
 }
 
-// Broken by: forgetting any part of the keys in SessionState::adopt, or marking nothing as done.
+// Broken by: inputs of a stage that leave something out, or a stage whose product is never set.
 TEST_F(EngineContractTest, UnchangedInputsSkipTheirStages) {
   Scene scene = test::smallScene();
   TickRequest request = test::requestOf(scene);
@@ -52,6 +53,34 @@ TEST_F(EngineContractTest, UnchangedInputsSkipTheirStages) {
   scene.options.lookup = Lookup::kNearest;
   request.scene = std::make_shared<Scene>(scene);
   EXPECT_THAT(stagesOf(run(request)), ElementsAre()) << "neither changes the light";
+}
+
+// Broken by: an opening ratio in what PROPAGATE is made from, iterations or the clamp in what GATHER is.
+TEST_F(EngineContractTest, SettingsOfOtherTransportsRedoNothing) {
+  Scene scene = test::smallScene();
+  TickRequest request = test::requestOf(scene);
+  request.transported = true;
+  const VolumePtr propagated = run(request).transported;
+  scene.options.k = 5.0;
+  scene.options.quality = Quality::kAccurate;
+  request.scene = std::make_shared<Scene>(scene);
+  const TickResult again = run(request);
+  EXPECT_THAT(stagesOf(again), ElementsAre());
+  EXPECT_EQ(again.transported, propagated);
+
+  scene.options.transport = Transport::kGather;
+  scene.options.injection = Injection::kFlux;
+  request.scene = std::make_shared<Scene>(scene);
+  const VolumePtr gathered = run(request).transported;
+  scene.options.iterations = 3;
+  scene.options.clampFaces = true;
+  request.scene = std::make_shared<Scene>(scene);
+  const TickResult still = run(request);
+  EXPECT_THAT(stagesOf(still), ElementsAre());
+  EXPECT_EQ(still.transported, gathered);
+  scene.options.k = 1.0;
+  request.scene = std::make_shared<Scene>(scene);
+  EXPECT_THAT(stagesOf(run(request)), ElementsAre("gather", "volume", "readback"));
 }
 
 TEST_F(EngineContractTest, EveryPropertyThatEmitsRevoxelizes) {

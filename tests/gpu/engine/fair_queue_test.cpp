@@ -167,7 +167,7 @@ TEST(Predict, ADeviceIsMeasured) {
   EXPECT_LT(costs.secondsPerUnit(Stage::kPropagate), 2.0 * before) << "one piece";
   for (int i = 0; i < 1000; ++i) costs.learn(Stage::kPropagate, 0.005, 0.005 / (10.0 * before));
   EXPECT_NEAR(costs.secondsPerUnit(Stage::kPropagate), 10.0 * before, 0.1 * before);
-  EXPECT_EQ(predict(costs, workloadOf(propagating(1000), 32)).mostly, "propagate");
+  EXPECT_EQ(predict(costs, workloadOf(propagating(1000), 32)).mostly, Stage::kPropagate);
 }
 
 }  // namespace

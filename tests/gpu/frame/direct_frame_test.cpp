@@ -7,6 +7,7 @@
 #include "reference/receivers.h"
 #include "reference/texel.h"
 #include "reference/textures.h"
+#include "scene/lookup.h"
 
 namespace lpv {
 namespace {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "gpu/engine/engine_rig.h"
+#include "scene/lookup.h"
 #include "scene/tonemap.h"
 
 namespace lpv {

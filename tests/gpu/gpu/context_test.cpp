@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "engine/engine.h"
+#include "engine/device_choice.h"
 #include "gpu/device.h"
 #include "gpu/support/gl_test.h"
 

@@ -98,9 +98,8 @@ InjectRig::InjectRig(const Grid& grid, std::vector<EmittingLight> l, const Voxel
 
 void InjectRig::run() {
   const SceneResources resources = upload(cache_, lights);
-  finish(field.clear());
   StageClock clock;
-  finish(injector_.retire(field, voxels, {&clock}));
+  finish(injector_.retire(field, {&clock}));
   voxels.clear();
   for (const EmittingLight& light : lights) {
     const GpuLightTexture* texture = light.texture ? resources.lightTextures.at(light.texture).get() : nullptr;

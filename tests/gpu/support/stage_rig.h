@@ -8,6 +8,7 @@
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/lights.h"
+#include "lpv/resources/palette.h"
 #include "lpv/resources/scene_cache.h"
 #include "lpv/transport/inject.h"
 #include "lpv/voxelize/voxelize.h"

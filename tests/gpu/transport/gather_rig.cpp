@@ -15,15 +15,15 @@ const glm::ivec3 kBlock(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
 
 std::array<int, 3> keyOf(const glm::ivec3& cell) { return {cell.z, cell.y, cell.x}; }
 
-int texelsPerRecord(const LightVoxels& voxels) {
-  return voxels.momentsPerCell > 1 ? layout::kTexturedRecordTexels : layout::kPlainRecordTexels;
+int texelsPerEntry(const LightVoxels& voxels) {
+  return voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
 }
 
-/// Reads records one after the other.
-class RecordReader {
+/// Reads entries one after the other.
+class EntryReader {
  public:
-  explicit RecordReader(const LightVoxels& voxels)
-      : texels_(read<glm::vec4>(voxels.tree->records)), perRecord_(texelsPerRecord(voxels)) {}
+  explicit EntryReader(const LightVoxels& voxels)
+      : texels_(read<glm::vec4>(voxels.tree->entries)), texelsPerEntry_(texelsPerEntry(voxels)) {}
 
   std::uint32_t at() const { return at_; }
 
@@ -42,24 +42,24 @@ class RecordReader {
   }
 
  private:
-  glm::vec4 texel(int i) const { return texels_.at(std::size_t(at_) * std::size_t(perRecord_) + std::size_t(i)); }
+  glm::vec4 texel(int i) const { return texels_.at(std::size_t(at_) * std::size_t(texelsPerEntry_) + std::size_t(i)); }
 
-  VplRecord vpl() {
-    VplRecord v;
+  VplEntry vpl() {
+    VplEntry v;
     v.position = glm::dvec3(texel(0));
     v.area = double(texel(0).w);
     v.direction = glm::dvec3(texel(1));
     v.spread = double(texel(1).w);
     const glm::dvec3 on(texel(2)), off(texel(3));
-    v.extent = glm::dmat3(on.x, off.x, off.y, off.x, on.y, off.z, off.y, off.z, on.z);
+    v.positionCovariance = glm::dmat3(on.x, off.x, off.y, off.x, on.y, off.z, off.y, off.z, on.z);
     EXPECT_NEAR(texel(2).w, on.x + on.y + on.z, 1e-5 * (on.x + on.y + on.z));
-    if (perRecord_ == layout::kTexturedRecordTexels) v.colour = glm::dvec3(texel(4));
+    if (texelsPerEntry_ == layout::kTexturedEntryTexels) v.colour = glm::dvec3(texel(4));
     ++at_;
     return v;
   }
 
   std::vector<glm::vec4> texels_;
-  int perRecord_;
+  int texelsPerEntry_;
   std::uint32_t at_ = 0;
 };
 
@@ -168,20 +168,20 @@ reference::Field GatherTest::gathered(const Grid& grid, const std::vector<Emitti
   return planted(grid, lights).gather(k);
 }
 
-std::vector<std::uint32_t> recordBits(const LightVoxels& voxels) {
+std::vector<std::uint32_t> entryBits(const LightVoxels& voxels) {
   if (voxels.tree->entryCount == 0) return {};
-  std::vector<std::uint32_t> words = read<std::uint32_t>(voxels.tree->records);
-  words.resize(std::size_t(voxels.tree->entryCount) * 4 * std::size_t(texelsPerRecord(voxels)));
+  std::vector<std::uint32_t> words = read<std::uint32_t>(voxels.tree->entries);
+  words.resize(std::size_t(voxels.tree->entryCount) * 4 * std::size_t(texelsPerEntry(voxels)));
   return words;
 }
 
-reference::Vpl referenceOf(const VplRecord& record) {
+reference::Vpl referenceOf(const VplEntry& entry) {
   reference::Vpl vpl;
-  vpl.area = vpl.weight = record.area;
-  vpl.areaNormal = record.direction;
-  vpl.areaRadiance = glm::dvec3(record.area);
-  vpl.weightedPosition = record.area * record.position;
-  vpl.weightedSquare = record.area * (record.extent + glm::outerProduct(record.position, record.position));
+  vpl.area = vpl.weight = entry.area;
+  vpl.areaNormal = entry.direction;
+  vpl.areaRadiance = glm::dvec3(entry.area);
+  vpl.weightedPosition = entry.area * entry.position;
+  vpl.weightedSquare = entry.area * (entry.positionCovariance + glm::outerProduct(entry.position, entry.position));
   return vpl;
 }
 
@@ -189,9 +189,9 @@ TreeNode treeOf(const LightVoxels& voxels) {
   TreeNode root;
   root.edge = 0.0;
   if (voxels.tree->entryCount == 0) return root;
-  RecordReader reader(voxels);
+  EntryReader reader(voxels);
   root = reader.node();
-  EXPECT_EQ(reader.at(), voxels.tree->entryCount) << "records that no walk reaches";
+  EXPECT_EQ(reader.at(), voxels.tree->entryCount) << "entries that no walk reaches";
   return root;
 }
 

@@ -70,36 +70,36 @@ class GatherTest : public GlTest {
 };
 
 /// A VPL as transport reads it: grid space, cell units.
-struct VplRecord {
+struct VplEntry {
   glm::dvec3 position{0.0};
   double area = 0.0;
   glm::dvec3 direction{0.0};  ///< area x mean direction of emission
   double spread = 0.0;
-  glm::dmat3 extent{0.0};
+  glm::dmat3 positionCovariance{0.0};  ///< cell^2
   glm::dvec3 colour{1.0};
 };
 
 /// As the reference has it, white.
-reference::Vpl referenceOf(const VplRecord& record);
+reference::Vpl referenceOf(const VplEntry& entry);
 
 /// A header and what is below it.
 struct TreeNode {
   glm::dvec3 centre{0.0};
   double edge = 1.0;
-  std::vector<VplRecord> vpls;
+  std::vector<VplEntry> vpls;
   std::vector<TreeNode> children;
 };
 
-/// The words of a tree's records.
-std::vector<std::uint32_t> recordBits(const LightVoxels& voxels);
-/// The records put together again; the test fails where a header leads to the wrong record or a record is left over.
+/// The words of a tree's entries.
+std::vector<std::uint32_t> entryBits(const LightVoxels& voxels);
+/// The entries put together again; the test fails where a header leads to the wrong entry or an entry is left over.
 /// An edge of 0 where there is no light.
 TreeNode treeOf(const LightVoxels& voxels);
 /// Leaves below a node, itself included.
 std::vector<TreeNode> leavesOf(const TreeNode& node);
 
 /// VPLs by memory order of their cells (z, y, x) and normal bin.
-using VplMap = std::map<std::pair<std::array<int, 3>, int>, VplRecord>;
+using VplMap = std::map<std::pair<std::array<int, 3>, int>, VplEntry>;
 VplMap vplsOf(const LightVoxels& voxels);
 /// The reference's, of a light's front; colours as shares of `radianceScale`.
 VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double radianceScale);

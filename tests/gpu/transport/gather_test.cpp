@@ -215,7 +215,7 @@ TEST_F(GatherFieldTest, BlocksAreSummedOnceEach) {
   }
 }
 
-// A tree of more records than one dispatch walks through; every thread of a block. Broken by: a group's first thread
+// A tree of more entries than one dispatch walks through; every thread of a block. Broken by: a group's first thread
 // that moves the cursor on before the others have read it; half as many turns.
 TEST_F(GatherFieldTest, AWalkGoesOnWhereItStopped) {
   const Grid grid = test::unitGrid({72, 72, 72});
@@ -232,7 +232,7 @@ TEST_F(GatherFieldTest, AWalkGoesOnWhereItStopped) {
   for (const glm::ivec3 cell : {glm::ivec3(0), glm::ivec3(7, 3, 3), glm::ivec3(29, 30, 33), glm::ivec3(71)}) {
     double fluence = 0.0;
     for (const test::TreeNode& leaf : leaves) {
-      for (const test::VplRecord& v : leaf.vpls) {
+      for (const test::VplEntry& v : leaf.vpls) {
         fluence += reference::momentsOf(test::referenceOf(v), glm::dvec3(cell) + 0.5, 1.0).fluence;
       }
     }

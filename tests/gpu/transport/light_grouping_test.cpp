@@ -9,6 +9,7 @@
 #include "reference/meshes.h"
 #include "reference/receivers.h"
 #include "scene/error_goal.h"
+#include "scene/lookup.h"
 
 namespace lpv {
 namespace {

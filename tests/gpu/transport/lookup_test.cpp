@@ -7,6 +7,7 @@
 
 #include "gpu/support/gl_test.h"
 #include "gpu/texture.h"
+#include "scene/lookup.h"
 #include "scene/volume.h"
 
 namespace lpv {

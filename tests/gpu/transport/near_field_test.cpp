@@ -4,6 +4,7 @@
 
 #include "gpu/frame/light_views.h"
 #include "reference/gather.h"
+#include "scene/lookup.h"
 
 namespace lpv {
 namespace {

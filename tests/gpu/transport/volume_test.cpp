@@ -37,23 +37,22 @@ struct VolumeRig {
     field.result = 0;
   }
   reference::Field make(VolumeTarget target) {
-    const gpu::Buffer product("product", field.grid.cells() * 48);
     StageClock clock;
     VolumeMaker maker;
-    test::finish(maker.run(field, palette, target, nullptr, &product, {&clock}));
+    const bool injected = target == VolumeTarget::kInjected;
+    test::finish(maker.run(field, injected ? field.injected : field.transported(), palette, target, {&clock}));
     Volume volume;
     volume.grid = field.grid;
-    volume.layers = {{"", test::read<float>(product)}};
+    volume.layers = {{"", test::read<float>(field.incidentVolume)}};
     return reference::fieldOf(volume);
   }
   std::vector<glm::vec4> makeTexture(int colour) {
-    const IncidentTextures textures(field.grid.dims, field.channels);
     StageClock clock;
     VolumeMaker maker;
-    test::finish(maker.run(field, palette, VolumeTarget::kTextures, &textures, nullptr, {&clock}));
+    test::finish(maker.run(field, field.transported(), palette, VolumeTarget::kTextures, {&clock}));
     std::vector<glm::vec4> texels(field.grid.cells());
-    glGetTextureImage(textures.colours[std::size_t(colour)].id(), 0, GL_RGBA, GL_FLOAT, GLsizei(texels.size() * 16),
-                      texels.data());
+    glGetTextureImage(field.textures->colours[std::size_t(colour)].id(), 0, GL_RGBA, GL_FLOAT,
+                      GLsizei(texels.size() * 16), texels.data());
     return texels;
   }
   LightField field;
@@ -68,7 +67,7 @@ TEST_F(VolumeTest, ProductIsTheReferences) {
     VolumeRig rig(grid(), channels);
     const reference::Product want =
         reference::productOf(test::fieldOf(rig.field.pingPong[0], rig.field, rig.palette), rig.field.grid.cell);
-    EXPECT_LE(reference::relativeL2(rig.make(VolumeTarget::kProduct), want.incident), 1e-6) << channels;
+    EXPECT_LE(reference::relativeL2(rig.make(VolumeTarget::kTransported), want.incident), 1e-6) << channels;
     EXPECT_EQ(test::read<layout::Counters>(rig.field.counters)[0].clamped, want.clampedCells) << channels;
     EXPECT_GT(want.clampedCells, 20U);
   }
@@ -86,7 +85,7 @@ TEST_F(VolumeTest, InjectedIsTheFieldWithItsColours) {
 TEST_F(VolumeTest, TexturesHoldTheProduct) {
   for (int channels = 1; channels <= 3; ++channels) {
     VolumeRig rig(grid(), channels);
-    const reference::Field product = rig.make(VolumeTarget::kProduct);
+    const reference::Field product = rig.make(VolumeTarget::kTransported);
     const int colours = channels == 1 ? 1 : 3;
     for (int colour = 0; colour < colours; ++colour) {
       const double unit = channels == 1 ? rig.palette.radiance[0][colour] : 1.0;

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "lpv/resources/palette.h"
+#include "lpv/voxelize/fixed_point.h"
 #include "reference/meshes.h"
 #include "scene/sh.h"
 

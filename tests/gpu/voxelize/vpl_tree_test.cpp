@@ -28,7 +28,7 @@ struct VplErrors {
   double area = 0.0;  ///< cell^2, as a share of the largest VPL's
   double direction = 0.0;  ///< area x direction, likewise
   double position = 0.0;  ///< cells, where the area is at least 1e-3 of the largest
-  double extent = 0.0;  ///< cell^2, likewise
+  double covariance = 0.0;  ///< cell^2, likewise
   double colour = 0.0;  ///< as a share of the largest colour, likewise
   std::size_t unmatched = 0;
 };
@@ -48,12 +48,13 @@ VplErrors errorsOf(const test::VplMap& got, const test::VplMap& want) {
       ++e.unmatched;
       continue;
     }
-    const test::VplRecord& g = found->second;
+    const test::VplEntry& g = found->second;
     e.area = std::max(e.area, std::abs(g.area - vpl.area) / area);
     e.direction = std::max(e.direction, largestOf(g.direction - vpl.direction) / area);
     if (vpl.area < 1e-3 * area) continue;
     e.position = std::max(e.position, largestOf(g.position - vpl.position));
-    for (int i = 0; i < 3; ++i) e.extent = std::max(e.extent, largestOf(g.extent[i] - vpl.extent[i]));
+    for (int i = 0; i < 3; ++i)
+      e.covariance = std::max(e.covariance, largestOf(g.positionCovariance[i] - vpl.positionCovariance[i]));
     e.colour = std::max(e.colour, largestOf(g.colour - vpl.colour) / colour);
   }
   e.unmatched += got.size() + e.unmatched - want.size();
@@ -72,7 +73,7 @@ void expectReferences(const LightVoxels& voxels, const EmittingLight& light, con
   EXPECT_LE(e.area, 1e-6) << name;
   EXPECT_LE(e.direction, 1e-6) << name;
   EXPECT_LE(e.position, 1e-4) << name;
-  EXPECT_LE(e.extent, 1e-6) << name;
+  EXPECT_LE(e.covariance, 1e-6) << name;
   EXPECT_LE(e.colour, 1e-5) << name;
 }
 
@@ -139,13 +140,13 @@ struct Sums {
   double area = 0.0, weight = 0.0;
   glm::dvec3 direction{0.0}, position{0.0}, colour{0.0};
   glm::dmat3 square{0.0};
-  void add(const test::VplRecord& v) {
+  void add(const test::VplEntry& v) {
     const double radianceScale = v.area * std::max({v.colour.r, v.colour.g, v.colour.b});
     area += v.area;
     weight += radianceScale;
     direction += v.direction;
     position += radianceScale * v.position;
-    square += radianceScale * (v.extent + glm::outerProduct(v.position, v.position));
+    square += radianceScale * (v.positionCovariance + glm::outerProduct(v.position, v.position));
     colour += v.area * v.colour;
   }
 };
@@ -153,14 +154,14 @@ struct Sums {
 Sums sumsOf(const std::vector<test::TreeNode>& nodes) {
   Sums sums;
   for (const test::TreeNode& node : nodes) {
-    for (const test::VplRecord& v : node.vpls) sums.add(v);
+    for (const test::VplEntry& v : node.vpls) sums.add(v);
   }
   return sums;
 }
 
 /// A node holds its children and what they hold, and no bin twice.
 void expectMerged(const test::TreeNode& node) {
-  for (const test::VplRecord& v : node.vpls) {
+  for (const test::VplEntry& v : node.vpls) {
     reference::Vpl vpl;
     vpl.area = v.area;
     vpl.areaNormal = v.direction;
@@ -209,8 +210,8 @@ const std::vector<EmittingLight>& treeLights() {
   return lights;
 }
 
-// Every record is reached once by the headers' "after", and says what the records below it say. Broken by: a record
-// more or less anywhere; nodes with one child that have records; places weighted by area, colours not; no spread;
+// Every entry is reached once by the headers' "after", and says what the entries below it say. Broken by: an entry
+// more or less anywhere; nodes with one child that have entries; places weighted by area, colours not; no spread;
 // extents without the distances between the children.
 TEST_F(VplsTest, NodesAreTheirChildrenMerged) {
   for (const EmittingLight& light : treeLights()) {
@@ -239,12 +240,12 @@ TEST_F(VplsTest, ALightOutsideHasNoRecords) {
 TEST_F(VplsTest, RecordsAreTheSameBits) {
   for (const EmittingLight& light : treeLights()) {
     SCOPED_TRACE(testing::Message() << light.mesh->triangles.size() << " triangles");
-    const std::vector<std::uint32_t> bits = test::recordBits(voxelsOf(light));
+    const std::vector<std::uint32_t> bits = test::entryBits(voxelsOf(light));
     EXPECT_FALSE(bits.empty());
     voxelsOf(treeLights()[1]);
-    EXPECT_EQ(test::recordBits(voxelsOf(light)), bits);
+    EXPECT_EQ(test::entryBits(voxelsOf(light)), bits);
     rig().plant(kGrid, {light}, InjectionMethod::kRaster);
-    EXPECT_EQ(test::recordBits(*rig().voxels[0]), bits);
+    EXPECT_EQ(test::entryBits(*rig().voxels[0]), bits);
   }
 }
 
@@ -255,7 +256,7 @@ TEST_F(VplsTest, ATableTooSmallIsMadeLarger) {
   const EmittingLight light =
       test::placed(reference::bumpySphere(4000), test::poseOf(glm::dvec3(20.0), glm::dvec3(30.0)), kWhite);
   rig().plant(grid, {light});
-  const std::vector<std::uint32_t> bits = test::recordBits(*rig().voxels[0]);
+  const std::vector<std::uint32_t> bits = test::entryBits(*rig().voxels[0]);
   const std::uint32_t vpls = rig().voxels[0]->tree->vplCount;
   const std::size_t enough = rig().field->accumulators.size();
   EXPECT_GT(vpls, 1024U) << "to find no room in 256 entries, and in twice as many";
@@ -264,11 +265,11 @@ TEST_F(VplsTest, ATableTooSmallIsMadeLarger) {
     rig().plant(grid, {light}, InjectionMethod::kCompute, 1);
     EXPECT_EQ(rig().voxels[0]->tree->vplCount, vpls);
     EXPECT_LE(rig().field->accumulators.size(), enough);
-    EXPECT_EQ(test::recordBits(*rig().voxels[0]), bits);
+    EXPECT_EQ(test::entryBits(*rig().voxels[0]), bits);
   }
 }
 
-// In the tree of the light before. Broken by: nodes not cleared; the old box, or the old levels' offsets; the records
+// In the tree of the light before. Broken by: nodes not cleared; the old box, or the old levels' offsets; the entries
 // counted before it left the grid.
 TEST_F(VplsTest, AMovedLightFindsItsTreeEmpty) {
   const auto at = [](double x) {
@@ -278,10 +279,10 @@ TEST_F(VplsTest, AMovedLightFindsItsTreeEmpty) {
   rig().plant(kGrid, {at(0.0)});
   for (const double x : {0.3, 0.9, 40.0, -1.7}) {
     ASSERT_TRUE(rig().move({at(x)}));
-    const std::vector<std::uint32_t> bits = test::recordBits(*rig().voxels[0]);
+    const std::vector<std::uint32_t> bits = test::entryBits(*rig().voxels[0]);
     const LightVoxelsPtr moved = rig().voxels[0];
     rig().plant(kGrid, {at(x)});
-    EXPECT_EQ(test::recordBits(*rig().voxels[0]), bits);
+    EXPECT_EQ(test::entryBits(*rig().voxels[0]), bits);
     rig().voxels[0] = moved;
   }
 }

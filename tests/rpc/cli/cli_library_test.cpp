@@ -13,6 +13,7 @@
 #include "lpv/watch.h"
 #include "rpc/support/rpc.h"
 #include "rpc/support/server_process.h"
+#include "scene/lookup.h"
 
 namespace lpv::client {
 namespace {

@@ -17,6 +17,7 @@
 #include "rpc/cli/cli_files.h"
 #include "rpc/cli/cli_run.h"
 #include "rpc/support/rpc.h"
+#include "scene/lookup.h"
 
 namespace lpv::rpc {
 namespace {

@@ -10,6 +10,7 @@
 #include "lpv/convert.h"
 #include "rpc/support/rpc.h"
 #include "rpc/support/server_process.h"
+#include "scene/lookup.h"
 #include "scene/volume.h"
 
 namespace lpv::rpc {

@@ -1,5 +1,6 @@
 // Irradiance from a volume: the product's lookup against the reference's (MATHS.md 4).
 #include "scene/volume.h"
+#include "scene/lookup.h"
 
 #include <gtest/gtest.h>
 

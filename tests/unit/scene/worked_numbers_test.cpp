@@ -25,9 +25,9 @@
 #include "reference/vpls.h"
 #include "scene/emitter_list.h"
 #include "scene/error_goal.h"
+#include "scene/lookup.h"
 #include "scene/scene.h"
 #include "scene/sh.h"
-#include "scene/volume.h"
 #include "scene/workload.h"
 #include "shaders/layout.h"
 
@@ -298,7 +298,7 @@ void addExpectations(Values& out) {
   workload.add(lightOf(reference::quad()));
   out["columns met"] = workload.columns;
   out["lit cells estimated"] = workload.litCells;
-  out["root of the tree's entries"] = workload.rootsOfRecords;
+  out["root of the tree's entries"] = workload.rootsOfEntries;
 }
 
 Values computed() {

@@ -9,6 +9,7 @@
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
 #include "reference/volume.h"
+#include "scene/lookup.h"
 #include "session/delivery/receiver_sampler.h"
 
 namespace lpv {

@@ -32,7 +32,7 @@ class InstantEngine final : public Engine {
   void forgetView(SessionKey, std::uint64_t) override {}
 
   Prediction predict(const Workload& workload) const override {
-    return {secondsPerCell * workload.cells + secondsPerLight * workload.lights, "propagate"};
+    return {secondsPerCell * workload.cells + secondsPerLight * workload.lights, Stage::kPropagate};
   }
 
   std::int64_t contextLosses() const override { return 0; }

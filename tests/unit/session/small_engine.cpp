@@ -42,7 +42,7 @@ Expected<TickResult> smallResult(const TickRequest& request) {
   if (scene.grid.cells() > kSmallCells) return exhausted("grid", "this engine makes small volumes only");
   TickResult result;
   result.revision = scene.revision;
-  result.report.stages.push_back({"volume", 0.001});
+  result.report.stages.push_back({Stage::kVolume, 0.001});
   if (request.transported) result.transported = ramp(scene, VolumeStage::kTransported);
   if (request.injected) result.injected = ramp(scene, VolumeStage::kInjected);
   for (const FrameRequest& frame : request.frames) result.frames.push_back(grey(frame));

@@ -26,7 +26,7 @@ class DevicelessEngine : public Engine {
   void forget(SessionKey) override {}
   void forgetView(SessionKey, std::uint64_t) override {}
   /// Sessions of a few lights are cheap, thousands of them too dear (Limits::maxTickSeconds).
-  Prediction predict(const Workload& workload) const override { return {0.05 * workload.lights, "gather"}; }
+  Prediction predict(const Workload& workload) const override { return {0.05 * workload.lights, Stage::kGather}; }
   std::int64_t contextLosses() const override { return 0; }
 
  private:

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "lpv/v1/result.pb.h"
+#include "scene/lookup.h"
 #include "scene/volume.h"
 
 namespace lpv::client {
 
-/// A decoded volume whose checksum has been verified. lpv::irradianceAt (scene/volume.h) looks irradiance up.
+/// A decoded volume whose checksum has been verified. lpv::irradianceAt (scene/lookup.h) looks irradiance up.
 struct VolumeResult {
   Volume volume;
   v1::VolumeHeader header;     ///< revision, stage times, features, layers

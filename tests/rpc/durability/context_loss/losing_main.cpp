@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "engine/device_choice.h"
 #include "lpv/device/engine_testing.h"
 
 namespace lpv {

@@ -8,7 +8,7 @@
 #include "gpu/program.h"
 #include "gpu/readback.h"
 #include "lpv/pacing/gpu_task.h"
-#include "lpv/resources/light_voxels.h"
+#include "lpv/resources/vpl_tree.h"
 
 namespace lpv {
 
@@ -17,7 +17,7 @@ struct VplCounts {
   std::uint32_t vpls = 0;
   std::uint32_t degenerate = 0;  ///< triangles without area
   std::uint32_t lost = 0;        ///< VPLs that found no room in the table
-  std::uint32_t records = 0;     ///< of the whole tree
+  std::uint32_t entries = 0;     ///< of the whole tree
   std::uint32_t cells = 0;
 };
 
@@ -29,16 +29,16 @@ struct TreeScales {
 
 /// `bindLight` binds the light's table and list, kAccumulators and kVoxelCells: anew in every piece, for others work in
 /// between.
-class TreeBuilder {
+class VplTreeBuilder {
  public:
-  TreeBuilder();
+  VplTreeBuilder();
 
   /// Before voxelization: no leaf holds light.
   GpuTask prepare(VplTree& tree);
   /// After it: counts what there is, bottom up, into the list's header.
   GpuTask count(VplTree& tree, const gpu::Defines& variant, const std::function<void()>& bindLight);
   static VplCounts read(const gpu::Readback& header);
-  /// Puts the counted VPLs into the tree's records, which are made larger where needed. Throws gpu::Failure
+  /// Puts the counted VPLs into the tree's entries, which are made larger where needed. Throws gpu::Failure
   /// (RESOURCE_EXHAUSTED).
   GpuTask build(VplTree& tree, const VplCounts& counts, const gpu::Defines& variant, const TreeScales& scales,
                 const std::function<void()>& bindLight);

@@ -1,0 +1,74 @@
+#include "lpv/tick_report.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+namespace lpv {
+
+namespace {
+
+const char* methodName(InjectionMethod method) {
+  switch (method) {
+    case InjectionMethod::kRaster:
+      return "raster";
+    case InjectionMethod::kDense:
+      return "dense";
+    case InjectionMethod::kCompute:
+      break;
+  }
+  return "compute";
+}
+
+const char* transportName(Transport transport) {
+  switch (transport) {
+    case Transport::kGather:
+      return "gather";
+    case Transport::kDirect:
+      return "direct";
+    case Transport::kPropagate:
+      break;
+  }
+  return "propagate";
+}
+
+/// Compiled variants that the lights needed.
+std::set<std::string> lightFeatures(const SessionState& session) {
+  std::set<std::string> features;
+  for (std::size_t i = 0; i < session.lights.size(); ++i) {
+    if (session.lights[i].twoSided) features.insert("two-sided");
+    if (session.voxels[i]->source.textured()) features.insert("textures");
+    if (session.voxels[i]->source.directed()) features.insert("directions");
+  }
+  return features;
+}
+
+std::vector<std::string> featuresOf(const SessionState& session, const LightingSettings& options) {
+  std::vector<std::string> features = {options.injection == Injection::kFlux ? "flux" : "count",
+                                       methodName(options.method), transportName(options.transport),
+                                       session.palette().channels == 1 ? "monochrome" : "colour"};
+  const std::size_t groups = session.arranged.product().groups.size();
+  if (groups > 1) features.push_back(std::to_string(groups) + " groups");
+  if (options.clampFaces) features.emplace_back("clamp-faces");
+  for (const std::string& feature : lightFeatures(session)) features.push_back(feature);
+  return features;
+}
+
+}  // namespace
+
+void fillReport(const SessionState& session, const LightingSettings& options, const layout::Counters& counts,
+                TickReport& report) {
+  report.features = featuresOf(session, options);
+  report.trianglesSkipped = counts.degenerate;
+  report.touchedCells = counts.touched;
+  report.clampedCells = counts.clamped;
+  for (const LightVoxelsPtr& voxels : session.voxels) {
+    report.fixedPointError = std::max(report.fixedPointError, voxels->roundingError);
+    if (voxels->tree == nullptr || !voxels->ready()) continue;
+    report.trianglesSkipped += voxels->tree->degenerate;
+    report.touchedCells += voxels->tree->cellCount;
+    report.vpls += voxels->tree->vplCount;
+  }
+}
+
+}  // namespace lpv
