@@ -1,6 +1,8 @@
 #include "api/results/parts.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 
 #include "convert/geometry.h"
 #include "engine/stage.h"
