@@ -266,7 +266,6 @@ void toProto(const Status& status, pb::Status* out) {
   pb::ErrorInfo info;
   info.set_reason(std::string(nameOf(status.reason())));
   info.set_domain(kErrorDomain);
-  if (!status.field().empty()) (*info.mutable_metadata())["field"] = status.field();
   if (isLimit(status.reason())) (*info.mutable_metadata())["limit"] = inLowerCase(nameOf(status.reason()));
   google::protobuf::Any* any = out->add_details();
   any->set_type_url(kErrorInfoType);

@@ -1,6 +1,7 @@
 // Sessions whose files no server of ours wrote: used whole, or refused by name.
 
 #include <gmock/gmock.h>
+#include <google/protobuf/unknown_field_set.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -55,6 +56,35 @@ class ForeignSession : public testing::Test {
   std::string mesh_;
   std::string texture_;
 };
+
+/// As older versions wrote surfaces: field 9 was one_sided, left out where false; two_sided was not there.
+std::string writtenBefore(kept::Snapshot snapshot, const std::string& mesh) {
+  for (const bool oneSided : {false, true}) {
+    const std::string name = oneSided ? "Front" : "Both";
+    pb::Surface& wall = (*snapshot.mutable_surfaces())[name];
+    wall.set_name(name);
+    wall.set_mesh(mesh);
+    if (oneSided) wall.GetReflection()->MutableUnknownFields(&wall)->AddVarint(9, 1);
+  }
+  return snapshot.SerializeAsString();
+}
+
+TEST_F(ForeignSession, SurfacesOfOlderFilesKeepTheirSides) {
+  ASSERT_TRUE(snapshot().ParseFromString(writtenBefore(snapshot(), mesh_)));
+  const Expected<SavedSession> state = fromStore(loaded_);
+  ASSERT_TRUE(state.ok()) << state.status().message();
+  kept::Snapshot now = toSnapshot(*state);
+  EXPECT_TRUE(now.surfaces().at("Both").two_sided());
+  const pb::Surface& front = now.surfaces().at("Front");
+  EXPECT_TRUE(front.has_two_sided());
+  EXPECT_FALSE(front.two_sided());
+  EXPECT_EQ(front.GetReflection()->GetUnknownFields(front).field_count(), 0);
+  const Expected<SavedSession> again = fromStore({{}, now, contentsOf(*state)});
+  ASSERT_TRUE(again.ok()) << again.status().message();
+  for (const auto& surface : again->document.surfaces) {
+    EXPECT_EQ(surface.object->twoSided, surface.object->name == "Both");
+  }
+}
 
 // Red when textures are kept where the file says that they were uploaded only: the next restart finds none.
 TEST_F(ForeignSession, ATextureThatNobodyUploadedIsKeptAllTheSame) {
