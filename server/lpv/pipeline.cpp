@@ -110,6 +110,7 @@ struct Pipeline::Stages {
   void listEmitters(SessionState& s, double openingRatio);
   GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
   GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
+  GpuTask finishCopies(SessionState& s, const FrameViews& views);
   GpuTask takeVolumes(SessionState& s, const VolumeCopies& copies);
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
 };
@@ -165,16 +166,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   const CountInputs counted = {propagates ? made.injected.stamp() : made.counting.stamp(), made.textured.stamp()};
   const bool counters = copies.any() || !made.counts.holds(counted);
   if (counters) copyCounters(s.field(), made.readbacks);
-  if (!views.of.empty()) {
-    const gpu::Fence drawn = gpu::Fence::insert();
-    co_yield waitFor(drawn);
-    for (View* view : views.of) co_await copyFrame(*view, stages.pacing(s));
-  }
-  if (counters || !views.of.empty()) {
-    const gpu::Fence copied = gpu::Fence::insert();
-    co_yield submitted(Stage::kReadback, 0.0);
-    co_yield waitFor(copied);
-  }
+  if (counters || !views.of.empty()) co_await stages.finishCopies(s, views);
   if (counters) made.counts.set(counted, takeCounters(made.readbacks));
   co_await stages.takeVolumes(s, copies);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
@@ -227,7 +219,7 @@ GpuTask Pipeline::Stages::findReceivers(SessionState& s, const TickRequest& requ
     out = allBlocks(scene.grid.dims);
   } else if (!request.frames.empty() && scene.options.transport == Transport::kGather) {
     auto& blocks = s.products->surfaceBlocks;
-    const SurfaceBlocksInputs inputs = {scene.grid, scene.surfaces};
+    const SurfaceBlocksInputs inputs = surfaceBlocksInputs(scene);
     if (!blocks.holds(inputs)) {
       ReceiverBlocks found;
       co_await blocksOfSurfaces(scene, found);
@@ -301,7 +293,18 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
   }
 }
 
-/// After the fence behind the copies.
+/// Frames are copied once they are drawn; then all copies of the tick are waited for.
+GpuTask Pipeline::Stages::finishCopies(SessionState& s, const FrameViews& views) {
+  if (!views.of.empty()) {
+    const gpu::Fence drawn = gpu::Fence::insert();
+    co_yield waitFor(drawn);
+    for (View* view : views.of) co_await copyFrame(*view, pacing(s));
+  }
+  const gpu::Fence copied = gpu::Fence::insert();
+  co_yield submitted(Stage::kReadback, 0.0);
+  co_yield waitFor(copied);
+}
+
 GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copies) {
   StageProducts& made = *s.products;
   const std::vector<std::string>& groups = s.arranged.product().groups;

@@ -87,6 +87,12 @@ ReceiverBlocks allBlocks(const glm::ivec3& dims) {
   return blocks;
 }
 
+SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene) {
+  SurfaceBlocksInputs inputs{scene.grid, {}};
+  for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  return inputs;
+}
+
 GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
   BlockMarks marks(scene.grid.dims);
   const glm::dmat4 gridFromWorld = scene.grid.gridFromWorldMatrix();

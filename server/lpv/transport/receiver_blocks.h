@@ -2,8 +2,6 @@
 // Where a volume is read, in blocks of cells: everywhere, or around surfaces.
 
 #include <cstdint>
-#include <map>
-#include <string>
 #include <vector>
 
 #include "lpv/pacing/gpu_task.h"
@@ -19,10 +17,11 @@ ReceiverBlocks allBlocks(const glm::ivec3& dims);
 /// What the blocks around surfaces follow from.
 struct SurfaceBlocksInputs {
   Grid grid;
-  std::map<std::string, SurfacePtr> surfaces;
+  std::vector<SurfacePtr> surfaces;
 
   bool operator==(const SurfaceBlocksInputs&) const = default;
 };
+SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene);
 
 /// Those with a cell that a surface of the scene reads when it is lit: within one cell of one of its triangles.
 GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);

@@ -19,7 +19,7 @@ using Way = std::pair<Transport, Injection>;
 
 class AbandonedTickTest : public test::GlTest, public testing::WithParamInterface<Way> {
  protected:
-  /// Two lights over a floor, one of them at x.
+  /// Two lights over a floor, one of them and the camera at x.
   static TickRequest requestOf(double x) {
     auto scene = std::make_shared<Scene>();
     scene->options = LightingSettings::paper();
@@ -46,7 +46,7 @@ class AbandonedTickTest : public test::GlTest, public testing::WithParamInterfac
     request.transported = request.injected = true;
     FrameRequest& frame = request.frames.emplace_back();
     frame.view = 7;
-    frame.camera.eye = {0.0, 0.0, 2.0};
+    frame.camera.eye = {x, 0.0, 2.0};
     frame.camera.target = glm::dvec3(0.0);
     frame.size = {64, 64};
     frame.format = PixelFormat::kRgb32F;
@@ -90,7 +90,8 @@ class AbandonedTickTest : public test::GlTest, public testing::WithParamInterfac
 };
 
 // Broken by: counting a stage as made where it begins; leaving what a light's triangles had added in the accumulators;
-// adding to blocks of cells that an abandoned tick has added to.
+// adding to blocks of cells that an abandoned tick has added to; holds() that keeps what the stage is about to
+// overwrite.
 TEST_P(AbandonedTickTest, TheNextTickMakesWhatAFreshOneDoes) {
   const TickRequest before = requestOf(0.5), wanted = requestOf(-0.3);
   SessionState fresh, freshBefore, state;
