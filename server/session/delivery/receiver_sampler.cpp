@@ -138,7 +138,7 @@ std::size_t LitSides::cross(const glm::dvec3& origin, const glm::dvec3& directio
   return looked;
 }
 
-LitBy::LitBy(const Scene& scene) {
+AreaLights::AreaLights(const Scene& scene) {
   for (const auto& [name, light] : scene.lights) {
     if (!emits(*light)) continue;
     lights_.push_back({emittedRadiance(*light), light->twoSided ? 2 : 1});
@@ -152,7 +152,7 @@ LitBy::LitBy(const Scene& scene) {
   }
 }
 
-void LitBy::emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) const {
+void AreaLights::emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) const {
   const Triangle& t = triangles_[pick(running_, uniform(random))];
   glm::dvec3 normal = glm::normalize(glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]));
   if (lights_[t.light].sides == 2 && uniform(random) < 0.5) normal = -normal;
@@ -160,7 +160,7 @@ void LitBy::emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) cons
   *direction = cosineDirection(normal, random);
 }
 
-glm::dvec3 LitBy::irradiance(const Receiver& at) const {
+glm::dvec3 AreaLights::irradiance(const Receiver& at) const {
   glm::dvec3 e(0.0);
   for (const Triangle& t : triangles_) {
     const glm::dvec3 seen[3] = {t.corners[0] - at.position, t.corners[1] - at.position, t.corners[2] - at.position};

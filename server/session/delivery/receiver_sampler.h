@@ -55,9 +55,9 @@ class LitSides {
 
 /// What emits in a scene, without textures and emission directions: where light leaves it, and the closed form of what
 /// arrives.
-class LitBy {
+class AreaLights {
  public:
-  explicit LitBy(const Scene& scene);
+  explicit AreaLights(const Scene& scene);
 
   std::size_t triangles() const { return running_.size(); }
   /// W; the mean of red, green and blue.

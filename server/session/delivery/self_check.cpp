@@ -23,7 +23,7 @@ struct LitPoints {
   double received = 0.0;  ///< W; the integral of irradiance over the surfaces, mean of the colours
 };
 
-LitPoints litPoints(const LitSides& sides, const LitBy& lights, Random& random) {
+LitPoints litPoints(const LitSides& sides, const AreaLights& lights, Random& random) {
   LitPoints out;
   int rays = 0;
   for (std::size_t tests = 0; rays < kMostRays && tests < kMostCrossingTests; ++rays) {
@@ -56,7 +56,7 @@ bool canSelfCheck(const Scene& scene) {
 
 std::optional<ErrorEstimate> selfCheck(const Scene& scene, const Volume& volume, std::uint32_t seed) {
   if (!canSelfCheck(scene)) return std::nullopt;
-  const LitBy lights(scene);
+  const AreaLights lights(scene);
   const LitSides sides(scene);
   if (!(sides.area() > 0.0)) return std::nullopt;
   const std::size_t wanted =

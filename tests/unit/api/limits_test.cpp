@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "api/services.h"
 #include "session/limit_table.h"
 #include "unit/api/door_rig.h"
 

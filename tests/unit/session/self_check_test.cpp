@@ -130,7 +130,7 @@ Scene lampOverFloor(double half, double height, double floor) {
 }
 
 /// The integral of irradiance and of its square over the floor, mean of the colours, by rings about the lamp's foot.
-double received(const LitBy& lights, double floor) {
+double received(const AreaLights& lights, double floor) {
   double sum = 0.0;
   const int n = 400;
   const double edge = 2.0 * floor / n;
@@ -148,7 +148,7 @@ double received(const LitBy& lights, double floor) {
 // Broken by: directions uniform over the hemisphere; the back of the quad for its front.
 TEST(ReceiverSampler, RaysFallAsTheLightDoes) {
   const Scene scene = lampOverFloor(0.1, 1.0, 2.0);
-  const LitBy lights(scene);
+  const AreaLights lights(scene);
   const LitSides sides(scene);
   EXPECT_NEAR(sides.area(), 16.0, 1e-9);
   EXPECT_NEAR(lights.power(), 5.0 * std::numbers::pi * 0.04, 1e-9);
@@ -188,7 +188,7 @@ TEST(ReceiverSampler, PointsFollowArea) {
 
 /// Relative L2 over both sides of the wall of sceneWith(true), by a fine raster.
 double errorOverWall(const Scene& scene, const Volume& volume) {
-  const LitBy lights(scene);
+  const AreaLights lights(scene);
   double apart = 0.0, whole = 0.0;
   const int n = 160;
   for (int i = 0; i < n; ++i) {
@@ -229,7 +229,7 @@ TEST(SelfCheck, ItsIntervalHoldsTheErrorOfTheWholeSurface) {
 
 /// Relative L2 over the floor within `radius` m of the lamp's foot, by rings that grow outwards.
 double errorOverFloor(const Scene& scene, const Volume& volume, double radius) {
-  const LitBy lights(scene);
+  const AreaLights lights(scene);
   double apart = 0.0, whole = 0.0;
   const double growth = 1.02;
   for (double r = 0.01; r < radius; r *= growth) {

@@ -106,28 +106,6 @@ TEST_F(ForeignSession, CountsOfAnySizeMakeASummary) {
   EXPECT_EQ(summary->triangles, 2 * std::int64_t(std::numeric_limits<std::uint32_t>::max()));
 }
 
-// Files of before two_sided have its opposite, as field 9. Red when that is passed over.
-TEST_F(ForeignSession, ASurfaceOfAnEarlierVersionKeepsItsSides) {
-  for (const auto& [name, was] : {std::pair("Front", 1), std::pair("Both", 0), std::pair("Unsaid", -1)}) {
-    pb::Surface& surface = (*snapshot().mutable_surfaces())[name];
-    surface.set_name(name);
-    surface.set_mesh(mesh_);
-    surface.set_roughness(1.0);
-    if (was >= 0) surface.GetReflection()->MutableUnknownFields(&surface)->AddVarint(9, std::uint64_t(was));
-  }
-  const Expected<SavedSession> state = fromStore(loaded_);
-  ASSERT_TRUE(state.ok()) << state.status().message();
-  ASSERT_EQ(state->document.surfaces.size(), 3U);
-  for (const Versioned<Surface>& each : state->document.surfaces) {
-    EXPECT_EQ(each.object->twoSided, each.object->name != "Front") << each.object->name;
-  }
-  const Expected<SavedSession> again = fromStore({{}, toSnapshot(*state), contentsOf(*state)});
-  ASSERT_TRUE(again.ok()) << again.status().message();
-  for (const Versioned<Surface>& each : again->document.surfaces) {
-    EXPECT_EQ(each.object->twoSided, each.object->name != "Front") << each.object->name << " written again";
-  }
-}
-
 // Red, each, without its check.
 TEST_F(ForeignSession, AnObjectUnderAnotherNameIsRefused) {
   light("Other", "Lamp");
