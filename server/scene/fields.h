@@ -146,7 +146,7 @@ constexpr auto plain(const char* path) {
     if (in.*kGiven) object.*kMember = *(in.*kGiven);
   };
   out.give = [](FieldsOf<T>& in, const FieldValue& value) { in.*kGiven = std::get<Value<kMember>>(value); };
-  if constexpr (kCheck != nullptr) {
+  if constexpr (!std::is_null_pointer_v<decltype(kCheck)>) {
     out.check = [](const char* name, const FieldsOf<T>& in) {
       return in.*kGiven ? kCheck(name, *(in.*kGiven)) : Status();
     };
