@@ -20,6 +20,9 @@ struct LimitRow {
   const char* help;
 };
 
+template <typename Value>
+LimitRow(const char*, Value Limits::*, double, double, const char*) -> LimitRow<Value>;
+
 inline constexpr std::tuple kLimitTable = {
     LimitRow{"max_sessions", &Limits::maxSessions, 1, 100'000, "sessions on this server"},
     LimitRow{"max_clients_per_session", &Limits::maxClientsPerSession, 1, 10'000, "joined clients of a session"},
