@@ -54,7 +54,8 @@ bool readLine(std::string_view line, PlyHeader& header) {
   bool read = true;  // comment, obj_info
   if (words[0] == "element") read = readElement(words, header);
   if (words[0] == "property") read = readProperty(words, header);
-  if (words[0] == "element" || words[0] == "property") header.elements.back().header += std::string(line) + '\n';
+  if (read && (words[0] == "element" || words[0] == "property"))
+    header.elements.back().header += std::string(line) + '\n';
   return read;
 }
 
