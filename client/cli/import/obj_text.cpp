@@ -39,8 +39,9 @@ class ObjText {
     if (keyword == "v") ++kinds_[0].count;
     if (keyword == "vt") ++kinds_[1].count;
     if (keyword == "vn") ++kinds_[2].count;
+    if (element) return addElement(line, number);
     appendNumbersOrText(line, numbers);
-    return element ? addElement(line, number) : Status();
+    return {};
   }
 
   Expected<std::string> take() {
@@ -72,7 +73,9 @@ class ObjText {
 
   Status addElement(std::string_view line, std::size_t number) {
     const std::vector<std::string_view> words = wordsOf(line);
-    if (words[0] == "f" && words.size() > 3) ++faces_;
+    const bool face = words[0] == "f";
+    if (face && words.size() > 3) ++faces_;
+    if (!face || words.size() > 3) appendNumbersOrText(line, false);  // a face of less than 3 corners shows nothing
     for (std::size_t i = 1; i < words.size(); ++i) {
       if (Status status = addCorner(words[i], number); !status.ok()) return status;
     }
