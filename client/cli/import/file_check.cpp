@@ -17,7 +17,7 @@ Status broken(const std::string& path, const std::string& why) { return invalid(
 
 Status cutShort(const std::string& path, std::uint64_t size, std::uint64_t wanted) {
   return broken(path, "the file is cut short: " + std::to_string(size) + " bytes, its header announces " +
-                          std::to_string(wanted));
+                          std::to_string(wanted) + "; copy or export it again");
 }
 
 std::string firstBytes(const std::string& path, std::size_t count) {
@@ -36,12 +36,14 @@ std::uint32_t uint32At(const std::string& bytes, std::size_t at) {
 
 Status checkGlb(const std::string& path, std::uint64_t size) {
   const std::string head = firstBytes(path, 20);
-  if (head.size() < 20 || head.compare(0, 4, "glTF") != 0) return broken(path, "not a binary glTF file");
+  if (head.size() < 20 || head.compare(0, 4, "glTF") != 0)
+    return broken(path, "it does not begin as binary glTF does; name it .gltf if it is text, else export it again");
   if (uint32At(head, 4) != 2) {
-    return broken(path, "binary glTF version " + std::to_string(uint32At(head, 4)) + "; only version 2 can be read");
+    return broken(
+        path, "binary glTF version " + std::to_string(uint32At(head, 4)) + "; only version 2 can be read: convert it");
   }
   if (size < uint32At(head, 8)) return cutShort(path, size, uint32At(head, 8));
-  if (head.compare(16, 4, "JSON") != 0) return broken(path, "its first chunk is not JSON");
+  if (head.compare(16, 4, "JSON") != 0) return broken(path, "its first chunk is not JSON; export it again");
   if (std::uint64_t(uint32At(head, 12)) + 20 > size) return cutShort(path, size, uint32At(head, 12) + 20ULL);
   return {};
 }
@@ -63,7 +65,7 @@ Status checkStl(const std::string& path, std::uint64_t size) {
   file.seekg(-std::streamoff(std::min<std::uint64_t>(size, 512)), std::ios::end);
   const std::string tail((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const bool ends = lowerCase(tail).find("endsolid") != std::string::npos;
-  return ends ? Status() : broken(path, "the file is cut short: it has no endsolid");
+  return ends ? Status() : broken(path, "the file is cut short: it has no endsolid; copy or export it again");
 }
 
 }  // namespace

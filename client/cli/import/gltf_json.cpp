@@ -46,7 +46,9 @@ Expected<json> parseJson(std::string_view text) {
   json out;
   LimitedDepth sax(out);
   if (json::sax_parse(text.begin(), text.end(), &sax)) return out;
-  if (sax.tooDeep()) return invalid("file", "its JSON is nested deeper than " + std::to_string(kDeepest) + " levels");
+  if (sax.tooDeep())
+    return invalid("file", "its JSON is nested deeper than " + std::to_string(kDeepest) +
+                               " levels, the most that are read; export it without such extras");
   const std::string_view before = text.substr(0, sax.position);
   return invalid("file", "line " + std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ", byte " +
                              std::to_string(sax.position) +
@@ -58,7 +60,9 @@ void JsonPlace::refuse(const std::string& what) const {
 }
 
 bool JsonPlace::is(bool right, const char* wanted) const {
-  if (!right) refuse(std::string("is of type ") + value_->type_name() + ", glTF 2.0 asks for " + wanted);
+  if (!right)
+    refuse(std::string("is of type ") + value_->type_name() + ", glTF 2.0 asks for " + wanted +
+           "; export the file again");
   return right;
 }
 
@@ -93,7 +97,7 @@ std::size_t JsonPlace::whole(std::size_t otherwise) const {
   if (value_ == nullptr || !is(value_->is_number(), "a number")) return otherwise;
   const auto value = value_->get<double>();
   if (value >= 0.0 && value < 9007199254740992.0 && value == std::floor(value)) return std::size_t(value);
-  refuse("is " + value_->dump() + ", glTF 2.0 asks for a whole number from 0");
+  refuse("is " + value_->dump() + ", glTF 2.0 asks for a whole number from 0; export the file again");
   return otherwise;
 }
 

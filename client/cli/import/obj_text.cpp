@@ -36,6 +36,7 @@ class ObjText {
     const bool numbers = keyword == "v" || keyword == "vn" || keyword == "vt";
     const bool element = keyword == "f" || keyword == "l" || keyword == "p";
     if (numbers || element) line = trimmed(line.substr(0, line.find('#')));
+    if (keyword == "v" && countNumbers(wordsOf(line), 1, 3) < 3) return halfVertex(line, number);
     if (keyword == "v") ++kinds_[0].count;
     if (keyword == "vt") ++kinds_[1].count;
     if (keyword == "vn") ++kinds_[2].count;
@@ -99,6 +100,11 @@ class ObjText {
       }
     }
     return rest.empty() ? Status() : malformed(corner, line);
+  }
+
+  static Status halfVertex(std::string_view line, std::size_t number) {
+    return invalid("file", "line " + std::to_string(number) + ": the vertex '" + std::string(line.substr(0, 60)) +
+                               "' does not have the 3 numbers that it needs; export the file again");
   }
 
   static Status malformed(std::string_view corner, std::size_t line) {

@@ -118,7 +118,7 @@ class TextBody {
       if (!takeLine(element, wordsOf(line), body)) {
         return invalid("file", "'" + element.name + "' " + std::to_string(i) + ": the line '" +
                                    std::string(trimmed(line).substr(0, 60)) +
-                                   "' has fewer numbers than its element has properties; the file is cut short or "
+                                   "' has fewer numbers than its header announces; the file is cut short or "
                                    "damaged: copy or export it again");
       }
     }
@@ -130,7 +130,7 @@ class TextBody {
   static bool takeLine(const PlyElement& element, const std::vector<std::string_view>& words, Body& body) {
     std::size_t at = 0;
     for (const PlyProperty& property : element.properties) {
-      if (at >= words.size()) return false;
+      if (at >= words.size() || !looksLikeNumber(words[at])) return false;
       const std::int64_t items = property.count ? indexFrom(words[at++]) : 1;
       if (items < 0 || words.size() - at < std::size_t(items)) return false;
       if (isVertexList(element, property)) {

@@ -121,11 +121,11 @@ class SceneBuilder {
     const Material& material = materials_.at(source.mMaterialIndex);
     const std::string name = objectName(node.mName.C_Str(), source.mName.C_Str(), stem_);
     Expected<MeshPtr> mesh = sharedMesh(meshIndex, material.uvChannel);
-    if (!mesh) return mesh.status().within(name);
+    if (!mesh) return faulty(name, mesh.status());
     const Expected<Transform> transform = transformFromMatrix(world);
     if (!transform) {  // a Transform cannot shear: bake the matrix into the vertices
       Expected<Mesh> flat = baked(**mesh, world);
-      if (!flat) return flat.status().within(name);
+      if (!flat) return faulty(name, flat.status());
       mesh = std::make_shared<const Mesh>(std::move(*flat));
     }
     const TexturePtr texture = (*mesh)->uvs.empty() ? nullptr : material.texture;
@@ -133,6 +133,11 @@ class SceneBuilder {
       out_.warnings.push_back(name + " has a texture but no texture coordinates: ignored it");
     addMaterialised(name, *mesh, transform ? *transform : Transform(), material, texture);
     return {};
+  }
+
+  /// What is wrong with a mesh, with the object that has it.
+  static Status faulty(const std::string& object, const Status& status) {
+    return invalid(object, "object '" + object + "': " + status.message() + "; mend it and export the file again");
   }
 
   void addMaterialised(const std::string& name, const MeshPtr& mesh, const Transform& transform,

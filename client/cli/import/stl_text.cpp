@@ -14,9 +14,9 @@ std::string lowerCase(std::string_view text) {
   return out;
 }
 
-Status halfVertex(std::size_t line, std::size_t numbers) {
-  return invalid("file", "line " + std::to_string(line) + ": the vertex has " + std::to_string(numbers) +
-                             " numbers instead of 3; export the file again");
+Status halfVertex(std::size_t line, std::string_view text) {
+  return invalid("file", "line " + std::to_string(line) + ": '" + std::string(text.substr(0, 60)) +
+                             "' does not have the 3 numbers that a vertex needs; export the file again");
 }
 
 }  // namespace
@@ -44,8 +44,8 @@ Expected<std::string> plainStl(std::string_view text) {
       out += solid + lowerCase(line) + '\n';
       solid.clear();
       if (keyword == "facet") ++facets;
-      const std::size_t words = keyword == "vertex" ? wordsOf(line).size() : 4;
-      if (words < 4) return halfVertex(lines.number(), words - 1);
+      const bool half = keyword == "vertex" && countNumbers(wordsOf(line), 1, 3) < 3;
+      if (half) return halfVertex(lines.number(), line);
     }
   }
   if (facets == 0) return invalid("file", "the file has no facet; export it with facets");

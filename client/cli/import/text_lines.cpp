@@ -24,6 +24,22 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
   return words;
 }
 
+bool looksLikeNumber(std::string_view word) {
+  if (!word.empty() && (word[0] == '-' || word[0] == '+')) word.remove_prefix(1);
+  const std::string_view begin = word.substr(0, 3);
+  for (const char* special : {"nan", "NaN", "NAN", "inf", "Inf", "INF"}) {
+    if (begin == special) return true;
+  }
+  return word.find_first_not_of("0123456789.,eE+-") == std::string_view::npos &&
+         word.find_first_of("0123456789") != std::string_view::npos;
+}
+
+std::size_t countNumbers(const std::vector<std::string_view>& words, std::size_t first, std::size_t most) {
+  std::size_t count = 0;
+  while (count < most && first + count < words.size() && looksLikeNumber(words[first + count])) ++count;
+  return count;
+}
+
 bool Lines::next(std::string_view& line) {
   if (at_ >= text_.size()) return false;
   const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());

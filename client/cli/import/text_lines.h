@@ -15,6 +15,12 @@ std::string_view trimmed(std::string_view text);
 /// The words between spaces and tabs.
 std::vector<std::string_view> wordsOf(std::string_view line);
 
+/// Whether a word is written as a number, decimal comma and nan included.
+bool looksLikeNumber(std::string_view word);
+
+/// Number of leading words from `first` on that look like numbers, at most `most`.
+std::size_t countNumbers(const std::vector<std::string_view>& words, std::size_t first, std::size_t most);
+
 /// Takes lines off a text: they end with \n, \r\n or \r.
 class Lines {
  public:

@@ -109,6 +109,18 @@ TEST_F(Formats, ObjIndicesOutOfRange) {
   expectRead("g.obj", "f 1 2 3\n" + kSquare, 1, 0.5);  // OBJ lets faces come before their vertices
 }
 
+/// Assimp reads the last ones, with a decimal comma: they have to stay right.
+TEST_F(Formats, VerticesThatAreNoNumbers) {
+  EXPECT_THAT(refusal("a.obj", "v 0 0 0\nv 1 0\nv 1 1 0\nf 1 2 3\n"), AllOf(HasSubstr("line 2"), HasSubstr("'v 1 0'")));
+  EXPECT_THAT(refusal("b.obj", "v 0 0 0\nv 1 0 0\nv 1 x 0\nf 1 2 3\n"), HasSubstr("line 3"));
+  EXPECT_THAT(refusal("c.ply", asciiPly().replace(asciiPly().find("1 1 0"), 5, "1 x 0")), HasSubstr("'vertex' 2"));
+  EXPECT_THAT(refusal("d.stl", asciiStl().replace(asciiStl().find("1 1 0"), 5, "1 x 0")), HasSubstr("line 6"));
+  EXPECT_THAT(refusal("e.obj", "v nan 0 0\n" + kSquare + "f 1 2 3 4 5\n"),
+              AllOf(HasSubstr("object 'e'"), HasSubstr("not finite")));
+  expectRead("f.obj", "v 0 0 0\nv 1 0 0\nv 1,5 1,5 0\nf 1 2 3\n", 1, 0.75);
+  expectRead("g.stl", asciiStl().replace(asciiStl().find("1 1 0"), 5, "1 1,5 0"), 1, 0.75);
+}
+
 TEST_F(Formats, ObjWithoutFacesAndInUtf16) {
   EXPECT_THAT(refusal("a.obj", kSquare), HasSubstr("no face"));
   EXPECT_THAT(refusal("b.obj", kSquare + "l 1 2\np 3\n"), HasSubstr("no face"));
