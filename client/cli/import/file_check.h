@@ -10,8 +10,8 @@ namespace lpv::cli {
 /// The lower-case extension without the dot.
 std::string extensionOf(const std::string& path);
 
-/// INVALID_ARGUMENT if the file cannot be read, its extension is none of glb, gltf, obj, ply, stl, or its size differs
-/// from what its header announces (GLB, binary STL, PLY).
+/// INVALID_ARGUMENT if the file cannot be read, its extension is none of glb, gltf, obj, ply, stl, or its size is less
+/// than its header announces (GLB, binary STL).
 Status checkSceneFile(const std::string& path);
 
 }  // namespace lpv::cli

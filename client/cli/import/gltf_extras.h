@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "import/gltf_json.h"
+
 namespace lpv::cli {
 
 /// A material with an emissive factor.
@@ -24,7 +26,6 @@ struct GltfExtras {
   double strengthOf(const std::string& name, const glm::dvec3& factor) const;
 };
 
-/// Empty for files that are neither .glb nor .gltf or that cannot be read.
-GltfExtras readGltfExtras(const std::string& path);
+GltfExtras readGltfExtras(const JsonPlace& root);
 
 }  // namespace lpv::cli

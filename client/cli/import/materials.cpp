@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "import/file_check.h"
+#include "import/gltf_data.h"
 #include "import/image.h"
 
 namespace lpv::cli {
@@ -25,18 +26,6 @@ std::optional<glm::dvec3> colour(const aiMaterial& material, const char* key, un
   const glm::dvec3 rgb(value.r, value.g, value.b);
   if (!std::isfinite(rgb.x) || !std::isfinite(rgb.y) || !std::isfinite(rgb.z)) return {};
   return glm::max(rgb, glm::dvec3(0.0));
-}
-
-/// Decodes "%20" and the like in glTF's addresses.
-std::string unescaped(const std::string& uri) {
-  std::string out;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    const bool escape = uri[i] == '%' && i + 2 < uri.size() && std::isxdigit(static_cast<unsigned char>(uri[i + 1])) &&
-                        std::isxdigit(static_cast<unsigned char>(uri[i + 2]));
-    out += escape ? char(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
-    if (escape) i += 2;
-  }
-  return out;
 }
 
 std::string nameOf(const aiMaterial& material) {
@@ -107,10 +96,11 @@ TexturePtr Materials::texture(const std::string& name) {
 Expected<Texture> Materials::load(const std::string& name) const {
   if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str()); embedded != nullptr) {
     if (embedded->mHeight != 0) return invalid("texture", name + ": uncompressed embedded textures cannot be read");
-    return decodeImage(std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth),
-                       embedded->achFormatHint);
+    const std::string bytes(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth);
+    const bool webp = bytes.compare(0, 4, "RIFF") == 0;  // Assimp keeps formats of three letters only
+    return decodeImage(bytes, webp ? "webp" : embedded->achFormatHint);
   }
-  std::string relative = unescaped(name);
+  std::string relative = percentDecoded(name);
   std::replace(relative.begin(), relative.end(), '\\', '/');
   const std::filesystem::path path = std::filesystem::path(folder_) / relative;
   std::error_code error;

@@ -17,6 +17,7 @@
 #include "import/gltf_extras.h"
 #include "import/materials.h"
 #include "import/names.h"
+#include "import/prepared_file.h"
 
 namespace Assimp {
 
@@ -43,28 +44,29 @@ glm::dmat4 worldFromFile(const ImportOptions& options) {
   return matrix;
 }
 
-const aiScene* parse(const std::string& path, unsigned flags, Assimp::Importer& importer, std::string& error) {
+/// Null for a file that Assimp refuses. Its messages name none of the file's places: prepareFile has said what it can.
+const aiScene* parse(const PreparedFile& file, unsigned flags, Assimp::Importer& importer) {
+  importer.SetIOHandler(new PreparedFileSystem(file));  // the importer deletes it
   try {
-    const aiScene* scene = importer.ReadFile(path, flags);
-    if (scene == nullptr) error = importer.GetErrorString();
-    return scene;
-  } catch (const std::exception& exception) {
-    error = exception.what();
+    return importer.ReadFile(file.name, flags);
+  } catch (const std::exception&) {
     return nullptr;
   }
 }
 
-Status readFile(const std::string& path, const ImportOptions& options, Assimp::Importer& importer) {
-  if (Status status = checkSceneFile(path); !status.ok()) return status;
+Status readFile(const std::string& path, const PreparedFile& file, const ImportOptions& options,
+                Assimp::Importer& importer) {
   unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs | aiProcess_ValidateDataStructure;
   if (!options.keepVertices) {  // flat normals would duplicate vertices too
     flags |= aiProcess_JoinIdenticalVertices;
     flags |= extensionOf(path) == "ply" ? aiProcess_GenSmoothNormals : aiProcess_GenNormals;
   }
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  std::string error;
-  const aiScene* scene = parse(path, flags, importer, error);
-  if (scene == nullptr) return invalid("file", path + ": " + error);
+  const aiScene* scene = parse(file, flags, importer);
+  if (scene == nullptr) {
+    return invalid("file", path + ": the file cannot be read as " + extensionOf(path) +
+                               ", or has no triangle; open it in the program that made it and export it again");
+  }
   if (scene->mRootNode == nullptr || scene->mNumMeshes == 0) {
     return invalid("file", path + ": the file has no triangle");
   }
@@ -87,11 +89,13 @@ void forEachNode(const aiScene& scene, const glm::dmat4& root,
 /// Builds lights and surfaces from (node, mesh) pairs.
 class SceneBuilder {
  public:
-  SceneBuilder(const aiScene& scene, const std::string& path, const ImportOptions& options)
+  SceneBuilder(const aiScene& scene, const std::string& path, const PreparedFile& file, const ImportOptions& options)
       : scene_(scene),
         stem_(std::filesystem::path(path).stem().string()),
-        extras_(readGltfExtras(path)),
-        materials_(scene, path, extras_, options) {}
+        extras_(file.extras),
+        materials_(scene, path, extras_, options) {
+    out_.warnings = file.warnings;
+  }
 
   Status addNode(const aiNode& node, const glm::dmat4& world) {
     worldFromNode_[node.mName.C_Str()] = world;
@@ -117,11 +121,11 @@ class SceneBuilder {
     const Material& material = materials_.at(source.mMaterialIndex);
     const std::string name = objectName(node.mName.C_Str(), source.mName.C_Str(), stem_);
     Expected<MeshPtr> mesh = sharedMesh(meshIndex, material.uvChannel);
-    if (!mesh) return mesh.status().within(name);
+    if (!mesh) return faulty(name, mesh.status());
     const Expected<Transform> transform = transformFromMatrix(world);
     if (!transform) {  // a Transform cannot shear: bake the matrix into the vertices
       Expected<Mesh> flat = baked(**mesh, world);
-      if (!flat) return flat.status().within(name);
+      if (!flat) return faulty(name, flat.status());
       mesh = std::make_shared<const Mesh>(std::move(*flat));
     }
     const TexturePtr texture = (*mesh)->uvs.empty() ? nullptr : material.texture;
@@ -129,6 +133,11 @@ class SceneBuilder {
       out_.warnings.push_back(name + " has a texture but no texture coordinates: ignored it");
     addMaterialised(name, *mesh, transform ? *transform : Transform(), material, texture);
     return {};
+  }
+
+  /// What is wrong with a mesh, with the object that has it.
+  static Status faulty(const std::string& object, const Status& status) {
+    return invalid(object, "object '" + object + "': " + status.message() + "; mend it and export the file again");
   }
 
   void addMaterialised(const std::string& name, const MeshPtr& mesh, const Transform& transform,
@@ -188,7 +197,7 @@ class SceneBuilder {
 
   const aiScene& scene_;
   std::string stem_;
-  GltfExtras extras_;
+  const GltfExtras& extras_;
   Materials materials_;
   std::map<std::pair<unsigned, unsigned>, MeshPtr> meshes_;
   std::map<std::string, glm::dmat4> worldFromNode_;
@@ -198,10 +207,12 @@ class SceneBuilder {
 }  // namespace
 
 Expected<ImportedScene> importScene(const std::string& path, const ImportOptions& options) {
+  const Expected<PreparedFile> file = prepareFile(path);
+  if (!file) return file.status();
   Assimp::Importer importer;
-  if (Status status = readFile(path, options, importer); !status.ok()) return status;
+  if (Status status = readFile(path, *file, options, importer); !status.ok()) return status;
   const aiScene& scene = *importer.GetScene();
-  SceneBuilder builder(scene, path, options);
+  SceneBuilder builder(scene, path, *file, options);
   Status status;
   forEachNode(scene, worldFromFile(options), [&](const aiNode& node, const glm::dmat4& world) {
     if (status.ok()) status = builder.addNode(node, world);
@@ -214,8 +225,10 @@ Expected<ImportedScene> importScene(const std::string& path, const ImportOptions
 }
 
 Expected<Mesh> importMesh(const std::string& path, const ImportOptions& options) {
+  const Expected<PreparedFile> file = prepareFile(path);
+  if (!file) return file.status();
   Assimp::Importer importer;
-  if (Status status = readFile(path, options, importer); !status.ok()) return status;
+  if (Status status = readFile(path, *file, options, importer); !status.ok()) return status;
   const aiScene& scene = *importer.GetScene();
   Mesh all;
   Status status;
