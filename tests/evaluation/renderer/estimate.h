@@ -46,6 +46,7 @@ struct IrradianceEstimate {
   std::vector<glm::dvec3> error;  ///< standard error, per level
   glm::dvec3 direct{0.0};
   glm::dvec3 unoccluded{0.0};     ///< direct, nothing in the way
+  glm::dvec3 unoccludedError{0.0};
 };
 
 /// `stream`: receivers of different streams get independent paths.

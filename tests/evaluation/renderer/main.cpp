@@ -152,14 +152,15 @@ Status measurePoints(const Options& o, const PathTracer& tracer) {
   parallelFor(int(points->size()), o.sampling.threads, [&](int i) {
     answers[std::size_t(i)] = estimateIrradiance(tracer, (*points)[std::size_t(i)], o.sampling, std::uint32_t(i));
   });
-  std::cout << "x,y,z,nx,ny,nz,unoccluded_r,unoccluded_g,unoccluded_b";
+  std::cout << "x,y,z,nx,ny,nz,unoccluded_r,unoccluded_g,unoccluded_b,unoccluded_se_r,unoccluded_se_g,unoccluded_se_b";
   for (const int level : tracer.levels()) {
     for (const char* colour : {"r", "g", "b"}) std::cout << ",e" << levelName(level) << "_" << colour;
     for (const char* colour : {"r", "g", "b"}) std::cout << ",se" << levelName(level) << "_" << colour;
   }
   std::cout << "\n";
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    std::cout << text((*points)[i].position) << "," << text((*points)[i].normal) << "," << text(answers[i].unoccluded);
+    std::cout << text((*points)[i].position) << "," << text((*points)[i].normal) << "," << text(answers[i].unoccluded)
+              << "," << text(answers[i].unoccludedError);
     for (std::size_t level = 0; level < answers[i].mean.size(); ++level) {
       std::cout << "," << text(answers[i].mean[level]) << "," << text(answers[i].error[level]);
     }

@@ -37,7 +37,7 @@ Picture blank(const glm::ivec2& size, const std::vector<int>& levels) {
   for (auto* layers : {&p.radiance, &p.radianceError, &p.irradiance, &p.irradianceError}) {
     layers->assign(levels.size(), std::vector<glm::vec3>(pixels, glm::vec3(0.0F)));
   }
-  for (auto* layer : {&p.direct, &p.unoccluded, &p.position, &p.normal, &p.flatNormal, &p.albedo}) {
+  for (auto* layer : {&p.direct, &p.unoccluded, &p.unoccludedError, &p.position, &p.normal, &p.flatNormal, &p.albedo}) {
     layer->assign(pixels, glm::vec3(0.0F));
   }
   p.object.assign(pixels, 0.0F);
@@ -61,6 +61,7 @@ void renderCentre(Picture& picture, std::size_t i, const TracedScene& scene, con
   picture.albedo[i] = albedo;
   picture.direct[i] = e.direct;
   picture.unoccluded[i] = e.unoccluded;
+  picture.unoccludedError[i] = e.unoccludedError;
   for (std::size_t level = 0; level < e.mean.size(); ++level) {
     picture.irradiance[level][i] = e.mean[level];
     picture.irradianceError[level][i] = e.error[level];
@@ -126,6 +127,7 @@ Status writeExr(const std::string& path, const Picture& p, std::size_t level) {
                                                                                      {"Ese", &p.irradianceError[level]},
                                                                                      {"D", &p.direct},
                                                                                      {"U", &p.unoccluded},
+                                                                                     {"Use", &p.unoccludedError},
                                                                                      {"P", &p.position},
                                                                                      {"N", &p.normal},
                                                                                      {"G", &p.flatNormal},

@@ -30,6 +30,7 @@ struct Picture {
   std::vector<std::vector<glm::vec3>> irradianceError;  ///< standard error
   std::vector<glm::vec3> direct;      ///< irradiance without bounces
   std::vector<glm::vec3> unoccluded;  ///< ... and nothing in the light's way
+  std::vector<glm::vec3> unoccludedError;  ///< its standard error
   std::vector<glm::vec3> position;    ///< of the first hit, metres
   std::vector<glm::vec3> normal;      ///< unit, interpolated, towards the viewer
   std::vector<glm::vec3> flatNormal;  ///< unit, of the triangle, towards the viewer
@@ -43,7 +44,8 @@ Picture renderPicture(const TracedScene& scene, const PathTracer& tracer, const 
                       PixelFilter filter, const Sampling& sampling);
 
 /// Writes the picture at one level as OpenEXR, float, with named channels: R G B radiance, se radiance's standard
-/// error, E irradiance, Ese its standard error, D direct, U unoccluded, P position, N normal, G flat normal, A albedo,
+/// error, E irradiance, Ese its standard error, D direct, U unoccluded, Use its standard
+/// error, P position, N normal, G flat normal, A albedo,
 /// object.
 Status writeExr(const std::string& path, const Picture& picture, std::size_t level);
 
