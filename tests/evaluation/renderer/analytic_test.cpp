@@ -192,6 +192,30 @@ TEST(Analytic, WallsReceiveThePowerThatALightSends) {
   EXPECT_NEAR(sum / kPoints * 24.0, power, 0.02 * power);
 }
 
+// Broken by: the closed form in place of what was hidden; the noise of the direct part left in.
+TEST(Analytic, TheClosedFormTakesThePlaceOfOpenDirectLightAlone) {
+  Scene scene;
+  addLight(scene, reference::quad(), Transform(), glm::dvec3(1.0));
+  addSurface(scene, reference::quad(), movedTo({-5.0, 0, 0.5}, {0, 0, 0}, {10, 10, 1}), glm::dvec3(0.0));
+  const TracedScene traced(scene);
+  const ClosedForm exact(scene);
+  ASSERT_TRUE(exact.available());
+  Sampling sampling;
+  sampling.samples = 4096;
+  const PathTracer tracer(traced, {0});
+  const auto at = [&](double x) {
+    return estimateIrradiance(tracer, facing({x, 0, 1}, {0, 0, -1}), sampling, 0, &exact);
+  };
+  const auto open = at(3.0);
+  EXPECT_EQ(open.error[0].x, 0.0);
+  EXPECT_EQ(open.mean[0].x, open.unoccluded.x);
+  const auto half = at(0.0);
+  EXPECT_NEAR(half.mean[0].x, 0.7522746884541 / 2.0, kErrors * half.error[0].x);
+  EXPECT_GT(half.error[0].x, 0.0);
+  EXPECT_NEAR(half.unoccluded.x, 0.7522746884541, 1e-12);
+  EXPECT_EQ(at(-3.0).mean[0].x, 0.0);
+}
+
 // The double reference has no shadows, so it is compared with what arrives where nothing is in the way.
 TEST(Analytic, UnoccludedLightOfMeshesAgreesWithTheDoubleReference) {
   for (const MeshPtr& mesh :

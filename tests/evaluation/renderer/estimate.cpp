@@ -2,32 +2,71 @@
 
 namespace lpv::evaluation {
 
-IrradianceEstimate estimateIrradiance(const PathTracer& tracer, const Receiver& receiver, const Sampling& sampling,
-                                      std::uint32_t stream) {
-  const std::size_t levels = tracer.levels().size();
-  std::vector<Replicates> sums(levels);
-  Replicates unoccluded;
-  IrradianceEstimate out;
-  for (int replicate = 0; replicate < sampling.replicates; ++replicate) {
-    Sampler sampler(hashed(hashed(sampling.seed + stream) + std::uint32_t(replicate)));
-    std::vector<glm::dvec3> mean(levels, glm::dvec3(0.0));
-    glm::dvec3 unoccludedMean(0.0);
-    const double share = 1.0 / sampling.perReplicate();
-    for (int i = 0; i < sampling.perReplicate(); ++i) {
-      sampler.start(std::uint32_t(i));
-      const PathSample path = tracer.sample(receiver, sampler);
-      for (std::size_t level = 0; level < levels; ++level) mean[level] += share * path.irradiance[level];
-      out.direct += share / sampling.replicates * path.direct;
-      unoccludedMean += share * path.unoccluded;
+namespace {
+
+/// Means over the paths of one replicate.
+struct Replicate {
+  std::vector<glm::dvec3> levels;
+  glm::dvec3 direct{0.0};
+  glm::dvec3 unoccluded{0.0};
+  bool open = true;  ///< no path found anything in the way
+};
+
+Replicate replicateOf(const PathTracer& tracer, const Receiver& receiver, int samples, std::uint32_t seed) {
+  Replicate out;
+  out.levels.assign(tracer.levels().size(), glm::dvec3(0.0));
+  Sampler sampler(seed);
+  const double share = 1.0 / samples;
+  for (int i = 0; i < samples; ++i) {
+    sampler.start(std::uint32_t(i));
+    const PathSample path = tracer.sample(receiver, sampler);
+    for (std::size_t level = 0; level < out.levels.size(); ++level) {
+      out.levels[level] += share * path.irradiance[level];
     }
-    for (std::size_t level = 0; level < levels; ++level) sums[level].add(mean[level]);
-    unoccluded.add(unoccludedMean);
+    out.direct += share * path.direct;
+    out.unoccluded += share * path.unoccluded;
+    out.open = out.open && path.direct == path.unoccluded;
   }
+  return out;
+}
+
+/// Puts the closed form in the place of what was estimated of the light that nothing can hide.
+void takeExact(std::vector<Replicate>& replicates, const glm::dvec3& exact) {
+  bool open = true;
+  for (const Replicate& r : replicates) open = open && r.open;
+  for (Replicate& r : replicates) {
+    if (open) {
+      for (glm::dvec3& level : r.levels) level += exact - r.unoccluded;
+      r.direct = exact;
+    }
+    r.unoccluded = exact;
+  }
+}
+
+}  // namespace
+
+IrradianceEstimate estimateIrradiance(const PathTracer& tracer, const Receiver& receiver, const Sampling& sampling,
+                                      std::uint32_t stream, const ClosedForm* exact) {
+  std::vector<Replicate> replicates;
+  for (int i = 0; i < sampling.replicates; ++i) {
+    const std::uint32_t seed = hashed(hashed(sampling.seed + stream) + std::uint32_t(i));
+    replicates.push_back(replicateOf(tracer, receiver, sampling.perReplicate(), seed));
+  }
+  if (exact != nullptr) takeExact(replicates, exact->irradiance(receiver.position, receiver.normal));
+  IrradianceEstimate out;
+  Replicates direct, unoccluded;
+  std::vector<Replicates> levels(tracer.levels().size());
+  for (const Replicate& r : replicates) {
+    direct.add(r.direct);
+    unoccluded.add(r.unoccluded);
+    for (std::size_t level = 0; level < levels.size(); ++level) levels[level].add(r.levels[level]);
+  }
+  out.direct = direct.mean();
   out.unoccluded = unoccluded.mean();
   out.unoccludedError = unoccluded.error();
-  for (const Replicates& sum : sums) {
-    out.mean.push_back(sum.mean());
-    out.error.push_back(sum.error());
+  for (const Replicates& level : levels) {
+    out.mean.push_back(level.mean());
+    out.error.push_back(level.error());
   }
   return out;
 }

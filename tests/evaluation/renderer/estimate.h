@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "renderer/closed_form.h"
 #include "renderer/path_tracer.h"
 
 namespace lpv::evaluation {
@@ -49,8 +50,10 @@ struct IrradianceEstimate {
   glm::dvec3 unoccludedError{0.0};
 };
 
-/// `stream`: receivers of different streams get independent paths.
+/// `stream`: receivers of different streams get independent paths. `exact`: what would arrive with nothing in the way
+/// is taken from it, and where no path found anything in the way, so is the direct part of every level, whose noise
+/// then comes from the bounces alone. A receiver from which less than a sample's share is hidden may so count as open.
 IrradianceEstimate estimateIrradiance(const PathTracer& tracer, const Receiver& receiver, const Sampling& sampling,
-                                      std::uint32_t stream);
+                                      std::uint32_t stream, const ClosedForm* exact = nullptr);
 
 }  // namespace lpv::evaluation

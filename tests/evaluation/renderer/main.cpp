@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "import/scene_file.h"
+#include "renderer/closed_form.h"
 #include "renderer/dump.h"
 #include "renderer/parallel.h"
 #include "renderer/picture.h"
@@ -145,12 +146,13 @@ Expected<std::vector<Receiver>> readPoints(const std::string& path) {
 }
 
 /// A line per point: x,y,z,nx,ny,nz, the unoccluded direct irradiance, then per level irradiance and standard error.
-Status measurePoints(const Options& o, const PathTracer& tracer) {
+Status measurePoints(const Options& o, const PathTracer& tracer, const ClosedForm* exact) {
   const auto points = readPoints(o.points);
   if (!points) return points.status();
   std::vector<IrradianceEstimate> answers(points->size());
   parallelFor(int(points->size()), o.sampling.threads, [&](int i) {
-    answers[std::size_t(i)] = estimateIrradiance(tracer, (*points)[std::size_t(i)], o.sampling, std::uint32_t(i));
+    answers[std::size_t(i)] =
+        estimateIrradiance(tracer, (*points)[std::size_t(i)], o.sampling, std::uint32_t(i), exact);
   });
   std::cout << "x,y,z,nx,ny,nz,unoccluded_r,unoccluded_g,unoccluded_b,unoccluded_se_r,unoccluded_se_g,unoccluded_se_b";
   for (const int level : tracer.levels()) {
@@ -187,13 +189,15 @@ Status run(Options& o) {
   const TracedScene traced(scene);
   if (!o.dump.empty()) return dumpScene(traced, o.dump);
   const PathTracer tracer(traced, *levels);
-  if (!o.points.empty()) return measurePoints(o, tracer);
+  const ClosedForm closedForm(scene);
+  const ClosedForm* exact = closedForm.available() ? &closedForm : nullptr;
+  if (!o.points.empty()) return measurePoints(o, tracer, exact);
   const glm::ivec2 size = o.size.value_or(glm::ivec2(320, 180));
   const Expected<Camera> camera = cameraOf(o, *imported, scene, size);
   if (!camera) return camera.status();
   printJson(*camera, size, traced);
   if (o.output.empty()) return {};
-  return writePictures(o, renderPicture(traced, tracer, *camera, size, o.filter, o.sampling));
+  return writePictures(o, renderPicture(traced, tracer, *camera, size, o.filter, o.sampling, exact));
 }
 
 }  // namespace

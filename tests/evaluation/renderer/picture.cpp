@@ -46,7 +46,7 @@ Picture blank(const glm::ivec2& size, const std::vector<int>& levels) {
 
 /// Everything of the ray through the pixel's centre.
 void renderCentre(Picture& picture, std::size_t i, const TracedScene& scene, const PathTracer& tracer, const Hit& hit,
-                  const Sampling& sampling) {
+                  const Sampling& sampling, const ClosedForm* exact) {
   picture.object[i] = float(hit.object + 1);
   const Receiver receiver = receiverAt(hit);
   picture.position[i] = hit.position;
@@ -56,7 +56,7 @@ void renderCentre(Picture& picture, std::size_t i, const TracedScene& scene, con
     for (auto& layer : picture.radiance) layer[i] = scene.emitted(hit);
     return;
   }
-  const IrradianceEstimate e = estimateIrradiance(tracer, receiver, sampling, std::uint32_t(i));
+  const IrradianceEstimate e = estimateIrradiance(tracer, receiver, sampling, std::uint32_t(i), exact);
   const glm::dvec3 albedo = scene.albedo(hit);
   picture.albedo[i] = albedo;
   picture.direct[i] = e.direct;
@@ -107,14 +107,14 @@ void append(std::vector<std::string>& names, const char* prefix, const char* axe
 }  // namespace
 
 Picture renderPicture(const TracedScene& scene, const PathTracer& tracer, const Camera& camera, const glm::ivec2& size,
-                      PixelFilter filter, const Sampling& sampling) {
+                      PixelFilter filter, const Sampling& sampling, const ClosedForm* exact) {
   const View view(camera, size);
   Picture picture = blank(size, tracer.levels());
   parallelFor(size.x * size.y, sampling.threads, [&](int pixel) {
     const int x = pixel % size.x;
     const int y = pixel / size.x;
     const std::optional<Hit> hit = view.seen(scene, x + 0.5, y + 0.5);
-    if (hit) renderCentre(picture, std::size_t(pixel), scene, tracer, *hit, sampling);
+    if (hit) renderCentre(picture, std::size_t(pixel), scene, tracer, *hit, sampling, exact);
     if (filter == PixelFilter::kBox) renderBox(picture, x, y, scene, tracer, view, sampling);
   });
   return picture;

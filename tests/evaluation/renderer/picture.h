@@ -40,8 +40,9 @@ struct Picture {
   std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 };
 
+/// `exact`: as in estimateIrradiance(), for rays through pixel centres.
 Picture renderPicture(const TracedScene& scene, const PathTracer& tracer, const Camera& camera, const glm::ivec2& size,
-                      PixelFilter filter, const Sampling& sampling);
+                      PixelFilter filter, const Sampling& sampling, const ClosedForm* exact = nullptr);
 
 /// Writes the picture at one level as OpenEXR, float, with named channels: R G B radiance, se radiance's standard
 /// error, E irradiance, Ese its standard error, D direct, U unoccluded, Use its standard

@@ -1,0 +1,79 @@
+"""References of reference_renderer, kept by what they are made from."""
+
+import hashlib
+import json
+import pathlib
+import subprocess
+import time
+
+import exr
+from product import view_flags
+
+SOURCES = pathlib.Path(__file__).parent / "renderer"
+RENDERER = ["closed_form", "dump", "estimate", "linear_texture", "main", "parallel", "path_tracer", "picture", "sampler", "traced_scene"]
+
+
+class Embree:
+    """`renderer`: the program reference_renderer. `folder`: the cache."""
+
+    name = "embree"
+
+    def __init__(self, renderer, folder, threads=None):
+        self.renderer = pathlib.Path(renderer).resolve()
+        if not self.renderer.exists():
+            raise FileNotFoundError(f"{self.renderer} is not there; build it: cmake --build BUILD --target reference_renderer")
+        self.folder = pathlib.Path(folder)
+        self.threads = ["--threads", str(threads)] if threads else []
+        digest = hashlib.sha256()
+        for name in RENDERER:
+            for path in sorted(SOURCES.glob(name + ".*")):
+                digest.update(path.read_bytes())
+        self.version = digest.hexdigest()[:16]
+
+    def default_view(self, scene_file, size):
+        """The view that the server would choose."""
+        done = self._run(scene_file, "--size", f"{size[0]}x{size[1]}")
+        answer = json.loads(done)
+        return {key: answer[key] for key in ("eye", "target", "up", "fov")}
+
+    def key(self, scene_file, view, size, samples, filter_name):
+        """Hash of everything that the reference depends on: the scene's bytes and those of the files beside it that it
+        may name, the renderer's sources, the camera, size, samples and filter."""
+        digest = hashlib.sha256()
+        digest.update(json.dumps([self.version, view, size, samples, filter_name], sort_keys=True).encode())
+        digest.update(scene_bytes_hash(scene_file))
+        return digest.hexdigest()[:24]
+
+    def pictures(self, scene_file, view, size, samples, levels, filter_name="centre"):
+        """({level: layers of exr.read}, key, seconds it took; 0 from the cache). Levels are "0", "2", "all", ..."""
+        key = self.key(scene_file, view, size, samples, filter_name)
+        stem = self.folder / key
+        paths = {level: pathlib.Path(f"{stem}-bounces-{level}.exr") for level in levels}
+        seconds = 0.0
+        if not all(path.exists() for path in paths.values()):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            began = time.monotonic()
+            part = self.folder / f"{key}.part"
+            self._run(scene_file, *view_flags(view, size), "--samples", samples, "--bounces", ",".join(levels),
+                      "--filter", filter_name, "-o", part)
+            for level, path in paths.items():  # whole files only, should this be interrupted
+                pathlib.Path(f"{part}-bounces-{level}.exr").rename(path)
+            seconds = time.monotonic() - began
+        return {level: exr.read(path) for level, path in paths.items()}, key, seconds
+
+    def _run(self, *arguments):
+        done = subprocess.run([self.renderer, *map(str, arguments), *self.threads], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"reference_renderer: {done.stderr.strip()}")
+        return done.stdout
+
+
+def scene_bytes_hash(scene_file):
+    """Of the file, and for formats that name others (obj, gltf) of everything in its folder."""
+    scene_file = pathlib.Path(scene_file)
+    files = [scene_file] if scene_file.suffix in (".glb", ".ply", ".stl") else sorted(
+        path for path in scene_file.parent.rglob("*") if path.is_file())
+    digest = hashlib.sha256()
+    for path in files:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.digest()
