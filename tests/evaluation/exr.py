@@ -6,7 +6,7 @@ import OpenImageIO as oiio
 
 def read(path):
     """{layer: array (height, width, 3) or, for a channel alone, (height, width)}. Channels R, G, B without a layer are
-    "radiance"; X, Y, Z order is kept."""
+    "radiance"."""
     image = oiio.ImageInput.open(str(path))
     if image is None:
         raise OSError(f"{path}: {oiio.geterror()}")
@@ -17,13 +17,14 @@ def read(path):
     layers = {}
     for name in at:
         layer = name.rpartition(".")[0]
-        if layer in layers or name not in ("R",) and "." not in name:
+        if layer in layers:
             continue
         key = f"{layer}." if layer else ""
         axes = "RGB" if key + "R" in at else "XYZ"
         if all(key + axis in at for axis in axes):
             layers[layer] = values[..., [at[key + axis] for axis in axes]].astype(float)
-    layers["radiance"] = layers.pop("")
+    if "" in layers:
+        layers["radiance"] = layers.pop("")
     if "object" in at:
         layers["object"] = values[..., at["object"]]
     return layers

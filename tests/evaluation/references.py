@@ -1,9 +1,11 @@
-"""References of reference_renderer, kept by what they are made from."""
+"""References of reference_renderer and of Blender's Cycles, kept by what they are made from."""
 
 import hashlib
 import json
 import pathlib
+import shutil
 import subprocess
+import tempfile
 import time
 
 import exr
@@ -66,6 +68,46 @@ class Embree:
         if done.returncode != 0:
             raise RuntimeError(f"reference_renderer: {done.stderr.strip()}")
         return done.stdout
+
+
+class Cycles:
+    """The same pictures by Blender's Cycles: radiance, position, normal and albedo, filtered by a box of one pixel."""
+
+    name = "cycles"
+
+    def __init__(self, embree, threads=2, split=512):
+        self.embree, self.threads, self.split = embree, threads, split
+        self.blender = shutil.which("blender")
+        self.version = hashlib.sha256((SOURCES.parent / "cycles/render.py").read_bytes()).hexdigest()[:16]
+
+    def missing(self):
+        """Why there is none; "" if there is."""
+        return "" if self.blender else "blender is not installed"
+
+    def picture(self, scene_file, view, size, samples, level, seed=0):
+        """Layers as exr.read names them: radiance, P, N, A."""
+        key = [self.version, self.split, view, list(size), samples, level, seed]
+        digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode() + scene_bytes_hash(scene_file))
+        path = self.embree.folder / f"cycles-{digest.hexdigest()[:24]}.exr"
+        if not path.exists():
+            self.embree.folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory() as folder:
+                self.embree._run(scene_file, "--dump", folder)
+                part = path.with_suffix(".part.exr")
+                job = {"dump": folder, "view": view, "size": list(size), "samples": samples, "bounces": level,
+                       "seed": seed, "threads": self.threads, "output": str(part), "split": self.split}
+                job_file = pathlib.Path(folder) / "job.json"
+                job_file.write_text(json.dumps(job))
+                script = SOURCES.parent / "cycles/render.py"
+                done = subprocess.run([self.blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", script,
+                                       "--", job_file], capture_output=True, text=True)
+                if done.returncode != 0 or not part.exists():
+                    raise RuntimeError(f"blender: {done.stdout[-600:]} {done.stderr[-600:]}")
+                part.rename(path)
+        layers = exr.read(path)
+        by_pass = {"Combined": "radiance", "Position": "P", "Normal": "N", "DiffCol": "A"}
+        return {by_pass[name.split(".")[-1]]: values for name, values in layers.items()
+                if name.split(".")[-1] in by_pass}
 
 
 def scene_bytes_hash(scene_file):
