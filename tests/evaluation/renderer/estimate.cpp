@@ -9,7 +9,7 @@ struct Replicate {
   std::vector<glm::dvec3> levels;
   glm::dvec3 direct{0.0};
   glm::dvec3 unoccluded{0.0};
-  bool open = true;  ///< no path found anything in the way
+  bool open = true;  ///< no path found anything in the light's way
 };
 
 Replicate replicateOf(const PathTracer& tracer, const Receiver& receiver, int samples, std::uint32_t seed) {
@@ -25,20 +25,29 @@ Replicate replicateOf(const PathTracer& tracer, const Receiver& receiver, int sa
     }
     out.direct += share * path.direct;
     out.unoccluded += share * path.unoccluded;
-    out.open = out.open && path.direct == path.unoccluded;
+    out.open = out.open && path.open;
   }
   return out;
 }
 
-/// Puts the closed form in the place of what was estimated of the light that nothing can hide.
+/// Corrects every estimate by what is known of the light that would arrive with nothing in the way: direct light
+/// becomes the exact value times the share that was seen, the ratio estimator of Heitz, Hill and McGuire 2018; the
+/// exact value itself where no path found anything in the way.
 void takeExact(std::vector<Replicate>& replicates, const glm::dvec3& exact) {
+  glm::dvec3 direct(0.0);
+  glm::dvec3 unoccluded(0.0);
   bool open = true;
-  for (const Replicate& r : replicates) open = open && r.open;
+  for (const Replicate& r : replicates) {
+    direct += r.direct;
+    unoccluded += r.unoccluded;
+    open = open && r.open;
+  }
+  glm::dvec3 seen(0.0);
+  for (int c = 0; c < 3; ++c) seen[c] = unoccluded[c] > 0.0 ? direct[c] / unoccluded[c] : 0.0;
   for (Replicate& r : replicates) {
-    if (open) {
-      for (glm::dvec3& level : r.levels) level += exact - r.unoccluded;
-      r.direct = exact;
-    }
+    const glm::dvec3 correction = open ? exact - r.direct : seen * (exact - r.unoccluded);
+    for (glm::dvec3& level : r.levels) level += correction;
+    r.direct += correction;
     r.unoccluded = exact;
   }
 }

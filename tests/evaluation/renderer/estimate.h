@@ -51,8 +51,8 @@ struct IrradianceEstimate {
 };
 
 /// `stream`: receivers of different streams get independent paths. `exact`: what would arrive with nothing in the way
-/// is taken from it, and where no path found anything in the way, so is the direct part of every level, whose noise
-/// then comes from the bounces alone. A receiver from which less than a sample's share is hidden may so count as open.
+/// is taken from it, and the direct part of every level is that times the share that paths found unhidden: without
+/// noise where nothing or all is hidden, biased by the order of 1 / samples in penumbrae.
 IrradianceEstimate estimateIrradiance(const PathTracer& tracer, const Receiver& receiver, const Sampling& sampling,
                                       std::uint32_t stream, const ClosedForm* exact = nullptr);
 

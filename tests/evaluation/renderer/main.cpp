@@ -189,7 +189,7 @@ Status run(Options& o) {
   const TracedScene traced(scene);
   if (!o.dump.empty()) return dumpScene(traced, o.dump);
   const PathTracer tracer(traced, *levels);
-  const ClosedForm closedForm(scene);
+  const ClosedForm closedForm(traced);
   const ClosedForm* exact = closedForm.available() ? &closedForm : nullptr;
   if (!o.points.empty()) return measurePoints(o, tracer, exact);
   const glm::ivec2 size = o.size.value_or(glm::ivec2(320, 180));

@@ -1,6 +1,7 @@
 #pragma once
 // Irradiance at a point by path tracing: light sampling and cosine sampling, combined by the power heuristic (Veach
-// 1997).
+// 1997). Of several points on lights one is chosen by what it sends, for the shadow ray (resampling, Talbot et al.
+// 2005).
 
 #include <glm/glm.hpp>
 #include <vector>
@@ -28,6 +29,7 @@ struct PathSample {
   std::vector<glm::dvec3> irradiance;  ///< one per level: with so many bounces
   glm::dvec3 direct{0.0};              ///< without bounces
   glm::dvec3 unoccluded{0.0};          ///< without bounces, nothing in the light's way
+  bool open = true;                    ///< nothing was found in the light's way
 };
 
 /// What one side of a surface gets. All surfaces are Lambertian; lights are black and opaque, backs of one-sided
@@ -45,8 +47,12 @@ class PathTracer {
   struct Direct {
     glm::dvec3 seen{0.0};
     glm::dvec3 unoccluded{0.0};
+    bool open = true;
   };
-  Direct fromLight(const Receiver& receiver, const glm::dvec2& random) const;
+  Direct fromLight(const Receiver& receiver, int candidates, Sampler& sampler) const;
+  /// What the point on the light would send, over its density, weighted.
+  glm::dvec3 unoccludedFrom(const LightSample& light, const Receiver& receiver) const;
+  bool sees(const Receiver& receiver, const LightSample& light) const;
   glm::dvec3 weightedEmission(const Hit& hit, const Receiver& receiver, const glm::dvec3& direction) const;
   glm::dvec3 unoccludedAlong(const Receiver& receiver, const glm::dvec3& origin, const glm::dvec3& direction) const;
 

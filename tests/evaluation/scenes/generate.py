@@ -118,7 +118,8 @@ def tessellated(n):
 
 
 SCENES = {
-    "two_boxes": (two_boxes, "shadows of two boxes on a floor under a square", {"": None}),
+    "two_boxes": (two_boxes, "shadows of two boxes on a floor under a square",
+                  {"": None, "near": {"eye": [2.6, 2.0, 3.2], "target": [0, 0.4, 0], "fov": 50}}),
     "lamp_over_floor": (lamp_over_floor, "a lamp of .2 m over a floor of 200 m",
                         {"": None, "near": {"eye": [0, 4, 9], "target": [0, 0.5, 0], "fov": 50}}),
     "room_1": (room(1), "walls on the bounds, one light", {"view": ROOM_VIEW}),
