@@ -128,6 +128,22 @@ class Flip(unittest.TestCase):
         self.assertLess(np.abs(metrics.opponent(grey)[..., 1:]).max(), 1e-9)
         self.assertLess(np.abs(metrics.hunt_lab(grey)[..., 1:]).max(), 1e-9)
 
+    # CIELAB of sRGB's blue under D65 is 32.30, 79.19, -107.86.
+    # Broken by: twice Hunt's factor.
+    def test_chroma_is_scaled_by_lightness(self):
+        blue = metrics.hunt_lab(np.array([0.0, 0, 1]))
+        np.testing.assert_allclose(blue, [32.30, 0.3230 * 79.19, 0.3230 * -107.86], atol=0.02)
+
+    # Broken by: only the first exposure looked at.
+    def test_errors_in_the_dark_show_at_a_later_exposure(self):
+        truth = random_picture(9) + 0.5
+        truth[0, 0] = 1000
+        ours = truth.copy()
+        ours[10:, 20:] *= 2
+        first = metrics.exposures(truth)[0]
+        at_first = metrics.flip_of_linear(*(metrics.tone_mapped(x * 2 ** first) for x in (ours, truth)))
+        self.assertGreater(metrics.hdr_flip(ours, truth)[15, 30], 5 * at_first[15, 30])
+
     def test_blurring_keeps_a_constant_picture(self):
         constant = metrics.opponent(np.full((40, 40, 3), [0.2, 0.5, 0.7]))
         np.testing.assert_allclose(metrics.blurred(constant, metrics.PIXELS_PER_DEGREE), constant, atol=1e-9)

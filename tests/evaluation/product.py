@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import time
@@ -65,10 +66,9 @@ class Server:
         return done.stdout
 
     def device(self):
-        """What the server says of its device, {} where it does not."""
-        text = pathlib.Path(self.log.name).read_text(errors="replace")
-        lines = [line for line in text.splitlines() if "llvmpipe" in line or "device" in line.lower()]
-        return lines[0].strip() if lines else ""
+        """What the server's log says of driver and device, "" where it does not."""
+        found = re.search(r"info (OpenGL .*)", pathlib.Path(self.log.name).read_text(errors="replace"))
+        return found.group(1) if found else ""
 
     def load(self, file, flags):
         """The name of a new session with the scene in it."""
