@@ -11,8 +11,16 @@ import time
 import exr
 from product import view_flags
 
-SOURCES = pathlib.Path(__file__).parent / "renderer"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CYCLES = ROOT / "tests/evaluation/cycles/render.py"
 RENDERER = ["closed_form", "dump", "estimate", "linear_texture", "main", "parallel", "path_tracer", "picture", "sampler", "traced_scene"]
+
+
+def sources():
+    """Files that decide what a reference shows: the renderer's, and those that read the scene."""
+    patterns = [f"tests/evaluation/renderer/{name}.*" for name in RENDERER] + ["client/cli/import/*.*"]
+    patterns += [f"server/scene/{name}.*" for name in ("camera", "mesh", "scene", "texture", "transform")]
+    return sorted(path for pattern in patterns for path in ROOT.glob(pattern))
 
 
 class Embree:
@@ -27,9 +35,8 @@ class Embree:
         self.folder = pathlib.Path(folder)
         self.threads = ["--threads", str(threads)] if threads else []
         digest = hashlib.sha256()
-        for name in RENDERER:
-            for path in sorted(SOURCES.glob(name + ".*")):
-                digest.update(path.read_bytes())
+        for path in sources():
+            digest.update(path.read_bytes())
         self.version = digest.hexdigest()[:16]
 
     def default_view(self, scene_file, size):
@@ -78,7 +85,7 @@ class Cycles:
     def __init__(self, embree, threads=2, split=512):
         self.embree, self.threads, self.split = embree, threads, split
         self.blender = shutil.which("blender")
-        self.version = hashlib.sha256((SOURCES.parent / "cycles/render.py").read_bytes()).hexdigest()[:16]
+        self.version = hashlib.sha256(CYCLES.read_bytes()).hexdigest()[:16]
 
     def missing(self):
         """Why there is none; "" if there is."""
@@ -98,8 +105,7 @@ class Cycles:
                        "seed": seed, "threads": self.threads, "output": str(part), "split": self.split}
                 job_file = pathlib.Path(folder) / "job.json"
                 job_file.write_text(json.dumps(job))
-                script = SOURCES.parent / "cycles/render.py"
-                done = subprocess.run([self.blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", script,
+                done = subprocess.run([self.blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", CYCLES,
                                        "--", job_file], capture_output=True, text=True)
                 if done.returncode != 0 or not part.exists():
                     raise RuntimeError(f"blender: {done.stdout[-600:]} {done.stderr[-600:]}")
