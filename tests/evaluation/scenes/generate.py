@@ -3,8 +3,8 @@
 
 usage: tests/evaluation/scenes/generate.py FOLDER [--data DIR]
 
-Writes one .glb per scene into FOLDER, and scenes.json: name, file, what it tests, and cameras ("" is the view that the
-server chooses). With --data, statues are Stanford's Lucy and bunny from DIR/meshes, and the Cornell box and the living
+Writes one .glb per scene into FOLDER, and scenes.json: name, file, what it tests, cameras ("" is the view that the
+server chooses), and flags of `lpvctl session create` that belong to it. With --data, statues are Stanford's Lucy and bunny from DIR/meshes, and the Cornell box and the living
 room of DIR are listed too; without, a sphere with waves stands in for the statues. The same arguments write the same
 bytes.
 """
@@ -132,11 +132,14 @@ SCENES = {
                          {"view": {"eye": [1.9, 1.6, 2.6], "target": [-0.3, 0.6, -1.2], "fov": 50}}),
     "statue_in_corner": (statue((-1.5, 0.001, -1.5)), "a statue that glows in a corner",
                          {"view": {"eye": [1.9, 1.6, 2.6], "target": [-0.6, 0.6, -1.2], "fov": 50}}),
+    "statue_half_outside": (statue((1.0, 0.001, -1.0)), "a statue across the grid's bounds",
+                            {"view": {"eye": [0.6, 1.6, 3.2], "target": [0.2, 0.6, -1.2], "fov": 50}}),
     "hall": (hall, "a hall of 4:1:1 with three statues that glow", {"view": {"eye": [-9.7, 2.2, 1.9], "target": [2, 1.2, -0.6], "fov": 65}}),
     "quad_2": (tessellated(1), "a square of 2 triangles", {"": None}),
     "quad_200": (tessellated(10), "the same of 200", {"": None}),
     "quad_20000": (tessellated(100), "the same of 20,000", {"": None}),
 }
+FLAGS = {"statue_half_outside": "--bounds=-2,0,-2,1,3,2"}  # of `lpvctl session create`
 FILES = {  # of --data
     "cornell_box": ("cornell_box/CornellBox-Original.obj", "the Cornell box", {"": None}),
     "living_room": ("scenes/living_room.glb", "a furnished room, windows as lights",
@@ -152,10 +155,12 @@ def generate(folder, data=None):
         scene = gltf.Scene()
         build(scene, data)
         scene.write(folder / f"{name}.glb")
-        rows.append({"name": name, "file": f"{name}.glb", "what": what, "cameras": cameras})
+        rows.append({"name": name, "file": f"{name}.glb", "what": what, "cameras": cameras,
+                     "flags": FLAGS.get(name, "")})
     for name, (file, what, cameras) in FILES.items() if data else ():
         if (data / file).exists():
-            rows.append({"name": name, "file": str((data / file).resolve()), "what": what, "cameras": cameras})
+            rows.append({"name": name, "file": str((data / file).resolve()), "what": what, "cameras": cameras,
+                         "flags": ""})
     (folder / "scenes.json").write_text(json.dumps(rows, indent=1) + "\n")
     return rows
 
