@@ -171,8 +171,14 @@ class Views(unittest.TestCase):
         self.assertEqual(values["raw_l2"], 0)
 
     def test_points_are_spread_over_the_surfaces(self):
-        picked = evaluate.probed_pixels(np.array([[True, False, True], [True, True, False]]), 3)
-        self.assertEqual(list(picked), [0, 3, 4])
+        surface = np.zeros((40, 50), bool)
+        surface[10:, 20:] = True
+        picked = evaluate.probed_pixels(surface, 300)
+        self.assertEqual(list(picked), list(evaluate.probed_pixels(surface, 300)))
+        self.assertEqual(len(set(picked)), 300)
+        self.assertTrue(surface.reshape(-1)[picked].all())
+        self.assertEqual(len(set(picked % 50)), 30)
+        self.assertEqual(len(set(picked // 50)), 30)
         self.assertEqual(len(evaluate.probed_pixels(np.zeros((2, 2), bool), 3)), 0)
 
 
