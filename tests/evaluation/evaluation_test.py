@@ -66,7 +66,7 @@ class Files(unittest.TestCase):
         text = (HERE / "results.schema.md").read_text()
         truth = np.ones((3, 3))
         values = metrics.compare(truth, truth, [True, False, False], truth)
-        for name in [*values, "hdr_flip", "points_outside_the_grid", "frame_seconds"]:
+        for name in [*values, "hdr_flip", "hdr_flip_of_reference", "points_outside_the_grid", "frame_seconds"]:
             self.assertIn(f"`{name}`", text)
 
 
@@ -162,6 +162,15 @@ class Views(unittest.TestCase):
             self.assertAlmostEqual(rows["0", quantity]["raw_l2"], 3 / math.sqrt(17), 12)
             self.assertAlmostEqual(rows["0", quantity]["raw_l2_shadowed"], 3, 12)
             self.assertEqual(rows["0", quantity]["pixels"], 2)
+
+    # Broken by: no noise added.
+    def test_flip_of_noise_grows_with_the_error_of_the_reference(self):
+        self.assertEqual(self.rows()["0", "pixels"]["hdr_flip_of_reference"], 0)
+        self.view.base["Ese"] = 0.1 * self.view.base["E"]
+        small = self.rows()["0", "pixels"]["hdr_flip_of_reference"]
+        self.view.base["Ese"] = 0.5 * self.view.base["E"]
+        self.assertGreater(self.rows()["0", "pixels"]["hdr_flip_of_reference"], small)
+        self.assertGreater(small, 0)
 
     # Broken by: nan answers kept among the figures.
     def test_points_outside_the_grid_are_counted(self):
