@@ -66,7 +66,7 @@ class Files(unittest.TestCase):
         text = (HERE / "results.schema.md").read_text()
         truth = np.ones((3, 3))
         values = metrics.compare(truth, truth, [True, False, False], truth)
-        for name in [*values, "hdr_flip", "hdr_flip_of_reference", "points_outside_the_grid", "frame_seconds"]:
+        for name in [*values, "hdr_flip", "hdr_flip_of_reference", "raw_l2_se", "nrmse_se", "points_outside_the_grid", "frame_seconds"]:
             self.assertIn(f"`{name}`", text)
 
 

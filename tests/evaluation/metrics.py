@@ -63,6 +63,18 @@ def shadowed(direct, unoccluded):
     return luminance(direct) < SHADOWED * luminance(unoccluded)
 
 
+def bootstrap(metric, ours, truth, resamples=200, seed=11):
+    """Standard error of a metric over points that were chosen at random (Efron 1979); nan for fewer than two."""
+    if len(truth) < 2:
+        return math.nan
+    random = np.random.default_rng(seed)
+    values = []
+    for _ in range(resamples):
+        chosen = random.integers(0, len(truth), len(truth))
+        values.append(metric(ours[chosen], truth[chosen]))
+    return float(np.std(values))
+
+
 def compare(ours, truth, in_shadow=None, error=None):
     """All but FLIP, over pixels of shape (n, 3), as a dictionary of numbers. `in_shadow`: which of them are in shadow;
     `error`: the truth's standard error, which is what of these figures may be noise of the reference."""

@@ -70,6 +70,21 @@ class Numbers(unittest.TestCase):
         self.assertEqual(out["shadowed_pixels"], 2)
 
 
+class Bootstrap(unittest.TestCase):
+    # The NRMSE of errors of one size hardly depends on the points; that of a single large error does by half.
+    # Broken by: the same points in every resample; the standard error of the mean of the resamples.
+    def test_few_large_errors_make_it_large(self):
+        truth = np.ones((1000, 3))
+        even = truth + 0.1 * np.random.default_rng(2).choice([-1, 1], (1000, 1))
+        single = truth.copy()
+        single[17] += 3
+        self.assertLess(metrics.bootstrap(metrics.nrmse, even, truth), 1e-9)
+        se = metrics.bootstrap(metrics.nrmse, single, truth)
+        self.assertGreater(se, 0.4 * metrics.nrmse(single, truth))
+        self.assertLess(se, 1.0 * metrics.nrmse(single, truth))
+        self.assertTrue(math.isnan(metrics.bootstrap(metrics.nrmse, truth[:1], truth[:1])))
+
+
 class Flip(unittest.TestCase):
     def test_the_same_picture_has_none(self):
         a = random_picture()
