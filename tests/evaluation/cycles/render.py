@@ -1,0 +1,182 @@
+"""Renders a dumped scene with Blender's Cycles, inside Blender.
+
+usage: blender -b --factory-startup -P tests/evaluation/cycles/render.py -- JOB.json
+
+JOB.json: dump (folder of `reference_renderer --dump`), view (eye, target, up, fov), size, samples, bounces (a number, or
+"all"), seed, threads, output (an OpenEXR file to write), split (least triangles of a light).
+
+The file has Cycles' passes: Combined, Position, Normal, DiffCol. A pixel is the mean over its box. Lights emit from their
+front unless they are two-sided; their backs, and those of one-sided surfaces, are black; the camera looks through the
+latter. Nothing is clamped, no sample is left out for being weak.
+"""
+
+import json
+import math
+import pathlib
+import sys
+
+import bpy
+import mathutils
+import numpy as np
+
+ALL_BOUNCES = 128
+
+
+def array(data, place, kind, width):
+    first, count = place
+    return np.frombuffer(data, kind, count * width, first).reshape(count, width)
+
+
+def split(vertices, normals, uvs, triangles, least):
+    """The triangles cut into four each until there are `least`: Cycles chooses light samples by triangle, and is dark far
+    from lights of few large ones."""
+    attributes = [a for a in (vertices, normals, uvs) if len(a)]
+    while len(triangles) < least:
+        corners = triangles
+        count = len(vertices)
+        edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+        attributes = [np.concatenate([a, 0.5 * (a[edges[:, 0]] + a[edges[:, 1]])]) for a in attributes]
+        n = len(corners)
+        ab, bc, ca = (count + i * n + np.arange(n) for i in range(3))
+        a, b, c = corners.T
+        triangles = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+        vertices = attributes[0]
+    rest = iter(attributes[1:])
+    return vertices, next(rest) if len(normals) else normals, next(rest) if len(uvs) else uvs, triangles
+
+
+def colour_socket(nodes, links, entry, folder):
+    """A colour of at most 1 and the factor it is to be multiplied with."""
+    colour = np.array(entry["colour"])
+    scale = max(1.0, colour.max())
+    node = nodes.new("ShaderNodeRGB")
+    node.outputs[0].default_value = (*(colour / scale), 1.0)
+    if "texture" not in entry:
+        return node.outputs[0], scale
+    image = nodes.new("ShaderNodeTexImage")
+    image.image = bpy.data.images.load(str(folder / entry["texture"]), check_existing=True)
+    image.image.colorspace_settings.name = "Non-Color"  # the texels are linear already
+    image.interpolation, image.extension = "Linear", "REPEAT"
+    mix = nodes.new("ShaderNodeMixRGB")
+    mix.blend_type, mix.inputs[0].default_value = "MULTIPLY", 1.0
+    links.new(node.outputs[0], mix.inputs[1])
+    links.new(image.outputs["Color"], mix.inputs[2])
+    return mix.outputs[0], scale
+
+
+def material_of(entry, folder):
+    material = bpy.data.materials.new("material")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    output = nodes.new("ShaderNodeOutputMaterial")
+    colour, scale = colour_socket(nodes, links, entry, folder)
+    shader = nodes.new("ShaderNodeEmission" if entry["emits"] else "ShaderNodeBsdfDiffuse")
+    links.new(colour, shader.inputs["Color"])
+    if entry["emits"]:
+        shader.inputs["Strength"].default_value = scale
+    front = shader.outputs[0]
+    if entry["two_sided"]:
+        links.new(front, output.inputs["Surface"])
+        return material
+    black = nodes.new("ShaderNodeBsdfDiffuse")
+    black.inputs["Color"].default_value = (0, 0, 0, 1)
+    back = black.outputs[0]
+    if not entry["emits"]:
+        seen, clear = nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeBsdfTransparent")
+        links.new(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], seen.inputs[0])
+        links.new(back, seen.inputs[1])
+        links.new(clear.outputs[0], seen.inputs[2])
+        back = seen.outputs[0]
+    sides = nodes.new("ShaderNodeMixShader")
+    links.new(nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"], sides.inputs[0])
+    links.new(front, sides.inputs[1])
+    links.new(back, sides.inputs[2])
+    links.new(sides.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def add_object(entry, data, folder, least):
+    vertices = array(data, entry["positions"], "<f8", 3)
+    normals = array(data, entry["normals"], "<f8", 3)
+    uvs = array(data, entry["uvs"], "<f8", 2)
+    triangles = array(data, entry["triangles"], "<u4", 3).astype(np.int64)
+    if entry["emits"]:
+        vertices, normals, uvs, triangles = split(vertices, normals, uvs, triangles, least)
+    mesh = bpy.data.meshes.new("mesh")
+    mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
+    if len(uvs):
+        layer = mesh.uv_layers.new()
+        corners = uvs[triangles.reshape(-1)] * (1, -1) + (0, 1)  # v = 0 is the lower edge there
+        layer.data.foreach_set("uv", corners.astype(np.float32).reshape(-1))
+    if len(normals) and not entry["emits"]:
+        mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+        mesh.use_auto_smooth = True
+        mesh.normals_split_custom_set_from_vertices(normals.tolist())
+    mesh.materials.append(material_of(entry, folder))
+    thing = bpy.data.objects.new("object", mesh)
+    bpy.context.scene.collection.objects.link(thing)
+    thing.cycles.shadow_terminator_offset = 0.0
+    thing.cycles.shadow_terminator_geometry_offset = 0.0
+
+
+def add_camera(view):
+    data = bpy.data.cameras.new("camera")
+    data.sensor_fit = "VERTICAL"
+    data.angle_y = math.radians(view["fov"])
+    data.clip_start, data.clip_end = 0.01, 1e5
+    camera = bpy.data.objects.new("camera", data)
+    eye, target, up = (mathutils.Vector(view.get(key, (0, 1, 0))) for key in ("eye", "target", "up"))
+    back = (eye - target).normalized()
+    right = up.cross(back).normalized()
+    above = back.cross(right)
+    matrix = mathutils.Matrix((right, above, back)).transposed().to_4x4()
+    matrix.translation = eye
+    camera.matrix_world = matrix
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+
+
+def set_up(job):
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = job["size"]
+    scene.render.resolution_percentage = 100
+    scene.render.threads_mode, scene.render.threads = "FIXED", job["threads"]
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples, cycles.seed = job["samples"], job["seed"]
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.light_sampling_threshold = 0.0
+    cycles.blur_glossy = 0.0
+    bounces = ALL_BOUNCES if job["bounces"] == "all" else int(job["bounces"])
+    cycles.max_bounces = cycles.diffuse_bounces = bounces
+    cycles.transparent_max_bounces = 64
+    scene.world = bpy.data.worlds.new("dark")
+    scene.world.use_nodes = False
+    scene.world.color = (0, 0, 0)
+    layer = bpy.context.view_layer
+    layer.use_pass_position = layer.use_pass_normal = layer.use_pass_diffuse_color = True
+    scene.view_settings.view_transform = "Raw"
+    image = scene.render.image_settings
+    image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR_MULTILAYER", "32", "ZIP"
+    scene.render.use_file_extension = False
+    scene.render.filepath = job["output"]
+
+
+def main():
+    job = json.loads(pathlib.Path(sys.argv[sys.argv.index("--") + 1]).read_text())
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    folder = pathlib.Path(job["dump"])
+    data = (folder / "scene.bin").read_bytes()
+    for entry in json.loads((folder / "scene.json").read_text()):
+        add_object(entry, data, folder, job["split"])
+    add_camera(job["view"])
+    set_up(job)
+    bpy.ops.render.render(write_still=True)
+
+
+main()

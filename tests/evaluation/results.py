@@ -1,0 +1,79 @@
+"""results.json and results.csv, as results.schema.md describes them."""
+
+import csv
+import datetime
+import json
+import math
+import os
+import pathlib
+import platform
+import subprocess
+
+SCHEMA = 1
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def machine():
+    model = ""
+    try:
+        for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                model = line.split(":", 1)[1].strip()
+                break
+    except OSError:
+        pass
+    return {"system": platform.system(), "architecture": platform.machine(), "processor": model, "cores": os.cpu_count()}
+
+
+def commit():
+    """The checked-out commit, with "+" where tracked files differ from it; "" without git."""
+    def git(*arguments):
+        return subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True).stdout.strip()
+    name = git("rev-parse", "HEAD")
+    return name + ("+" if name and git("status", "--porcelain", "--untracked-files=no") else "")
+
+
+def document(bench, device, rows, skipped=()):
+    return {"schema": SCHEMA, "bench": bench, "date": datetime.datetime.now(datetime.timezone.utc).isoformat("T", "seconds"),
+            "commit": commit(), "machine": machine(), "device": device, "rows": list(rows), "skipped": list(skipped)}
+
+
+def without_nan(value):
+    """JSON has no nan: null."""
+    if isinstance(value, dict):
+        return {key: without_nan(v) for key, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [without_nan(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write(folder, content):
+    """results.json, and results.csv with a line per row and a column per setting and value."""
+    folder.mkdir(parents=True, exist_ok=True)
+    content = without_nan(content)
+    (folder / "results.json").write_text(json.dumps(content, indent=1) + "\n")
+    flat = [{**{k: v for k, v in row.items() if not isinstance(v, (dict, list))},
+             **{f"{part}.{k}": v for part in ("settings", "reference", "values") for k, v in row.get(part, {}).items()
+                if not isinstance(v, (dict, list))}} for row in content["rows"]]
+    columns = list(dict.fromkeys(key for row in flat for key in row))
+    with open(folder / "results.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(flat)
+
+
+def check(content):
+    """Sentences about what is not as results.schema.md says; empty if all is."""
+    wrong = []
+    for key, kind in (("schema", int), ("bench", str), ("date", str), ("commit", str), ("machine", dict), ("device", dict),
+                      ("rows", list), ("skipped", list)):
+        if not isinstance(content.get(key), kind):
+            wrong.append(f"{key} is missing or no {kind.__name__}")
+    for i, row in enumerate(content.get("rows", [])):
+        for key, kind in (("case", str), ("quantity", str), ("settings", dict), ("values", dict)):
+            if not isinstance(row.get(key), kind):
+                wrong.append(f"rows[{i}].{key} is missing or no {kind.__name__}")
+        for key, value in row.get("values", {}).items():
+            if value is not None and not isinstance(value, (int, float)):
+                wrong.append(f"rows[{i}].values.{key} is no number")
+    return wrong

@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""Writes the scenes of the evaluation.
+
+usage: tests/evaluation/scenes/generate.py FOLDER [--data DIR]
+
+Writes one .glb per scene into FOLDER, and scenes.json: name, file, what it tests, cameras ("" is the view that the
+server chooses), and flags of `lpvctl session create` that belong to it. With --data, statues are Stanford's Lucy and bunny from DIR/meshes, and the Cornell box and the living
+room of DIR are listed too; without, a sphere with waves stands in for the statues. The same arguments write the same
+bytes.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import numpy as np  # noqa: E402
+
+import gltf  # noqa: E402
+from meshes import (box, flat, grid_quad, panel_down, quad, quad_uvs, read_ply, sphere, standing, tube)  # noqa: E402
+
+ROOM = ((-2.5, 0.0, -2.0), (2.5, 3.0, 2.0))  # metres
+ROOM_VIEW = {"eye": [-2.2, 1.7, 1.75], "target": [1.0, 0.8, -0.9], "fov": 65}
+
+
+def two_boxes(scene, data):
+    scene.surface("floor", quad((0, 0, 0), (6, 0, 0), (0, 0, -6)))
+    scene.surface("tall box", flat(box((-1.1, 0, -0.9), (-0.3, 1.4, -0.1))), (0.7, 0.3, 0.2))
+    scene.surface("low box", flat(box((0.3, 0, 0.1), (1.2, 0.6, 0.9))), (0.2, 0.4, 0.7))
+    scene.light("panel", panel_down((0, 2.5, 0), 1.0, 1.0), (12, 12, 12))
+
+
+def lamp_over_floor(scene, data):
+    scene.surface("floor", quad((0, 0, 0), (200, 0, 0), (0, 0, -200)))
+    scene.light("lamp", panel_down((0, 3, 0), 0.2, 0.2), (500, 450, 400))
+
+
+def furnished(scene):
+    """Its walls are the content's bounds, on which a fitted grid would lie but for its free cells."""
+    scene.surface("walls", flat(box(*ROOM, inward=True)), (0.7, 0.68, 0.62))
+    scene.surface("table", flat(box((-0.2, 0.65, -1.0), (1.2, 0.72, 0.0))), (0.45, 0.3, 0.2))
+    scene.surface("cupboard", flat(box((1.9, 0.0, -1.6), (2.45, 1.9, -0.4))), (0.3, 0.45, 0.5))
+    scene.surface("ball", sphere((-1.2, 0.4, -1.0), 0.4), (0.8, 0.8, 0.8))
+
+
+def room(count):
+    def build(scene, data):
+        furnished(scene)
+        random = np.random.default_rng(20)
+        colours = [(1, 1, 1), (1, 0.8, 0.6), (0.6, 0.8, 1), (1, 0.5, 0.4), (0.5, 1, 0.6)]
+        power = 20.0 / count ** 0.5
+        for i in range(count):
+            colour = tuple(power * c for c in colours[i % len(colours)])
+            size = 0.6 if count < 3 else 0.25
+            if count < 3 or i % 2 == 0:
+                few = {1: [(0.0, 0.0)], 2: [(-1.2, 0.6), (1.2, -0.6)]}
+                x, z = few[count][i] if count in few else (random.uniform(-2, 2), random.uniform(-1.6, 1.6))
+                scene.light(f"panel {i}", panel_down((x, 2.95, z), size, size), colour)
+            else:
+                x, y = random.uniform(-2, 1.6), random.uniform(1.0, 2.6)
+                scene.light(f"sconce {i}", quad((x, y, -1.95), (size, 0, 0), (0, size, 0)), colour)
+    return build
+
+
+def picture(width=96, height=54):
+    """What the television shows: bars, a bright disc, a dark half."""
+    y, x = np.mgrid[0:height, 0:width] / np.array([height, width]).reshape(2, 1, 1)
+    bars = np.stack([np.where(np.floor(7 * x).astype(int) >> bit & 1, 200, 30) for bit in range(3)], axis=-1)
+    out = np.where((y < 0.5)[..., None], bars, 12)
+    disc = (x - 0.75) ** 2 * (width / height) ** 2 + (y - 0.75) ** 2 < 0.03
+    return np.where(disc[..., None], np.array([255, 240, 200]), out).astype(np.uint8)
+
+
+def television(scene, data):
+    furnished(scene)
+    scene.light("screen", quad((-2.45, 1.3, 0.2), (0, 0, -1.6), (0, 0.9, 0)), (30, 30, 30), quad_uvs(), picture())
+
+
+def thin_tube(scene, data):
+    scene.surface("floor", quad((0, 0, 0), (14, 0, 0), (0, 0, -6)))
+    scene.surface("wall", quad((0, 2, -3), (14, 0, 0), (0, 4, 0)))
+    scene.light("tube", tube((-5, 1.5, -1.2), (5, 1.5, -1.2), 0.004), (400, 400, 400))
+
+
+def statue_of(data, name="lucy"):
+    files = {"lucy": "stanford_lucy_33446.ply", "bunny": "stanford_bunny_69451.ply"}
+    path = data / "meshes" / files[name] if data else None
+    if path is None or not path.exists():
+        return sphere((0, 0, 0), 1.0, 96, 64, wave=0.2)
+    return read_ply(path)
+
+
+def statue(foot):
+    def build(scene, data):
+        scene.surface("floor", quad((0, 0, 0), (4, 0, 0), (0, 0, -4)))
+        scene.surface("back wall", quad((0, 1.5, -2), (4, 0, 0), (0, 3, 0)))
+        scene.surface("side wall", quad((-2, 1.5, 0), (0, 0, -4), (0, 3, 0)))
+        scene.light("statue", standing(statue_of(data, "bunny"), foot, 1.0), (4, 4, 3.5))
+    return build
+
+
+def hall(scene, data):
+    scene.surface("walls", flat(box((-10, 0, -2.5), (10, 5, 2.5), inward=True)), (0.6, 0.6, 0.58))
+    for i, x in enumerate((-7.5, -2.5, 2.5, 7.5)):
+        scene.surface(f"pillar {i}", flat(box((x - 0.25, 0, -1.9), (x + 0.25, 5, -1.4))), (0.5, 0.4, 0.35))
+    for i, (x, z, colour) in enumerate(((-5, 1.2, (6, 4, 2)), (0.5, -1.7, (2, 4, 6)), (5.5, 0.8, (5, 5, 5)))):
+        scene.light(f"statue {i}", standing(statue_of(data), (x, 0.02, z), 1.8), colour)
+
+
+def tessellated(n):
+    def build(scene, data):
+        scene.surface("floor", quad((0, 0, 0), (4, 0, 0), (0, 0, -4)))
+        scene.surface("wall", quad((0, 1.25, -2), (4, 0, 0), (0, 2.5, 0)), (0.6, 0.6, 0.7))
+        scene.light("panel", grid_quad((0, 1.2, 0), (1.4, 0, 0), (0, -0.3, 1.0), n), (5, 5, 5))
+    return build
+
+
+SCENES = {
+    "two_boxes": (two_boxes, "shadows of two boxes on a floor under a square",
+                  {"": None, "near": {"eye": [2.6, 2.0, 3.2], "target": [0, 0.4, 0], "fov": 50}}),
+    "lamp_over_floor": (lamp_over_floor, "a lamp of .2 m over a floor of 200 m",
+                        {"": None, "near": {"eye": [0, 4, 9], "target": [0, 0.5, 0], "fov": 50}}),
+    "room_1": (room(1), "walls on the bounds, one light", {"view": ROOM_VIEW}),
+    "room_2": (room(2), "walls on the bounds, two lights", {"view": ROOM_VIEW}),
+    "room_8": (room(8), "walls on the bounds, eight lights", {"view": ROOM_VIEW}),
+    "room_20": (room(20), "walls on the bounds, twenty lights", {"view": ROOM_VIEW}),
+    "television": (television, "a textured screen in a room", {"view": {"eye": [2.3, 1.7, 1.75], "target": [-1.5, 0.8, -0.8], "fov": 65}}),
+    "thin_tube": (thin_tube, "a tube of 10 m and 4 mm", {"view": {"eye": [0, 2.5, 5.5], "target": [0, 1.0, -2], "fov": 60}}),
+    "statue_near_wall": (statue((0.3, 0.001, -1.5)), "a statue that glows near a wall",
+                         {"view": {"eye": [1.9, 1.6, 2.6], "target": [-0.3, 0.6, -1.2], "fov": 50}}),
+    "statue_in_corner": (statue((-1.5, 0.001, -1.5)), "a statue that glows in a corner",
+                         {"view": {"eye": [1.9, 1.6, 2.6], "target": [-0.6, 0.6, -1.2], "fov": 50}}),
+    "statue_half_outside": (statue((1.0, 0.001, -1.0)), "a statue across the grid's bounds",
+                            {"view": {"eye": [0.6, 1.6, 3.2], "target": [0.2, 0.6, -1.2], "fov": 50}}),
+    "hall": (hall, "a hall of 4:1:1 with three statues that glow", {"view": {"eye": [-9.7, 2.2, 1.9], "target": [2, 1.2, -0.6], "fov": 65}}),
+    "quad_2": (tessellated(1), "a square of 2 triangles", {"": None}),
+    "quad_200": (tessellated(10), "the same of 200", {"": None}),
+    "quad_20000": (tessellated(100), "the same of 20,000", {"": None}),
+}
+FLAGS = {"statue_half_outside": "--bounds=-2,0,-2,1,3,2"}  # of `lpvctl session create`
+FILES = {  # of --data
+    "cornell_box": ("cornell_box/CornellBox-Original.obj", "the Cornell box", {"": None}),
+    "living_room": ("scenes/living_room.glb", "a furnished room, windows as lights",
+                    {"": None, "bay": {"eye": [-1.6, 1.6, 7.2], "target": [0.5, 0.95, 2], "fov": 52}}),
+}
+
+
+def generate(folder, data=None):
+    """The rows of scenes.json, of which every file has been written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for name, (build, what, cameras) in SCENES.items():
+        scene = gltf.Scene()
+        build(scene, data)
+        scene.write(folder / f"{name}.glb")
+        rows.append({"name": name, "file": f"{name}.glb", "what": what, "cameras": cameras,
+                     "flags": FLAGS.get(name, "")})
+    for name, (file, what, cameras) in FILES.items() if data else ():
+        if (data / file).exists():
+            rows.append({"name": name, "file": str((data / file).resolve()), "what": what, "cameras": cameras,
+                         "flags": ""})
+    (folder / "scenes.json").write_text(json.dumps(rows, indent=1) + "\n")
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--data", type=pathlib.Path)
+    options = parser.parse_args()
+    for row in generate(options.folder, options.data):
+        print(f"{row['name']:18} {row['what']}")
+
+
+if __name__ == "__main__":
+    main()
