@@ -192,7 +192,6 @@ TEST(Analytic, WallsReceiveThePowerThatALightSends) {
   EXPECT_NEAR(sum / kPoints * 24.0, power, 0.02 * power);
 }
 
-// Broken by: the closed form in place of what was hidden; the noise of the direct part left in.
 TEST(Analytic, TheClosedFormTakesTheNoiseFromWhatIsOpen) {
   Scene scene;
   addLight(scene, reference::quad(), Transform(), glm::dvec3(1.0));
@@ -216,7 +215,6 @@ TEST(Analytic, TheClosedFormTakesTheNoiseFromWhatIsOpen) {
   EXPECT_EQ(at(-3.0).mean[0].x, 0.0);
 }
 
-// Broken by: a piece's mean texture at a corner; no cut at all; the back of a point.
 TEST(Analytic, TheClosedFormAgreesWithThePathsOnMeshesAndTextures) {
   for (const MeshPtr& mesh : {reference::bumpySphere(20000), reference::quad(), reference::tube()}) {
     for (const bool twoSided : {false, true}) {

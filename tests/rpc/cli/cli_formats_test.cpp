@@ -1,6 +1,6 @@
 // What formats allow beyond the ordinary, and what they forbid: each file is read with the triangles and the area that
-// it describes, or refused in a line that names the place, the value and the way out. Every case was seen to fail with
-// Assimp 5.2 alone unless its comment says otherwise.
+// it describes, or refused in a line that names the place, the value and the way out. Most cases were seen to fail with
+// Assimp 5.2 alone.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
