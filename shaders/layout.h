@@ -19,7 +19,8 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 #define LPV_FUNCTION inline constexpr
-#define LPV_VEC3 alignas(16)  // std140: a vector of three begins at a multiple of 16 bytes; a scalar may follow in its last 4
+#define LPV_VEC3 \
+  alignas(16)  // std140: a vector of three begins at a multiple of 16 bytes; a scalar may follow in its last 4
 #else
 #define LPV_CONST const
 #define LPV_FUNCTION
@@ -28,28 +29,29 @@ using glm::vec4;
 
 // --- storage buffers
 LPV_CONST int kAccumulators = 2;   // uint: the accumulators of every cell, or the entries of a table of VPLs
-LPV_CONST int kVoxelCells = 3;     // one light's cells: VoxelHeader, then uvec2 (cell, lobes or pairs) each; with a table its used
-                                   // entries, uvec2 (entry, unused)
-LPV_CONST int kLargeTriangles = 4; // ListHeader, then uint per work item
-LPV_CONST int kCounters = 5;       // Counters
-LPV_CONST int kFieldOut = 6;       // vec4 per halo cell and channel
-LPV_CONST int kFieldSum = 7;       // vec4 per halo cell and channel (clamped form only)
-LPV_CONST int kIncidentVolume = 8; // float, kVolumeFloats per cell
-LPV_CONST int kExposure = 9;       // vec4: the exposure; then one per group of its reduction
-LPV_CONST int kRecordedPairs = 10; // tests only: uvec2 (triangle, cell)
-LPV_CONST int kTestIn = 11;        // tests only
-LPV_CONST int kTestOut = 12;       // tests only
+LPV_CONST int kVoxelCells = 3;  // one light's cells: VoxelHeader, then uvec2 (cell, lobes or pairs) each; with a table
+                                // its used entries, uvec2 (entry, unused)
+LPV_CONST int kLargeTriangles = 4;  // ListHeader, then uint per work item
+LPV_CONST int kCounters = 5;  // Counters
+LPV_CONST int kFieldOut = 6;  // vec4 per halo cell and channel
+LPV_CONST int kFieldSum = 7;  // vec4 per halo cell and channel (clamped form only)
+LPV_CONST int kIncidentVolume = 8;  // float, kVolumeFloats per cell
+LPV_CONST int kExposure = 9;  // vec4: the exposure; then one per group of its reduction
+LPV_CONST int kRecordedPairs = 10;  // tests only: uvec2 (triangle, cell)
+LPV_CONST int kTestIn = 11;  // tests only
+LPV_CONST int kTestOut = 12;  // tests only
 LPV_CONST int kVoxelMoments = 13;  // vec4 (C, C x direction), one or, with a texture, kColours per cell of the light
-LPV_CONST int kLobeCounts = 14;    // float per cell: N of eq. 1, all lights together; negative once divided by
-LPV_CONST int kUvs = 15;           // float, 2 per vertex
-LPV_CONST int kDirections = 16;    // float, 3 per vertex, object space
+LPV_CONST int kLobeCounts = 14;  // float per cell: N of eq. 1, all lights together; negative once divided by
+LPV_CONST int kUvs = 15;  // float, 2 per vertex
+LPV_CONST int kDirections = 16;  // float, 3 per vertex, object space
 LPV_CONST int kRowIntegrals =
     17;  // double, 3 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 LPV_CONST int kTreeNodes = 18;  // uvec4 per node of every level of a light's tree (shaders/voxelize/vpl_tree.glsl)
 LPV_CONST int kTreeEntries = 19;  // vec4, kPlainEntryTexels or kTexturedEntryTexels per entry of a light's tree
                                   // (shaders/transport/vpls.glsl)
 LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
-LPV_CONST int kCursors = 21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
+LPV_CONST int kCursors =
+    21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 
 // --- uniform blocks
@@ -111,8 +113,8 @@ LPV_CONST int kFluxBits = 50;  // FLUX: the light's whole area is 2^50 in fixed 
 LPV_CONST int kSetTriangles = 32;  // COUNT of a light with so few: a cell keeps which of them came to it
 LPV_CONST int kSamplesPerThread = 32;  // dense sampling
 
-// --- accumulators of one cell: uint words. The first counts the VPLs that came (COUNT: lobes, N of eq. 1; FLUX: pairs);
-// sums in fixed point follow, in COUNT a word each, in FLUX kWideWords each.
+// --- accumulators of one cell: uint words. The first counts the VPLs that came (COUNT: lobes, N of eq. 1; FLUX:
+// pairs); sums in fixed point follow, in COUNT a word each, in FLUX kWideWords each.
 LPV_CONST int kColours = 3;
 LPV_CONST int kMomentParts = 4;  // C, then C x direction (x, y, z)
 LPV_CONST int kWideWords = 2;  // a sum of 64 bits: low word, high word
@@ -128,7 +130,8 @@ LPV_CONST int kVplKey = 0;  // 0: free; else (cell of the light's box << kBinBit
 LPV_CONST int kBinBits = 6;  // kNormalBins fit
 LPV_CONST int kVplArea = 1;
 LPV_CONST int kVplDirection = kVplArea + kWideWords;  // area x direction, 3 sums
-LPV_CONST int kVplOffset = kVplDirection + 3 * kWideWords;  // weight x offset, 3 sums; without texture the weight is the area
+LPV_CONST int kVplOffset =
+    kVplDirection + 3 * kWideWords;  // weight x offset, 3 sums; without texture the weight is the area
 LPV_CONST int kPlainVplWords = kVplOffset + 3 * kWideWords;
 LPV_CONST int kVplColour = kPlainVplWords;  // area x colour, 3 sums
 LPV_CONST int kVplWeight = kVplColour + kColours * kWideWords;  // area x brightest channel
@@ -140,12 +143,12 @@ LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][
 
 // --- values of defines that choose a mode
 // LPV_LOOKUP: lpv::Lookup
-#define LPV_LOOKUP_SH2 0      // trilinear, SH2
-#define LPV_LOOKUP_CAP 1      // trilinear, CAP
+#define LPV_LOOKUP_SH2 0  // trilinear, SH2
+#define LPV_LOOKUP_CAP 1  // trilinear, CAP
 #define LPV_LOOKUP_NEAREST 2  // nearest cell, SH2
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves
 #define LPV_NEAR_FIELD_NOWHERE 0
-#define LPV_NEAR_FIELD_OUTSIDE 1   // outside the grid
+#define LPV_NEAR_FIELD_OUTSIDE 1  // outside the grid
 #define LPV_NEAR_FIELD_EMITTERS 2  // and near emitters
 #define LPV_NEAR_FIELD_EVERYWHERE 3
 

@@ -70,8 +70,8 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   EditOutcome apply(const ClientIdentity& client, Edit edit);
   /// Records the outcome of an edit that could not be parsed, under its sequence like any other.
   EditOutcome recordRejected(const ClientIdentity& client, std::uint64_t sequence, const Status& why);
-  /// Undoes the member's newest step, or redoes the one undone last (session/document/history.h); an edit in every other
-  /// respect. FAILED_PRECONDITION where there is no such step, INVALID_ARGUMENT without a member.
+  /// Undoes the member's newest step, or redoes the one undone last (session/document/history.h); an edit in every
+  /// other respect. FAILED_PRECONDITION where there is no such step, INVALID_ARGUMENT without a member.
   EditOutcome undoRedo(const ClientIdentity& client, std::uint64_t sequence, UndoDirection direction);
 
   // The journal.

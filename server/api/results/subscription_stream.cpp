@@ -133,7 +133,7 @@ Status checkCredits(std::uint32_t credits) {
 }  // namespace
 
 Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& context, const pb::VolumeSubscription& in,
-                                                       std::function<void()> wake) {
+                                                               std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());
@@ -152,7 +152,7 @@ Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& co
 }
 
 Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context, const pb::FrameSubscription& in,
-                                                      std::function<void()> wake) {
+                                                              std::function<void()> wake) {
   const Expected<SessionPtr> session = findSession(context, "session", in.session());
   if (!session) return session.status();
   const ClientIdentity client = fromProto(in.client());

@@ -80,10 +80,11 @@ class FrameSubscription final : public SubscriptionStream<pb::FrameEvent> {
 
 /// The started stream of what a subscription asks for; errors by field.
 Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& context,
-                                                       const pb::VolumeSubscription& subscription,
-                                                       std::function<void()> wake);
-Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context, const pb::FrameSubscription& subscription,
-                                                      std::function<void()> wake);
+                                                               const pb::VolumeSubscription& subscription,
+                                                               std::function<void()> wake);
+Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& context,
+                                                              const pb::FrameSubscription& subscription,
+                                                              std::function<void()> wake);
 
 /// An update's effect on a live subscriber.
 Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
