@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scene/emitter_list.h"
+#include "scene/intersect.h"
 
 namespace lpv {
 
@@ -34,28 +35,6 @@ glm::dvec3 cosineDirection(const glm::dvec3& n, Random& random) {
   const glm::dvec3 t(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), s(b, sign + n.y * n.y * a, -n.y);
   const double r = std::sqrt(uniform(random)), phi = 2.0 * std::numbers::pi * uniform(random);
   return r * std::cos(phi) * t + r * std::sin(phi) * s + std::sqrt(std::max(0.0, 1.0 - r * r)) * n;
-}
-
-/// Slabs; a zero component of the direction divides to infinity.
-bool meetsBox(const Bounds& box, const glm::dvec3& origin, const glm::dvec3& direction) {
-  double enter = 0.0, leave = std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 3; ++axis) {
-    double a = (box.min[axis] - origin[axis]) / direction[axis], b = (box.max[axis] - origin[axis]) / direction[axis];
-    if (a > b) std::swap(a, b);
-    if (a > enter) enter = a;
-    if (b < leave) leave = b;
-  }
-  return enter <= leave;
-}
-
-/// Distance along the ray (Moeller & Trumbore 1997), or a negative number.
-double distanceTo(const glm::dvec3 (&c)[3], const glm::dvec3& origin, const glm::dvec3& direction) {
-  const glm::dvec3 ab = c[1] - c[0], ac = c[2] - c[0], p = glm::cross(direction, ac);
-  const double determinant = glm::dot(ab, p);
-  if (determinant == 0.0) return -1.0;
-  const glm::dvec3 from = origin - c[0], q = glm::cross(from, ab);
-  const double u = glm::dot(from, p) / determinant, v = glm::dot(direction, q) / determinant;
-  return u >= 0.0 && v >= 0.0 && u + v <= 1.0 ? glm::dot(ac, q) / determinant : -1.0;
 }
 
 bool emits(const Light& light) { return light.enabled && emittedRadiance(light) != glm::dvec3(0.0); }
@@ -125,14 +104,16 @@ Receiver LitSides::sample(Random& random) const {
 std::size_t LitSides::cross(const glm::dvec3& origin, const glm::dvec3& direction, std::vector<Receiver>* out) const {
   std::size_t looked = 0;
   for (const Range& range : ranges_) {
-    if (!meetsBox(range.box, origin, direction)) continue;
+    if (!meetsBox(range.box, origin, direction, std::numeric_limits<double>::infinity())) continue;
     looked += range.end - range.begin;
     for (std::size_t i = range.begin; i < range.end; ++i) {
       const Triangle& t = triangles_[i];
       const bool back = glm::dot(t.normal, direction) > 0.0;
       if (back && !t.twoSided) continue;
-      const double distance = distanceTo(t.corners, origin, direction);
-      if (distance > 0.0) out->push_back({origin + distance * direction, back ? -t.normal : t.normal});
+      glm::dvec3 normal(0.0);
+      const double distance = meetsTriangle(t.corners[0], t.corners[1], t.corners[2], origin, direction, &normal);
+      if (distance > 0.0 && std::isfinite(distance))
+        out->push_back({origin + distance * direction, back ? -t.normal : t.normal});
     }
   }
   return looked;
