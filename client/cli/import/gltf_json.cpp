@@ -110,4 +110,14 @@ std::optional<std::size_t> JsonPlace::index(std::size_t count, const char* thing
   return {};
 }
 
+void copyNumbers(const JsonPlace& from, const char* key, std::size_t size, json& to) {
+  const JsonPlace place = from.at(key);
+  if (!place.present()) return;
+  if (place.size() != size) {
+    return place.refuse("has " + std::to_string(place.size()) + " numbers, glTF 2.0 asks for " + std::to_string(size));
+  }
+  json& out = to[key] = json::array();
+  for (std::size_t i = 0; i < size; ++i) out.push_back(place.at(i).number(0.0));
+}
+
 }  // namespace lpv::cli

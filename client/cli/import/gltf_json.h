@@ -47,4 +47,7 @@ class JsonPlace {
   Status* problem_;
 };
 
+/// Copies the array `key` of exactly `size` numbers; nothing if the member is absent.
+void copyNumbers(const JsonPlace& from, const char* key, std::size_t size, nlohmann::json& to);
+
 }  // namespace lpv::cli

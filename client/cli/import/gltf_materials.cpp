@@ -11,16 +11,6 @@ void copyNumber(const JsonPlace& from, const char* key, json& to) {
   if (from.at(key).present()) to[key] = from.at(key).number(0.0);
 }
 
-void copyColour(const JsonPlace& from, const char* key, std::size_t size, json& to) {
-  const JsonPlace place = from.at(key);
-  if (!place.present()) return;
-  if (place.size() != size) {
-    return place.refuse("has " + std::to_string(place.size()) + " numbers, glTF 2.0 asks for " + std::to_string(size));
-  }
-  json& out = to[key] = json::array();
-  for (std::size_t i = 0; i < size; ++i) out.push_back(place.at(i).number(0.0));
-}
-
 class MaterialWriter {
  public:
   MaterialWriter(const JsonPlace& root, json& out, std::vector<std::string>& warnings)
@@ -70,12 +60,12 @@ class MaterialWriter {
     json out = json::object();
     if (place.at("name").present()) out["name"] = place.at("name").text();
     if (place.at("doubleSided").present()) out["doubleSided"] = place.at("doubleSided").flag();
-    copyColour(place, "emissiveFactor", 3, out);
+    copyNumbers(place, "emissiveFactor", 3, out);
     copyTexture(place, "emissiveTexture", out);
     const JsonPlace pbr = place.at("pbrMetallicRoughness");
     if (pbr.present()) {
       json& to = out["pbrMetallicRoughness"] = json::object();
-      copyColour(pbr, "baseColorFactor", 4, to);
+      copyNumbers(pbr, "baseColorFactor", 4, to);
       copyTexture(pbr, "baseColorTexture", to);
       copyNumber(pbr, "metallicFactor", to);
       copyNumber(pbr, "roughnessFactor", to);
@@ -88,7 +78,7 @@ class MaterialWriter {
     const JsonPlace place = material.at("extensions").at("KHR_materials_pbrSpecularGlossiness");
     if (!place.present()) return;
     json& to = out["extensions"]["KHR_materials_pbrSpecularGlossiness"] = json::object();
-    copyColour(place, "diffuseFactor", 4, to);
+    copyNumbers(place, "diffuseFactor", 4, to);
     copyTexture(place, "diffuseTexture", to);
     out_["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
   }

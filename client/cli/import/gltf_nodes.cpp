@@ -50,17 +50,6 @@ void checkTree(const JsonPlace& nodes, const std::vector<std::size_t>& roots) {
   }
 }
 
-/// An array of exactly `size` numbers; nothing if the member is absent.
-void copyNumbers(const JsonPlace& from, const char* key, std::size_t size, json& to) {
-  const JsonPlace place = from.at(key);
-  if (!place.present()) return;
-  if (place.size() != size) {
-    return place.refuse("has " + std::to_string(place.size()) + " numbers, glTF 2.0 asks for " + std::to_string(size));
-  }
-  json& out = to[key] = json::array();
-  for (std::size_t i = 0; i < size; ++i) out.push_back(place.at(i).number(0.0));
-}
-
 }  // namespace
 
 std::vector<std::size_t> rootNodes(const JsonPlace& root) {
