@@ -174,7 +174,7 @@ struct VoxelHeader {
 
 // --- VPLs and their tree (MATHS.md 3b)
 LPV_CONST int kNormalBins = 54;  // per cell: 3 x 3 on each face of a cube
-LPV_CONST int kMaxLevels = 9;  // of a tree: blocks of 1, 2, 4 .. 256 cells
+LPV_CONST int kMaxLevels = 10;  // of a tree: blocks of 1, 2, 4 .. 512 cells
 LPV_CONST int kPlainEntryTexels = 4;  // vec4 of an entry (shaders/transport/vpls.glsl) ...
 LPV_CONST int kTexturedEntryTexels = 5;  // ... and of one with a colour
 LPV_CONST int kMostProbes = 64;  // places of the table that a VPL is looked for in
@@ -218,8 +218,10 @@ struct TreeParams {
   int level;  // of this pass
   uvec4 nodesBefore[(kMaxLevels + 3) / 4];  // nodes of the levels below level l, in [l / 4][l % 4]
   double shareOfUnit;  // what one fixed-point unit stands for, as a share of areaScale
-  float areaScale;  // area that a moment of 1 stands for, cell^2
+  float areaScale;  // area that a moment of 1 stands for, in cells of the light's grid, squared
   uint firstThread;  // threads of the pass before this dispatch's first
+  LPV_VEC3 vec3 origin;  // where the light's grid begins, cells of the field
+  float cell;  // edge of its cells, cells of the field
 };
 
 struct GatherParams {
@@ -238,8 +240,12 @@ struct InjectParams {
   LPV_VEC3 vec3 weight;  // per channel: intensity of a moment of 1, W/sr per unit of the channel's palette radiance
   float sides;  // that emit: 1 or 2; the factor of band 0
   float band1Factor;  // 1 for one side, 0 for two, where band 1 cancels
+  float cell;  // VPLs: edge of the cells of the light's grid, cells of the field
   LPV_VEC3 ivec3 boxLower;  // VPLs: first cell of the light's box
   LPV_VEC3 ivec3 boxSize;  // VPLs: its cells along x, y, z
+  LPV_VEC3 ivec3 firstCell;  // VPLs: of the field, that the light's box meets
+  LPV_VEC3 ivec3 cellCount;  // VPLs: of these along x, y, z
+  LPV_VEC3 vec3 origin;  // VPLs: where the light's grid begins, cells of the field
 };
 
 struct PropagateParams {
@@ -301,13 +307,15 @@ static_assert(offsetof(VoxelizeParams, textureSize) == 352 && offsetof(VoxelizeP
 static_assert(sizeof(VoxelizeParams) == 896);
 static_assert(offsetof(TreeParams, levels) == 12 && offsetof(TreeParams, level) == 28);
 static_assert(offsetof(TreeParams, nodesBefore) == 32 && offsetof(TreeParams, shareOfUnit) == 80);
-static_assert(offsetof(TreeParams, firstThread) == 92 && sizeof(TreeParams) == 96);
+static_assert(offsetof(TreeParams, firstThread) == 92 && offsetof(TreeParams, cell) == 108);
+static_assert(sizeof(TreeParams) == 112);
 static_assert(offsetof(GatherParams, firstBlock) == 12 && offsetof(GatherParams, openingRatio) == 28);
 static_assert(offsetof(GatherParams, turn) == 40 && sizeof(GatherParams) == 48);
 static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4
 static_assert(offsetof(InjectParams, group) == 12 && offsetof(InjectParams, sides) == 28);
 static_assert(offsetof(InjectParams, band1Factor) == 32 && offsetof(InjectParams, boxLower) == 48);
-static_assert(sizeof(InjectParams) == 80);
+static_assert(offsetof(InjectParams, cell) == 36 && offsetof(InjectParams, firstCell) == 80);
+static_assert(offsetof(InjectParams, origin) == 112 && sizeof(InjectParams) == 128);
 static_assert(offsetof(PropagateParams, groupsPerChannel) == 44 && sizeof(PropagateParams) == 48);
 static_assert(offsetof(VolumeParams, palette) == 16 && offsetof(VolumeParams, band0Factor) == 64);
 static_assert(offsetof(VolumeParams, firstChannel) == 76 && sizeof(VolumeParams) == 80);

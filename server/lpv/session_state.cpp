@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lpv/resources/voxel_grid.h"
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/light_grouping.h"
 #include "scene/error_goal.h"
@@ -20,6 +21,11 @@ LightsInputs inputsOf(const Scene& scene, const std::vector<EmittingLight>& ligh
   const glm::ivec3& dims = scene.grid.dims;
   if (groupsItself(options)) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
   return inputs;
+}
+
+VoxelizeInputs sourceOf(const EmittingLight& light, const VoxelGrid& grid, const VoxelMethod& method) {
+  return {light.mesh,    light.texture, grid.fromField() * light.gridFromObject, grid.dims, method,
+          grid.origin(), grid.cell};
 }
 
 /// The groups that lights of the same names had.
@@ -74,17 +80,19 @@ void SessionState::keepVoxels(const LightsInputs& inputs) {
   };
   const glm::ivec3& dims = inputs.grid.dims;
   const bool vpls = inputs.method.vpls;
+  std::vector<VoxelGrid> grids;
   std::vector<VoxelizeInputs> sources;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    sources.push_back({lights[i].mesh, lights[i].texture, lights[i].gridFromObject, dims, inputs.method});
+    grids.push_back(vpls ? voxelGridFor(lights[i]) : fieldVoxels(lights[i], dims));
+    sources.push_back(sourceOf(lights[i], grids[i], inputs.method));
     voxels[i] = take([&](const LightVoxelsPtr& v) { return v->made.madeFrom(sources[i]); });
   }
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (voxels[i] == nullptr) {
-      const CellBox cells = cellsAround({lights[i]}, dims);
+      const CellBox& box = grids[i].box;
       const int momentsPerCell = sources[i].textured() ? 3 : 1;
-      voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(cells, momentsPerCell, vpls); });
-      if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(cells, momentsPerCell, vpls);
+      voxels[i] = take([&](const LightVoxelsPtr& v) { return v->takes(box, momentsPerCell, vpls); });
+      if (voxels[i] == nullptr) voxels[i] = std::make_shared<LightVoxels>(box, momentsPerCell, vpls);
     }
     voxels[i]->source = sources[i];
   }

@@ -19,7 +19,7 @@
 #endif
 
 const Scalar kNearest = 1e-3;         // cells: where the direction towards a VPL is lost
-const Scalar kMostInverse = 2.0;      // 1 / r is cut at half a cell
+const Scalar kMostInverse = 2.0;      // 1 / r is cut at half a cell of the volume
 const Scalar kRegularisation = 2.5;   // the second order is halved at r^2 = 2.5 tr V
 const Scalar kLeastHeights = 1e-12;   // cells: instead of a VPL without extent over the horizon
 
@@ -31,12 +31,13 @@ struct VplEntry {
   Vector variances;    // xx, yy, zz of V, the covariance of where light leaves, cell^2
   Scalar trace;        // tr V
   Vector covariances;  // xy, xz, yz of V
+  Scalar mostInverse;  // 1 / r is cut at half a cell of the light
 };
 
 /// Of an entry's first four texels.
 VplEntry vplEntry(vec4 first, vec4 second, vec4 third, vec4 fourth) {
   return VplEntry(Vector(first.x, first.y, first.z), Vector(second.x, second.y, second.z), second.w,
-                  Vector(third.x, third.y, third.z), third.w, Vector(fourth.x, fourth.y, fourth.z));
+                  Vector(third.x, third.y, third.z), third.w, Vector(fourth.x, fourth.y, fourth.z), fourth.w);
 }
 
 /// V a
@@ -69,12 +70,21 @@ struct Arriving {
   Real inverseDistance;  // 1 / r
 };
 
+/// 1 / the minimum distance r^. Cells of the volume are interpolated between, points are not.
+Scalar leastDistanceInverse(VplEntry v) {
+#if LPV_RECEIVERS == 1
+  return v.mostInverse;
+#else
+  return min(v.mostInverse, kMostInverse);
+#endif
+}
+
 /// At a receiver from which the VPL's position is at d: the kernel of a flat emitter and g times its second order.
 Arriving arrivingFrom(VplEntry v, Scalar dx, Scalar dy, Real dz, bool twoSided) {
   const Real inverse = inversesqrt(max(dx * dx + dy * dy + dz * dz, kNearest * kNearest));
   const Real nd = v.direction.x * dx + v.direction.y * dy + v.direction.z * dz;  // N.d
   const Emission emission = emissionTowards(-nd * inverse, v.spread, twoSided);
-  const Real cut = min(inverse, kMostInverse), falloff = cut * cut;  // 1 / r^ and 1 / r^^2: the minimum distance
+  const Real cut = min(inverse, leastDistanceInverse(v)), falloff = cut * cut;  // 1 / r^ and 1 / r^^2
   const Real vdx = v.variances.x * dx + v.covariances.x * dy + v.covariances.y * dz;  // V d
   const Real vdy = v.covariances.x * dx + v.variances.y * dy + v.covariances.z * dz;
   const Real vdz = v.covariances.y * dx + v.covariances.z * dy + v.variances.z * dz;

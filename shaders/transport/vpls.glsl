@@ -1,9 +1,10 @@
 // Virtual point lights as transport reads them (MATHS.md 3b). An entry is a node's header or one of its VPLs, which
 // follow it, one per normal bin that holds light.
 //   header  (centre, edge) (VPLs, the entry after the node and all below it, -, -)
-//   VPL     (position, area) (area x direction, spread) (covariance xx, yy, zz, their sum) (covariance xy, xz, yz, -)
-//           with a texture: (colour, -)
-// Grid space: cell units. Colours are shares of the light's brightest texel.
+//   VPL     (position, area) (area x direction, spread) (covariance xx, yy, zz, their sum)
+//           (covariance xy, xz, yz, 1 / the minimum distance) with a texture: (colour, -)
+// Grid space of the field: its cell units. Colours are shares of the light's brightest texel. The light was voxelized in
+// cells of its own; the minimum distance is half of their edge.
 //
 // What a VPL sends in direction w. A flat emitter of area x direction N sends max(0, t), t = N.w. Where directions were
 // merged, t is the mean of a distribution; taken as even over [t - spread, t + spread], its positive part is

@@ -8,7 +8,7 @@ void storeVpl(uint entry, Vpl v) {
   entries[at + 1] = vec4(v.direction, v.spread);
   const mat3 e = v.positionCovariance;
   entries[at + 2] = vec4(e[0][0], e[1][1], e[2][2], e[0][0] + e[1][1] + e[2][2]);
-  entries[at + 3] = vec4(e[0][1], e[0][2], e[1][2], 0.0);
+  entries[at + 3] = vec4(e[0][1], e[0][2], e[1][2], 2.0 / params.cell);
 #if LPV_TEXTURED
   entries[at + 4] = vec4(v.colour, 0.0);
 #endif

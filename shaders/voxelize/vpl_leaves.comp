@@ -31,11 +31,14 @@ void main() {
   const float weight = v.area;
 #endif
   const ivec3 cell = params.lower + cellInBox(int(key >> kBinBits), params.upper - params.lower);
-  v.position = vec3(cell) + (weight > 0.0 ? clamp(moment / weight, 0.0, 1.0) : vec3(0.5));
+  v.position = params.origin + params.cell * (vec3(cell) + (weight > 0.0 ? clamp(moment / weight, 0.0, 1.0) : vec3(0.5)));
   v.area *= params.areaScale;
   v.direction *= params.areaScale;
+  const float face = params.cell * params.cell;
+  v.positionCovariance = face * covarianceInCell(v.area, v.direction);
+  v.area *= face;
+  v.direction *= face;
   v.spread = spreadOf(v.area, v.direction);
-  v.positionCovariance = covarianceInCell(v.area, v.direction);
   const Node node = nodeAt(nodeIndex(0, cell));
   storeVpl(node.first + 1u + placeOf(node.bins, key & ((1u << kBinBits) - 1u)), v);
 }

@@ -28,7 +28,7 @@ Vpl merged(int level, ivec3 block, uint bin) {
   sum.area = 0.0;
   sum.positionCovariance = mat3(0.0);
   float weights = 0.0;
-  const vec3 from = (vec3(block) + 0.5) * float(1 << level);
+  const vec3 from = centreOf(level, block);
   for (int i = 0; i < 8; ++i) {
     if (!childsVpl(level, block, i, bin, v)) continue;
     sum.area += v.area;

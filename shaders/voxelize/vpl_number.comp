@@ -4,8 +4,7 @@
 
 void storeHeader(int level, ivec3 block, Node node) {
   const int at = int(node.first) * kEntryTexels;
-  const float edge = float(1 << level);
-  entries[at] = vec4((vec3(block) + 0.5) * edge, edge);
+  entries[at] = vec4(centreOf(level, block), params.cell * float(1 << level));
   entries[at + 1] = vec4(float(binsIn(node.bins)), float(node.first + node.entries), 0.0, 0.0);
   for (int i = 2; i < kEntryTexels; ++i) entries[at + i] = vec4(0.0);
 }

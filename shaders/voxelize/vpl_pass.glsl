@@ -10,5 +10,8 @@
 
 layout(local_size_x = kNodeGroup) in;
 
+/// Of a block of the light's grid, cells of the field.
+vec3 centreOf(int level, ivec3 block) { return params.origin + params.cell * (vec3(block) + 0.5) * float(1 << level); }
+
 /// Of the whole pass: a large one comes in several dispatches.
 uint thread() { return params.firstThread + gl_GlobalInvocationID.x; }

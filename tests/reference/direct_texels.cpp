@@ -52,7 +52,7 @@ void addRecords(const DirectNode& node, bool coloured, std::size_t at, std::vect
   for (const DirectVpl& v : node.vpls) {
     const glm::dmat3& e = v.extent;
     add({glm::vec4(v.position, v.area), glm::vec4(v.areaNormal, std::max(spreadOf(vplOf(v)), 1e-6 * v.area)),
-         glm::vec4(e[0][0], e[1][1], e[2][2], e[0][0] + e[1][1] + e[2][2]), glm::vec4(e[0][1], e[0][2], e[1][2], 0.0),
+         glm::vec4(e[0][0], e[1][1], e[2][2], e[0][0] + e[1][1] + e[2][2]), glm::vec4(e[0][1], e[0][2], e[1][2], 2.0),
          glm::vec4(v.colour, 0.0)});
   }
   at += 1 + node.vpls.size();

@@ -28,9 +28,11 @@ struct VoxelMethod {
 struct VoxelizeInputs {
   MeshPtr mesh;
   TexturePtr texture;
-  glm::dmat4 gridFromObject{1.0};
-  glm::ivec3 dims{0};
+  glm::dmat4 gridFromObject{1.0};  ///< of the grid that it is voxelized in: the field's, or with VPLs its own
+  glm::ivec3 dims{0};  ///< of that grid
   VoxelMethod method;
+  glm::dvec3 origin{0.0};  ///< where that grid begins, cells of the field
+  double cell = 1.0;  ///< edge of its cells, cells of the field
 
   bool operator==(const VoxelizeInputs&) const = default;
   bool textured() const { return texture != nullptr; }

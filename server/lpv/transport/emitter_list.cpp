@@ -30,6 +30,9 @@ int texelsPerEntry(const LightVoxels& voxels) {
   return voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
 }
 
+/// Whether the closed form holds for it.
+bool isConstant(const EmittingLight& light) { return light.texture == nullptr && light.mesh->directions.empty(); }
+
 /// Texels of a tree's entries.
 std::size_t entryTexels(const LightVoxels& voxels) {
   return voxels.tree->entryCount * std::size_t(texelsPerEntry(voxels));
@@ -37,14 +40,17 @@ std::size_t entryTexels(const LightVoxels& voxels) {
 
 }  // namespace
 
+bool fewPolygons(const EmittingLight& light) {
+  return isConstant(light) && light.mesh->triangles.size() <= kFewPolygons;
+}
+
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k) {
   const bool accurate = transport == Transport::kDirect && k >= kAccurateOpeningRatio;
   const std::size_t most = accurate ? kMostPolygons : kFewPolygons;
   std::vector<EmittingLight*> candidates;
   for (EmittingLight& light : lights) {
     light.polygons = false;
-    if (light.texture == nullptr && light.mesh->directions.empty() && light.mesh->triangles.size() <= most)
-      candidates.push_back(&light);
+    if (isConstant(light) && light.mesh->triangles.size() <= most) candidates.push_back(&light);
   }
   std::ranges::stable_sort(candidates, {}, [](const EmittingLight* l) { return l->mesh->triangles.size(); });
   std::size_t all = 0;

@@ -21,6 +21,9 @@ inline constexpr std::size_t kMostPolygons = 1024;
 /// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
 inline constexpr std::size_t kMostPolygonsOfAll = 4096;
 
+/// Whether the near field takes the light for polygons, as far as it goes by this light alone.
+bool fewPolygons(const EmittingLight& light);
+
 /// Which lights are polygons. `k`: the distance rule of the trees.
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k);
 

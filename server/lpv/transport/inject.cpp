@@ -34,6 +34,30 @@ layout::InjectParams paramsOf(const LightField& field, const EmittingLight& ligh
   return params;
 }
 
+/// Where a light's tree lies; the field's cells that its box meets.
+CellBox placeVpls(const LightVoxels& voxels, layout::InjectParams& params) {
+  const CellBox& box = voxels.tree->box;
+  const double cell = voxels.source.cell;
+  const glm::dvec3 origin = voxels.source.origin, last(params.dims - 1);
+  const glm::dvec3 lower = origin + cell * glm::dvec3(box.lower), upper = origin + cell * glm::dvec3(box.upper);
+  // What lies on the field's outer upper faces belongs to its last cells.
+  if (glm::any(glm::greaterThan(lower, last + 1.0)) || glm::any(glm::lessThanEqual(upper, glm::dvec3(0.0)))) return {};
+  const CellBox cells = {glm::ivec3(glm::clamp(glm::floor(lower), glm::dvec3(0.0), last)),
+                         glm::ivec3(glm::clamp(glm::ceil(upper) - 1.0, glm::dvec3(0.0), last)) + 1};
+  params.cell = float(cell);
+  params.origin = glm::vec3(origin);
+  params.boxLower = box.lower;
+  params.boxSize = box.upper - box.lower;
+  params.firstCell = cells.lower;
+  params.cellCount = cells.upper - cells.lower;
+  return cells;
+}
+
+std::uint32_t groupsFor(const CellBox& cells) {
+  const glm::ivec3 size = cells.upper - cells.lower;
+  return std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup);
+}
+
 }  // namespace
 
 gpu::Defines Injector::VplVariant::defines() const {
@@ -122,16 +146,15 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     if (tree.entryCount == 0) continue;
     layout::InjectParams params = paramsOf(field, lights[i], *voxels[i], palette.weights[i]);
     params.weight /= float(voxels[i]->areaScale);  // VPLs have areas, not shares of one
-    const glm::ivec3 size = tree.box.upper - tree.box.lower;
-    params.boxLower = tree.box.lower;
-    params.boxSize = size;
+    const CellBox cells = placeVpls(*voxels[i], params);
+    if (cells.empty()) continue;
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);
     tree.nodes.bindStorage(layout::kTreeNodes);
     tree.entries.bindStorage(layout::kTreeEntries);
     field.injected.buffer.bindStorage(layout::kFieldOut);
     vplPrograms_.get({.channels = field.channels, .textured = voxels[i]->momentsPerCell > 1})
-        .dispatch(std::uint32_t((size.x * size.y * size.z + layout::kCellGroup - 1) / layout::kCellGroup));
+        .dispatch(groupsFor(cells));
     gpu::memoryBarrier();
     queued += unitsOf(*voxels[i]);
     if (queued < pacing.unitsFor(Stage::kInject)) continue;

@@ -293,7 +293,9 @@ GpuTask Voxelizer::buildVplTree(Run& run) {
     co_yield waitFor(counted);
     const VplCounts counts = VplTreeBuilder::read(run.field.vplHeader);
     if (counts.lost == 0) {
-      co_await trees_.build(tree, counts, variant, {run.voxels.areaScale, params.momentUnits}, bindLight);
+      const VoxelizeInputs& source = run.voxels.source;
+      const TreeScales scales = {run.voxels.areaScale, params.momentUnits, source.origin, source.cell};
+      co_await trees_.build(tree, counts, variant, scales, bindLight);
       co_yield submitted(Stage::kVoxelize, 0.0);
       co_return;
     }

@@ -50,6 +50,8 @@ GpuTask VplTreeBuilder::pass(const VplTree& tree, const gpu::Defines& variant, T
   shape.level = pass.level;
   for (int i = 0; i < tree.levels; ++i) shape.nodesBefore[i / 4][i % 4] = tree.offsets[std::size_t(i)];
   shape.areaScale = float(scales.areaScale);
+  shape.origin = glm::vec3(scales.origin);
+  shape.cell = float(scales.cell);
   shape.shareOfUnit = 1.0 / scales.moment;
   for (std::uint32_t first = 0; first < pass.threads; first += kThreadsAtOnce) {
     const std::uint32_t threads = std::min(kThreadsAtOnce, pass.threads - first);

@@ -23,8 +23,10 @@ struct VplCounts {
 
 /// What the numbers of the table stand for.
 struct TreeScales {
-  double areaScale = 1.0;    ///< area of a moment of 1, cell^2
-  double moment = 1.0;  ///< fixed-point units of a moment of 1
+  double areaScale = 1.0;  ///< area of a moment of 1, in cells of the light's grid, squared
+  double moment = 1.0;     ///< fixed-point units of a moment of 1
+  glm::dvec3 origin{0.0};  ///< where the light's grid begins, cells of the field
+  double cell = 1.0;       ///< edge of its cells, cells of the field
 };
 
 /// `bindLight` binds the light's table and list, kAccumulators and kVoxelCells: anew in every piece, for others work in

@@ -55,7 +55,7 @@ class KernelCases {
     const float trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
     inputs.insert(inputs.end(), {glm::vec4(position, area), glm::vec4(direction, float(reference::spreadOf(vpl))),
                                  glm::vec4(covariance[0][0], covariance[1][1], covariance[2][2], trace),
-                                 glm::vec4(covariance[0][1], covariance[0][2], covariance[1][2], 0.0F),
+                                 glm::vec4(covariance[0][1], covariance[0][2], covariance[1][2], 2.0F),
                                  glm::vec4(receiver, 0.0F), glm::vec4(normal, 0.0F)});
     cases.push_back({vpl, glm::dvec3(receiver), glm::dvec3(normal)});
   }
