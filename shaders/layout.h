@@ -243,7 +243,8 @@ struct InjectParams {
   float cell;  // VPLs: edge of the cells of the light's grid, cells of the field
   LPV_VEC3 ivec3 boxLower;  // VPLs: first cell of the light's box
   LPV_VEC3 ivec3 boxSize;  // VPLs: its cells along x, y, z
-  LPV_VEC3 ivec3 firstCell;  // VPLs: of the field, that the light's box meets
+  LPV_VEC3 ivec3 upper;  // VPLs: one past the last cell of the product
+  LPV_VEC3 ivec3 firstCell;  // VPLs: of the product, that the light's box meets
   LPV_VEC3 ivec3 cellCount;  // VPLs: of these along x, y, z
   LPV_VEC3 vec3 origin;  // VPLs: where the light's grid begins, cells of the field
 };
@@ -314,8 +315,8 @@ static_assert(offsetof(GatherParams, turn) == 40 && sizeof(GatherParams) == 48);
 static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4
 static_assert(offsetof(InjectParams, group) == 12 && offsetof(InjectParams, sides) == 28);
 static_assert(offsetof(InjectParams, band1Factor) == 32 && offsetof(InjectParams, boxLower) == 48);
-static_assert(offsetof(InjectParams, cell) == 36 && offsetof(InjectParams, firstCell) == 80);
-static_assert(offsetof(InjectParams, origin) == 112 && sizeof(InjectParams) == 128);
+static_assert(offsetof(InjectParams, cell) == 36 && offsetof(InjectParams, firstCell) == 96);
+static_assert(offsetof(InjectParams, origin) == 128 && sizeof(InjectParams) == 144);
 static_assert(offsetof(PropagateParams, groupsPerChannel) == 44 && sizeof(PropagateParams) == 48);
 static_assert(offsetof(VolumeParams, palette) == 16 && offsetof(VolumeParams, band0Factor) == 64);
 static_assert(offsetof(VolumeParams, firstChannel) == 76 && sizeof(VolumeParams) == 80);

@@ -216,13 +216,13 @@ GpuTask Pipeline::Stages::propagate(SessionState& s, const Scene& scene) {
 GpuTask Pipeline::Stages::findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out) {
   const Scene& scene = *request.scene;
   if (request.transported) {
-    out = allBlocks(scene.grid.dims);
+    out = allBlocks(s.field().grid.dims);
   } else if (!request.frames.empty() && scene.options.transport == Transport::kGather) {
     auto& blocks = s.products->surfaceBlocks;
-    const SurfaceBlocksInputs inputs = surfaceBlocksInputs(scene);
+    const SurfaceBlocksInputs inputs = surfaceBlocksInputs(scene, s.field().grid);
     if (!blocks.holds(inputs)) {
       ReceiverBlocks found;
-      co_await blocksOfSurfaces(scene, found);
+      co_await blocksOfSurfaces(inputs, found);
       blocks.set(inputs, std::move(found));
     }
     out = blocks.product();
@@ -308,18 +308,17 @@ GpuTask Pipeline::Stages::finishCopies(SessionState& s, const FrameViews& views)
 GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copies) {
   StageProducts& made = *s.products;
   const std::vector<std::string>& groups = s.arranged.product().groups;
-  const Grid& grid = s.field().grid;
   if (copies.transported) {
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kTransported;
-    co_await takeVolume(made.readbacks.transported, grid, groups, *volume);
+    co_await takeVolume(made.readbacks.transported, s.field(), groups, *volume);
     volume->direct = takeEmitterList(s.field(), made.emitters.count, made.readbacks);
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }
   if (copies.injected) {
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kInjected;
-    co_await takeVolume(made.readbacks.injected, grid, groups, *volume);
+    co_await takeVolume(made.readbacks.injected, s.field(), groups, *volume);
     made.injectedVolume.set(*copies.injected, std::move(volume));
   }
 }
@@ -333,7 +332,7 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
     view.gbuffer = nullptr;
     view.gbuffer = std::make_unique<Gbuffer>(frame.size);
   }
-  layout::FrameParams params = FrameView(frame.camera, frame.size).params(scene.grid);
+  layout::FrameParams params = FrameView(frame.camera, frame.size).params(s.field().grid);
   params.palette = glm::vec3(s.palette().radiance[0]);
   params.exposure = exposureParams(frame.exposure);
   FrameTargets& targets = *view.targets;

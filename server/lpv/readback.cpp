@@ -21,6 +21,25 @@ void append(std::vector<T>& values, const std::byte* from, const Chunk& part) {
   values.insert(values.end(), first, first + part.bytes / sizeof(T));
 }
 
+/// The grid without its guard.
+Grid productOf(const LightField& field) {
+  Grid grid = field.grid;
+  grid.origin += double(field.guard) * grid.cell;
+  grid.dims -= 2 * field.guard;
+  return grid;
+}
+
+/// Runs of cells in memory, in units of cells, that hold `box`.
+std::vector<Chunk> runsOf(const Grid& grid, const CellBox& box) {
+  if (box.lower == glm::ivec3(0) && box.upper == grid.dims) return {{0, grid.cells()}};
+  std::vector<Chunk> runs;
+  for (int z = box.lower.z; z < box.upper.z; ++z) {
+    for (int y = box.lower.y; y < box.upper.y; ++y)
+      runs.push_back({grid.index({box.lower.x, y, z}), std::size_t(box.upper.x - box.lower.x)});
+  }
+  return runs;
+}
+
 }  // namespace
 
 gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes) {
@@ -50,20 +69,27 @@ void copyCounters(const LightField& field, Readbacks& readbacks) {
   withRoom(readbacks.counters, "counters", kBytes).copyFrom(field.counters, 0, 0, kBytes);
 }
 
-GpuTask takeVolume(const gpu::Readback& readback, const Grid& grid, const std::vector<std::string>& groups,
+GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
                    Volume& out) {
-  out.grid = grid;
+  out.grid = productOf(field);
   const std::byte* from = readback.bytes().data();
-  const std::size_t layerBytes = grid.cells() * layout::kVolumeFloats * sizeof(float);
+  constexpr std::size_t kCellBytes = layout::kVolumeFloats * sizeof(float);
   for (const std::string& group : groups) {
     VolumeLayer& layer = out.layers.emplace_back();
     layer.group = group;
-    layer.coefficients.reserve(grid.cells() * layout::kVolumeFloats);
-    for (const Chunk& part : chunksOf(layerBytes)) {
-      append(layer.coefficients, from, part);
-      co_yield yield();
+    layer.coefficients.reserve(out.grid.cells() * layout::kVolumeFloats);
+    std::size_t taken = 0;
+    for (const Chunk& run : runsOf(field.grid, field.inner())) {
+      for (const Chunk& part : chunksOf(run.bytes * kCellBytes)) {
+        append(layer.coefficients, from + run.offset * kCellBytes, part);
+        taken += part.bytes;
+        if (taken < kChunkBytes) continue;
+        taken = 0;
+        co_yield yield();
+      }
     }
-    from += layerBytes;
+    from += field.grid.cells() * kCellBytes;
+    co_yield yield();
   }
 }
 

@@ -24,8 +24,8 @@ void copyEmitterList(const LightField& field, const EmitterBufferList& emitters,
 /// The same for the counters of the inject and volume stages.
 void copyCounters(const LightField& field, Readbacks& readbacks);
 
-/// After the fence: the volume, layer by layer. `readback` outlives the coroutine.
-GpuTask takeVolume(const gpu::Readback& readback, const Grid& grid, const std::vector<std::string>& groups,
+/// After the fence: the volume's product, layer by layer. What is given outlives the coroutine.
+GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
                    Volume& out);
 /// After the fence: the list of `texels` texels; null with PROPAGATE.
 EmitterListPtr takeEmitterList(const LightField& field, std::size_t texels, const Readbacks& readbacks);

@@ -11,11 +11,11 @@ namespace lpv {
 
 namespace {
 
-LightsInputs inputsOf(const Scene& scene, const std::vector<EmittingLight>& lights) {
+LightsInputs inputsOf(const Scene& scene, const Grid& grid, const std::vector<EmittingLight>& lights) {
   const LightingSettings& options = scene.options;
   LightsInputs inputs;
   for (const EmittingLight& light : lights) inputs.lights.push_back(light.emission());
-  inputs.grid = scene.grid;
+  inputs.grid = grid;
   inputs.transport = options.transport;
   inputs.method = {options.injection, options.method, options.denseSamples, options.transport != Transport::kPropagate};
   const glm::ivec3& dims = scene.grid.dims;
@@ -45,26 +45,28 @@ std::vector<int> groupsOf(const std::vector<EmittingLight>& lights, const std::v
 
 void SessionState::adopt(const Scene& scene) {
   const std::vector<EmittingLight> before = std::move(lights);
-  lights = emittingLights(scene, before);
-  LightsInputs inputs = inputsOf(scene, lights);
+  const FieldGrid grid = fieldGridOf(scene);
+  lights = emittingLights(scene, grid.cells, before);
+  LightsInputs inputs = inputsOf(scene, grid.cells, lights);
   if (arranged.holds(inputs)) {
     for (std::size_t i = 0; i < lights.size(); ++i) lights[i].group = before[i].group;
   } else {
     keepVoxels(inputs);
-    LightArrangement made{choosePalette(lights), cellsAround(lights, scene.grid.dims), {}};
+    LightArrangement made{choosePalette(lights), cellsAround(lights, grid.cells.dims), {}};
     made.groups = groupLights(scene, lights, groupsOf(lights, before));
     arranged.set(std::move(inputs), std::move(made));
   }
   choosePolygons(lights, scene.options.transport, scene.options.openingRatio());
-  keepMemory(scene.grid, scene.options.transport);
+  keepMemory(grid, scene.options.transport);
 }
 
-void SessionState::keepMemory(const Grid& grid, Transport transport) {
-  const FieldInputs inputs = {grid.dims, palette().channels, int(arranged.product().groups.size()), transport};
+void SessionState::keepMemory(const FieldGrid& grid, Transport transport) {
+  const FieldInputs inputs = {grid.cells.dims, palette().channels, int(arranged.product().groups.size()), transport,
+                              grid.guard};
   // Where it does not fit, first the old memory goes and then comes the new.
   if (!memory.holds(inputs))
-    memory.set(inputs, std::make_unique<LightField>(grid, inputs.channels, inputs.groups, transport));
-  field().grid = grid;
+    memory.set(inputs, std::make_unique<LightField>(grid.cells, inputs.channels, inputs.groups, transport, grid.guard));
+  field().grid = grid.cells;
 }
 
 /// A light whose geometry stayed keeps its voxels; one that changed makes them anew in the memory of one that is gone.

@@ -30,7 +30,7 @@ struct View {
 /// What the lights' arrangement is made from.
 struct LightsInputs {
   std::vector<Emission> lights;  ///< in the order of names
-  Grid grid;
+  Grid grid;  ///< of the field
   Transport transport = Transport::kPropagate;
   VoxelMethod method;
   std::optional<double> groupingGoal;  ///< nothing: groups are the scene's
@@ -69,7 +69,7 @@ struct SessionState {
 
  private:
   void keepVoxels(const LightsInputs& inputs);
-  void keepMemory(const Grid& grid, Transport transport);
+  void keepMemory(const FieldGrid& grid, Transport transport);
 };
 
 }  // namespace lpv

@@ -99,7 +99,7 @@ VplLight lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int si
 double EmitterList::farFromEmitters(const glm::dvec3& world) const {
   if (always) return 0.0;
   const glm::dvec3 g = grid.gridFromWorld(world);
-  if (glm::any(glm::lessThan(g, glm::dvec3(-0.5))) || glm::any(glm::greaterThan(g, glm::dvec3(grid.dims) + 0.5)))
+  if (glm::any(glm::lessThan(g, glm::dvec3(0.5))) || glm::any(glm::greaterThan(g, glm::dvec3(grid.dims) - 0.5)))
     return 0.0;
   const glm::dvec3 centred = glm::clamp(g - 0.5, glm::dvec3(0.0), glm::dvec3(grid.dims - 1));
   const glm::ivec3 low = glm::min(glm::ivec3(glm::floor(centred)), glm::max(grid.dims - 2, glm::ivec3(0)));

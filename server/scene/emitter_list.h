@@ -18,12 +18,13 @@ inline constexpr double kNearFieldEnd = 3.0;
 
 /// A session's lights for lookups of the near field: the texels that shaders/transport/emitter_list.glsl describes.
 struct EmitterList {
-  Grid grid;
-  bool always = false;  ///< transport DIRECT: used everywhere; else only near emitters or outside the grid
+  Grid grid;            ///< of the field, guard cells included: what texels and distances are in
+  bool always = false;  ///< transport DIRECT: used everywhere; else only near emitters or beyond the cells' centres
   std::vector<glm::vec4> texels;
   std::vector<float> emitterDistance;  ///< per cell: cells from its centre to the nearest VPL; empty when `always`
 
-  /// Weight of the volume's irradiance: 0 nearer than kNearFieldBegin, 1 beyond kNearFieldEnd, smoothstep in between.
+  /// Weight of the volume's irradiance: 0 nearer than kNearFieldBegin and beyond the outermost cell centres, 1 beyond
+  /// kNearFieldEnd, smoothstep in between.
   double farFromEmitters(const glm::dvec3& world) const;
   /// W/m^2 at a world position on a surface with unit normal n.
   glm::dvec3 irradiance(const glm::dvec3& world, const glm::dvec3& n) const;

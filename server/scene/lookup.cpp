@@ -44,6 +44,13 @@ double shareAcrossHorizon(double sine2, double cosine, double cosTilt) {
   return std::max(0.0, segment - std::abs(cosTilt) * std::atan2(q, m * cosine)) / sh::kPi;
 }
 
+/// Whether nothing has to be clamped.
+bool isBetweenCentres(const Grid& grid, const glm::dvec3& p) {
+  const glm::dvec3 g = grid.gridFromWorld(p);
+  return glm::all(glm::greaterThanEqual(g, glm::dvec3(0.5))) &&
+         glm::all(glm::lessThanEqual(g, glm::dvec3(grid.dims) - 0.5));
+}
+
 double irradiance(Lookup lookup, const sh::Coefficients& incident, const glm::dvec3& n) {
   return lookup == Lookup::kCap ? irradianceCap(incident, n) : irradianceSh2(incident, n);
 }
@@ -82,7 +89,8 @@ Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p
 }
 
 Irradiance irradianceWithNearField(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
-  const double far = volume.direct == nullptr ? 1.0 : volume.direct->farFromEmitters(p);
+  double far = 1.0;
+  if (volume.direct != nullptr) far = isBetweenCentres(volume.grid, p) ? volume.direct->farFromEmitters(p) : 0.0;
   Irradiance out;
   if (far > 0.0) out = irradianceAt(volume, lookup, p, n);
   if (far == 1.0) return out;

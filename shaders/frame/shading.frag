@@ -40,7 +40,7 @@ vec3 gridPosition(float depth) {
 /// As in server/scene/emitter_list.h.
 float farFromEmitters(vec3 p) {
   const vec3 dims = vec3(frame.dims);
-  if (any(lessThan(p, vec3(-0.5))) || any(greaterThan(p, dims + 0.5))) return 0.0;
+  if (any(lessThan(p, vec3(0.5))) || any(greaterThan(p, dims - 0.5))) return 0.0;
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE
   return 1.0;
 #else

@@ -1,5 +1,5 @@
 // What a light's VPLs emit, cell by cell, as the field of emitted intensity shows it (MATHS.md 2): for those who look at
-// the injected volume. A thread per cell of the field that the light's box meets: it takes the leaves of the tree within
+// the injected volume. A thread per cell of the product that the light's box meets: it takes the leaves of the tree within
 // it, or, where these are larger, of the one around it the VPLs that lie within it.
 #include "layout.h"
 #include "common/field.glsl"
@@ -15,9 +15,9 @@ layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 
 vec4 emitted[LPV_CHANNELS];
 
-/// The field's outer upper faces belong to its last cells; what snapping can move beyond them, too.
+/// The product's outer upper faces belong to its last cells; what snapping can move beyond them, too.
 bool isWithin(vec3 position, ivec3 cell) {
-  const vec3 p = position - vec3(cell), faces = mix(vec3(1.0), vec3(1.0 + 1.0 / kLatticeUnits), equal(cell + 1, params.dims));
+  const vec3 p = position - vec3(cell), faces = mix(vec3(1.0), vec3(1.0 + 1.0 / kLatticeUnits), equal(cell + 1, params.upper));
   return all(greaterThanEqual(p, vec3(0.0))) && all(lessThan(p, faces));
 }
 
@@ -51,10 +51,10 @@ void main() {
   const ivec3 at = ivec3(thread % count.x, (thread / count.x) % count.y, thread / (count.x * count.y));
   const ivec3 cell = params.firstCell + at;
   for (int k = 0; k < LPV_CHANNELS; ++k) emitted[k] = vec4(0.0);
-  // Leaves from the cell's lower faces to its upper ones; of the field's last cells one more, for what lies on the face.
+  // Leaves from the cell's lower faces to its upper ones; of the product's last cells one more, for what lies on the face.
   const vec3 from = (vec3(cell) - params.origin) / params.cell, to = from + 1.0 / params.cell;
   const ivec3 first = ivec3(floor(from)) - params.boxLower, last = ivec3(ceil(to)) - 1 - params.boxLower;
-  const bvec3 outermost = equal(cell + 1, params.dims);
+  const bvec3 outermost = equal(cell + 1, params.upper);
   const ivec3 lower = max(first, ivec3(0)), upper = min(last + ivec3(outermost), params.boxSize - 1);
   for (int z = lower.z; z <= upper.z; ++z) {
     for (int y = lower.y; y <= upper.y; ++y) {

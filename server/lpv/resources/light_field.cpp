@@ -17,8 +17,9 @@ FieldBuffer::FieldBuffer(const std::string& label, const glm::ivec3& dims, int c
              gpu::Undefined{}),
       texels(label, buffer) {}
 
-LightField::LightField(const Grid& g, int c, int n, Transport t)
+LightField::LightField(const Grid& g, int c, int n, Transport t, int b)
     : grid(g),
+      guard(b),
       channels(c),
       groups(n),
       counters("counters", sizeof(layout::Counters), gpu::BufferUse::kDynamic),

@@ -9,6 +9,7 @@
 #include "gpu/buffer.h"
 #include "gpu/buffer_texture.h"
 #include "gpu/readback.h"
+#include "lpv/resources/field_grid.h"
 #include "lpv/resources/incident_textures.h"
 #include "lpv/resources/light_voxels.h"
 #include "scene/grid.h"
@@ -31,6 +32,7 @@ struct FieldInputs {
   int channels = 1;
   int groups = 1;
   Transport transport = Transport::kPropagate;
+  int guard = 0;
 
   bool operator==(const FieldInputs&) const = default;
 };
@@ -38,9 +40,11 @@ struct FieldInputs {
 /// Everything whose size follows from FieldInputs, and what is in it where later stages add to that.
 struct LightField {
   /// With what `transport` needs from the start. Contents are undefined but for `counters`.
-  LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate);
+  LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate,
+             int guard = 0);
 
   Grid grid;
+  int guard;     ///< cells of it on each side that are not part of the product
   int channels;  ///< 1..3 (lights.h, Palette)
   int groups;    ///< of lights: each has channels of its own, one group after the other
   gpu::Buffer accumulators;  ///< words per cell (shaders/voxelize/accumulators.glsl), or a table of VPLs; all zero
@@ -72,6 +76,8 @@ struct LightField {
   void makeTextures();
   void makeIncidentVolume();
 
+  /// The product's cells among the grid's.
+  CellBox inner() const { return {glm::ivec3(guard), grid.dims - guard}; }
   int allChannels() const { return channels * groups; }
 
   const FieldBuffer& transported() const { return clamped ? *sum : pingPong[std::size_t(result)]; }

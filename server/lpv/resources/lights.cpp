@@ -23,8 +23,9 @@ Emission EmittingLight::emission() const {
   return {mesh, gridFromObject, radiance, twoSided, mirrored, texture, source == nullptr ? "" : source->group};
 }
 
-std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<EmittingLight>& previous) {
-  const glm::dmat4 gridFromWorld = scene.grid.gridFromWorldMatrix();
+std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,
+                                          const std::vector<EmittingLight>& previous) {
+  const glm::dmat4 gridFromWorld = grid.gridFromWorldMatrix();
   std::vector<EmittingLight> lights;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled) continue;

@@ -38,8 +38,10 @@ struct EmittingLight {
   Emission emission() const;
 };
 
-/// The scene's emitting lights in name order. `previous` saves working out radiance from power for unchanged lights.
-std::vector<EmittingLight> emittingLights(const Scene& scene, const std::vector<EmittingLight>& previous);
+/// The scene's emitting lights in name order, in the cells of `grid`. `previous` saves working out radiance from power
+/// for unchanged lights.
+std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,
+                                          const std::vector<EmittingLight>& previous);
 
 /// A box around every cell the lights can touch.
 CellBox cellsAround(const std::vector<EmittingLight>& lights, const glm::ivec3& dims);

@@ -34,16 +34,17 @@ layout::InjectParams paramsOf(const LightField& field, const EmittingLight& ligh
   return params;
 }
 
-/// Where a light's tree lies; the field's cells that its box meets.
-CellBox placeVpls(const LightVoxels& voxels, layout::InjectParams& params) {
+/// Where a light's tree lies; the cells of `inner`, the product's, that its box meets.
+CellBox placeVpls(const LightVoxels& voxels, const CellBox& inner, layout::InjectParams& params) {
   const CellBox& box = voxels.tree->box;
   const double cell = voxels.source.cell;
-  const glm::dvec3 origin = voxels.source.origin, last(params.dims - 1);
+  const glm::dvec3 origin = voxels.source.origin, first(inner.lower), last(inner.upper - 1);
   const glm::dvec3 lower = origin + cell * glm::dvec3(box.lower), upper = origin + cell * glm::dvec3(box.upper);
-  // What lies on the field's outer upper faces belongs to its last cells.
-  if (glm::any(glm::greaterThan(lower, last + 1.0)) || glm::any(glm::lessThanEqual(upper, glm::dvec3(0.0)))) return {};
-  const CellBox cells = {glm::ivec3(glm::clamp(glm::floor(lower), glm::dvec3(0.0), last)),
-                         glm::ivec3(glm::clamp(glm::ceil(upper) - 1.0, glm::dvec3(0.0), last)) + 1};
+  // What lies on the outer upper faces belongs to the last cells.
+  if (glm::any(glm::greaterThan(lower, last + 1.0)) || glm::any(glm::lessThanEqual(upper, first))) return {};
+  const CellBox cells = {glm::ivec3(glm::clamp(glm::floor(lower), first, last)),
+                         glm::ivec3(glm::clamp(glm::ceil(upper) - 1.0, first, last)) + 1};
+  params.upper = inner.upper;
   params.cell = float(cell);
   params.origin = glm::vec3(origin);
   params.boxLower = box.lower;
@@ -146,7 +147,7 @@ GpuTask Injector::show(LightField& field, const std::vector<EmittingLight>& ligh
     if (tree.entryCount == 0) continue;
     layout::InjectParams params = paramsOf(field, lights[i], *voxels[i], palette.weights[i]);
     params.weight /= float(voxels[i]->areaScale);  // VPLs have areas, not shares of one
-    const CellBox cells = placeVpls(*voxels[i], params);
+    const CellBox cells = placeVpls(*voxels[i], field.inner(), params);
     if (cells.empty()) continue;
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kParams);

@@ -87,16 +87,16 @@ ReceiverBlocks allBlocks(const glm::ivec3& dims) {
   return blocks;
 }
 
-SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene) {
-  SurfaceBlocksInputs inputs{scene.grid, {}};
+SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene, const Grid& grid) {
+  SurfaceBlocksInputs inputs{grid, {}};
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   return inputs;
 }
 
-GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out) {
-  BlockMarks marks(scene.grid.dims);
-  const glm::dmat4 gridFromWorld = scene.grid.gridFromWorldMatrix();
-  for (const auto& [name, surface] : scene.surfaces) {
+GpuTask blocksOfSurfaces(const SurfaceBlocksInputs& inputs, ReceiverBlocks& out) {
+  BlockMarks marks(inputs.grid.dims);
+  const glm::dmat4 gridFromWorld = inputs.grid.gridFromWorldMatrix();
+  for (const SurfacePtr& surface : inputs.surfaces) {
     const glm::dmat4 gridFromObject = gridFromWorld * surface->transform.worldFromObject();
     for (const glm::uvec3& t : surface->mesh->triangles) {
       glm::dvec3 corners[3];

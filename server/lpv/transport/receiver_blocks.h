@@ -21,9 +21,10 @@ struct SurfaceBlocksInputs {
 
   bool operator==(const SurfaceBlocksInputs&) const = default;
 };
-SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene);
+SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene, const Grid& grid);
 
-/// Those with a cell that a surface of the scene reads when it is lit: within one cell of one of its triangles.
-GpuTask blocksOfSurfaces(const Scene& scene, ReceiverBlocks& out);
+/// Those with a cell that a surface reads when it is lit: within one cell of one of its triangles. `inputs` outlives the
+/// coroutine.
+GpuTask blocksOfSurfaces(const SurfaceBlocksInputs& inputs, ReceiverBlocks& out);
 
 }  // namespace lpv

@@ -43,7 +43,7 @@ std::vector<int> groupsOf(const std::vector<EmittingLight>& lights) {
 
 struct Grouped {
   explicit Grouped(const Scene& scene, const std::vector<int>& previous = {})
-      : lights(emittingLights(scene, {})),
+      : lights(emittingLights(scene, scene.grid, {})),
         names(groupLights(scene, lights, previous)),
         groups(groupsOf(lights)),
         error(groupingError(lights, scene.grid, groups)) {}
