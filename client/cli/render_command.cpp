@@ -75,6 +75,7 @@ Status render(Context& context, const RenderOptions& options) {
   if (!editor) return editor.status();
   const auto uploaded = uploadScene(*editor, *scene);
   if (!uploaded) return uploaded.status();
+  for (const std::string& warning : uploaded->warnings) warn(warning);
 
   Expected<client::FrameResult> frame = Status(Code::kInternal, "no frame");
   {

@@ -64,6 +64,7 @@ void addSceneLoad(CLI::App& group, Commands& commands) {
         return asMember(*client, given->id, [&](client::Editor& editor) -> Status {
           const Expected<UploadedScene> made = uploadScene(editor, *scene);
           if (!made) return made.status();
+          for (const std::string& warning : made->warnings) warn(warning);
           if (made->lights.empty())
             warn("the file has no emissive material and adds no light; add one with lpvctl light add");
           printMade(context, *scene, *made);

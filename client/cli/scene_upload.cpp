@@ -73,12 +73,12 @@ v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
   return client::createSurface(std::move(out));
 }
 
-std::vector<v1::Edit> editsFor(const ImportedScene& scene, const SceneBlobs& blobs) {
+std::vector<v1::Edit> editsFor(const ImportedScene& scene, const SceneBlobs& blobs, bool fits) {
   std::vector<v1::Operation> operations;
   for (const Light& light : scene.lights) operations.push_back(operationFor(light, blobs));
   for (const Surface& surface : scene.surfaces) operations.push_back(operationFor(surface, blobs));
   for (const auto& [name, camera] : scene.cameras) operations.push_back(client::putCamera(name, camera));
-  operations.push_back(client::fitGrid());
+  if (fits) operations.push_back(client::fitGrid());
 
   std::vector<v1::Edit> edits(1);
   std::size_t bytes = 0;
@@ -135,6 +135,42 @@ Expected<UploadedScene> applyAll(client::Editor& editor, std::vector<v1::Edit> e
   return made;
 }
 
+/// How an object lies to a box.
+enum class Place { kInside, kPartly, kOutside };
+
+template <typename Object>
+Place placeOf(const Object& object, const Grid& grid) {
+  const Bounds box = object.mesh->bounds.transformed(object.transform.worldFromObject());
+  const glm::dvec3 lower = grid.gridFromWorld(box.min), upper = grid.gridFromWorld(box.max), dims(grid.dims);
+  constexpr double kSlack = 1e-6;  // cells
+  if (glm::any(glm::greaterThan(lower, dims)) || glm::any(glm::lessThan(upper, glm::dvec3(0.0))))
+    return Place::kOutside;
+  const bool inside =
+      glm::all(glm::greaterThanEqual(lower, glm::dvec3(-kSlack))) && glm::all(glm::lessThanEqual(upper, dims + kSlack));
+  return inside ? Place::kInside : Place::kPartly;
+}
+
+/// What of a scene a grid of fixed bounds leaves out, in words.
+std::vector<std::string> leftOut(const ImportedScene& scene, const v1::Session& session) {
+  std::vector<std::string> out;
+  const Grid grid = client::fromProto(session.grid());
+  const bool propagates = session.settings().transport() == v1::TRANSPORT_PROPAGATE;
+  for (const Light& light : scene.lights) {
+    const Place place = placeOf(light, grid);
+    if (place == Place::kInside || !propagates) continue;
+    out.push_back(
+        "light '" + light.name + "' lies " + (place == Place::kOutside ? "" : "partly ") +
+        "outside the grid's bounds: transport PROPAGATE takes no light from there; use GATHER, or other bounds");
+  }
+  std::size_t surfaces = 0;
+  for (const Surface& surface : scene.surfaces) surfaces += placeOf(surface, grid) == Place::kInside ? 0 : 1;
+  if (surfaces == 0) return out;
+  const std::string some = std::to_string(surfaces) + " of " + std::to_string(scene.surfaces.size()) +
+                           " surfaces reach beyond the grid's bounds; there ";
+  out.push_back(some + (propagates ? "they stay dark" : "they look at the lights themselves, which takes longer"));
+  return out;
+}
+
 }  // namespace
 
 Expected<UploadedScene> uploadScene(client::Editor& editor, const ImportedScene& scene) {
@@ -146,7 +182,13 @@ Expected<UploadedScene> uploadScene(client::Editor& editor, const ImportedScene&
                                               [&](auto done, auto total) { bar.show(done, total); });
     if (!sent.ok()) return sent;
   }
-  return applyAll(editor, editsFor(scene, blobs));
+  client::Client client = editor.client();
+  const Expected<v1::Session> session = client.session(editor.session());
+  if (!session) return session.status();
+  const bool fixed = session->settings().grid().has_bounds();
+  Expected<UploadedScene> made = applyAll(editor, editsFor(scene, blobs, !fixed));
+  if (made && fixed) made->warnings = leftOut(scene, *session);
+  return made;
 }
 
 }  // namespace lpv::cli

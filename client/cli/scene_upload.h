@@ -1,5 +1,5 @@
 #pragma once
-// Uploads an imported scene to a session: blobs first, then edits, the last of which fits the grid.
+// Uploads an imported scene to a session: blobs first, then edits, the last of which fits the grid, where it is fitted.
 
 #include <string>
 #include <vector>
@@ -15,6 +15,7 @@ struct UploadedScene {
   std::vector<std::string> surfaces;
   std::vector<std::string> cameras;
   std::uint64_t revision = 0;
+  std::vector<std::string> warnings;  ///< of what lies outside a grid of fixed bounds
 };
 
 /// Uploads everything as one undo step. If an edit is refused, what the earlier ones created is removed again.
