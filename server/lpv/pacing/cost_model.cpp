@@ -6,7 +6,8 @@ namespace {
 /// A graphics card is assumed to be so much faster while nothing was measured: too little only makes first pieces
 /// small.
 constexpr double kHardwareIsFaster = 20.0;
-/// Work that counts as much as everything known before it, seconds: one odd piece changes little.
+/// What was known counts as so much work, seconds: one odd piece changes little. Half a second for a few units, as a
+/// thread that was not scheduled or a program that had to be compiled takes, makes it three times as much.
 constexpr double kMemory = 0.25;
 
 }  // namespace
@@ -19,7 +20,7 @@ CostModel::CostModel(bool software) {
 void CostModel::learn(Stage stage, double seconds, double units) {
   if (units <= 0.0 || seconds <= 0.0) return;
   std::atomic<double>& rate = secondsPerUnit_[std::size_t(stage)];
-  rate = rate + seconds / (seconds + kMemory) * (seconds / units - rate);
+  rate = (kMemory + seconds) / (kMemory / rate + units);
 }
 
 }  // namespace lpv

@@ -170,5 +170,16 @@ TEST(Predict, ADeviceIsMeasured) {
   EXPECT_EQ(predict(costs, workloadOf(propagating(1000), 32)).mostly, Stage::kPropagate);
 }
 
+// Broken by: rates of pieces that are averaged by their seconds: half a second for a hundred units, a few times, and no
+// session was admitted any more.
+TEST(Predict, PiecesThatHaveToWaitDoNotMakeADeviceSlow) {
+  CostModel costs;
+  const double before = costs.secondsPerUnit(Stage::kVolume);
+  for (int i = 0; i < 2; ++i) costs.learn(Stage::kVolume, 0.5, 100.0);
+  EXPECT_LT(costs.secondsPerUnit(Stage::kVolume), 10.0 * before);
+  for (int i = 0; i < 200; ++i) costs.learn(Stage::kVolume, 0.005, 0.005 / before);
+  EXPECT_LT(costs.secondsPerUnit(Stage::kVolume), 1.2 * before);
+}
+
 }  // namespace
 }  // namespace lpv
