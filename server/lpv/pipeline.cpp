@@ -34,10 +34,9 @@ struct CountInputs {
   bool operator==(const CountInputs&) const = default;
 };
 
-/// DIRECT looks at polygons as they are: they are put into the grid for those who look at volumes only.
-bool needsVoxels(const EmittingLight& light, const TickRequest& request) {
-  const bool direct = request.scene->options.transport == Transport::kDirect;
-  return !direct || !light.polygons || request.transported || request.injected;
+/// Frames that look at polygons take them as they are: they are put into the grid for those who look at volumes only.
+bool needsVoxels(const SessionState& s, const EmittingLight& light, const TickRequest& request) {
+  return !s.looksAtLights || !light.polygons || request.transported || request.injected;
 }
 
 /// Where each frame of a tick is made: kept views in the session, others here for the tick.
@@ -184,7 +183,7 @@ GpuTask Pipeline::Stages::voxelize(SessionState& s, const TickRequest& request, 
   for (std::size_t i = 0; i < s.lights.size(); ++i) {
     LightVoxels& voxels = *s.voxels[i];
     const EmittingLight& light = s.lights[i];
-    if (!needsVoxels(light, request) || voxels.made.holds(voxels.source)) continue;
+    if (!needsVoxels(s, light, request) || voxels.made.holds(voxels.source)) continue;
     const GpuLightTexture* texture =
         light.texture == nullptr ? nullptr : s.resources.lightTextures.at(light.texture).get();
     co_await voxelizer.run(s.field(), *s.resources.meshes.at(light.mesh), texture, voxels, pacing(s));
@@ -212,12 +211,12 @@ GpuTask Pipeline::Stages::propagate(SessionState& s, const Scene& scene) {
   made.propagated.set(inputs);
 }
 
-/// Everywhere for volumes, around surfaces for frames, which DIRECT makes without.
+/// Everywhere for volumes, around surfaces for frames that read them.
 GpuTask Pipeline::Stages::findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out) {
   const Scene& scene = *request.scene;
   if (request.transported) {
     out = allBlocks(s.field().grid.dims);
-  } else if (!request.frames.empty() && scene.options.transport == Transport::kGather) {
+  } else if (!request.frames.empty() && !s.looksAtLights) {
     auto& blocks = s.products->surfaceBlocks;
     const SurfaceBlocksInputs inputs = surfaceBlocksInputs(scene, s.field().grid);
     if (!blocks.holds(inputs)) {
@@ -262,9 +261,9 @@ void Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
   made.listed.set(inputs);
 }
 
-/// For frames; DIRECT's look at the lights alone.
+/// For frames that do not look at the lights alone.
 GpuTask Pipeline::Stages::makeTextures(SessionState& s, const TickRequest& request, Transported light) {
-  if (request.frames.empty() || request.scene->options.transport == Transport::kDirect) co_return;
+  if (request.frames.empty() || s.looksAtLights) co_return;
   const VolumeInputs inputs = {light.stamp, 0};
   if (s.products->textured.holds(inputs)) co_return;
   co_await volumeMaker.run(s.field(), light.field, s.palette(), VolumeTarget::kTextures, pacing(s));
@@ -312,7 +311,7 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copie
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kTransported;
     co_await takeVolume(made.readbacks.transported, s.field(), groups, *volume);
-    volume->direct = takeEmitterList(s.field(), made.emitters.count, made.readbacks);
+    volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks);
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }
   if (copies.injected) {
@@ -348,7 +347,7 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   const LightField& field = s.field();
   const bool nearField = scene.options.quality == Quality::kAccurate;
   const IrradianceSources lit = {field.transport, scene.options.lookup, nearField,
-                                 field.textures ? &*field.textures : nullptr, &s.products->emitters};
+                                 s.looksAtLights ? nullptr : &*field.textures, &s.products->emitters};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 

@@ -93,11 +93,12 @@ GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const
   }
 }
 
-EmitterListPtr takeEmitterList(const LightField& field, std::size_t texels, const Readbacks& readbacks) {
+EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks) {
+  const std::size_t texels = emitters.count;
   if (field.transport == Transport::kPropagate) return nullptr;
   auto list = std::make_shared<EmitterList>();
   list->grid = field.grid;
-  list->always = field.transport == Transport::kDirect;
+  list->always = field.transport == Transport::kDirect || emitters.everywhere;
   list->texels.resize(texels);
   std::memcpy(list->texels.data(), readbacks.emitterList.bytes().data(), texels * sizeof(glm::vec4));
   if (list->always) return list;

@@ -27,8 +27,8 @@ void copyCounters(const LightField& field, Readbacks& readbacks);
 /// After the fence: the volume's product, layer by layer. What is given outlives the coroutine.
 GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
                    Volume& out);
-/// After the fence: the list of `texels` texels; null with PROPAGATE.
-EmitterListPtr takeEmitterList(const LightField& field, std::size_t texels, const Readbacks& readbacks);
+/// After the fence: the list; null with PROPAGATE.
+EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks);
 layout::Counters takeCounters(const Readbacks& readbacks);
 
 /// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).

@@ -56,7 +56,9 @@ void SessionState::adopt(const Scene& scene) {
     made.groups = groupLights(scene, lights, groupsOf(lights, before));
     arranged.set(std::move(inputs), std::move(made));
   }
-  choosePolygons(lights, scene.options.transport, scene.options.openingRatio());
+  const Transport transport = scene.options.transport;
+  choosePolygons(lights, transport, scene.options.openingRatio());
+  looksAtLights = transport == Transport::kDirect || (transport == Transport::kGather && lookedAtEverywhere(lights));
   keepMemory(grid, scene.options.transport);
 }
 

@@ -53,6 +53,7 @@ struct SessionState {
   SceneResources resources;
   std::vector<EmittingLight> lights;   ///< their groups stand while they are good enough
   std::vector<LightVoxelsPtr> voxels;  ///< per light
+  bool looksAtLights = false;          ///< frames look at the lights everywhere and read no volume
   Cached<LightsInputs, LightArrangement> arranged;
   Cached<FieldInputs, std::unique_ptr<LightField>> memory;
   std::shared_ptr<StageProducts> products;  ///< null: nothing

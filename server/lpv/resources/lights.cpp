@@ -36,6 +36,25 @@ std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,
   return lights;
 }
 
+double cellsAcross(const EmittingLight& light) {
+  return glm::length(glm::dmat3(light.gridFromObject) * light.mesh->bounds.extent());
+}
+
+bool isConstant(const EmittingLight& light) { return light.texture == nullptr && light.mesh->directions.empty(); }
+
+bool fewPolygons(const EmittingLight& light) {
+  return isConstant(light) && light.mesh->triangles.size() <= kFewPolygons;
+}
+
+bool lookedAtEverywhere(const std::vector<EmittingLight>& lights) {
+  std::size_t triangles = 0;
+  for (const EmittingLight& light : lights) {
+    triangles += light.mesh->triangles.size();
+    if (!fewPolygons(light) || triangles > kFewPolygons || cellsAcross(light) >= kSmallBesideACell) return false;
+  }
+  return !lights.empty();
+}
+
 CellBox cellsAround(const std::vector<EmittingLight>& lights, const glm::ivec3& dims) {
   constexpr double kSnap = 1.0 / 128.0;  // cells: snapping moves a vertex by at most half a lattice unit
   Bounds all;

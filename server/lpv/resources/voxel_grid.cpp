@@ -3,7 +3,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtx/component_wise.hpp>
 
-#include "lpv/transport/emitter_list.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -29,8 +28,7 @@ bool tooLarge(const LatticeBox& box) {
 }
 
 double edgeFor(const EmittingLight& light, const Bounds& bounds) {
-  const glm::dvec3 extent = light.mesh->bounds.extent();
-  const double across = glm::length(glm::dmat3(light.gridFromObject) * extent);
+  const double across = cellsAcross(light);
   double cell = 1.0;
   for (int i = 0; i < kMostHalvings && across < kLeastCellsAcross * cell && !fewPolygons(light); ++i) cell *= 0.5;
   while (tooLarge(latticeBox(bounds, cell))) cell *= 2.0;

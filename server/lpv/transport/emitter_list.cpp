@@ -30,19 +30,12 @@ int texelsPerEntry(const LightVoxels& voxels) {
   return voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
 }
 
-/// Whether the closed form holds for it.
-bool isConstant(const EmittingLight& light) { return light.texture == nullptr && light.mesh->directions.empty(); }
-
 /// Texels of a tree's entries.
 std::size_t entryTexels(const LightVoxels& voxels) {
   return voxels.tree->entryCount * std::size_t(texelsPerEntry(voxels));
 }
 
 }  // namespace
-
-bool fewPolygons(const EmittingLight& light) {
-  return isConstant(light) && light.mesh->triangles.size() <= kFewPolygons;
-}
 
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k) {
   const bool accurate = transport == Transport::kDirect && k >= kAccurateOpeningRatio;
@@ -62,6 +55,7 @@ void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, dou
 
 void EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
                              double k) {
+  everywhere = lookedAtEverywhere(lights);
   std::vector<glm::vec4> head(1 + 2 * lights.size());
   head[0] = {float(lights.size()), float(std::min(k, 1e15)), 0.0F, 0.0F};
   for (std::size_t i = 0; i < lights.size(); ++i) {

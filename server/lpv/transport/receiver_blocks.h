@@ -23,8 +23,8 @@ struct SurfaceBlocksInputs {
 };
 SurfaceBlocksInputs surfaceBlocksInputs(const Scene& scene, const Grid& grid);
 
-/// Those with a cell that a surface reads when it is lit: within one cell of one of its triangles. `inputs` outlives the
-/// coroutine.
+/// Those with a cell that a surface reads when it is lit: within one cell of one of its triangles. `inputs` outlives
+/// the coroutine.
 GpuTask blocksOfSurfaces(const SurfaceBlocksInputs& inputs, ReceiverBlocks& out);
 
 }  // namespace lpv

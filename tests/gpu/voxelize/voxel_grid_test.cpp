@@ -93,6 +93,33 @@ TEST_F(LightPlacesTest, MeshesSmallBesideACellAreSeenAsTheyAre) {
   }
 }
 
+// A lamp of .05 cells, .3 cells over a floor of 20 cells: cells' centres lie above and below it, none sees what the
+// floor sees. In frames, Probe and with them the self-check. Broken by: the volume beyond the near field, in either.
+TEST_F(LightPlacesTest, ASmallLampOverALargeFloorIsLookedAt) {
+  Scene scene = floorScene(Transport::kGather, reference::quad());
+  scene.options.quality = Quality::kFast;
+  test::lightOf(scene).transform.scale *= 0.05 * scene.grid.cell;
+  const FloorView view = floorView(scene, 0.3);
+  EXPECT_LE(errorOf(scene, view), 1e-4);
+  TickRequest request = test::requestOf(scene, ++sessions_);
+  request.frames = {view.frame};
+  const TickResult result = run(request);
+  ASSERT_EQ(result.frames.size(), 1U);
+  EXPECT_LE(test::relativeErrors(test::floorIrradiance(*result.frames[0], view), test::truthOn(scene, view)).raw, 1e-3);
+  EXPECT_EQ(result.report.lightsVoxelized, 0U) << "nobody reads a volume";
+}
+
+// Broken by: a light too many, or one that is not small.
+TEST_F(LightPlacesTest, OnlyFewSmallPolygonsAreLookedAtEverywhere) {
+  const EmittingLight lamp = lightOf(reference::quad(), 0.3, {8, 8, 8});
+  EXPECT_TRUE(lookedAtEverywhere({lamp}));
+  EXPECT_TRUE(lookedAtEverywhere(std::vector<EmittingLight>(16, lamp)));
+  EXPECT_FALSE(lookedAtEverywhere(std::vector<EmittingLight>(17, lamp)));
+  EXPECT_FALSE(lookedAtEverywhere({lamp, lightOf(reference::quad(), 1.3, {8, 8, 8})}));
+  EXPECT_FALSE(lookedAtEverywhere({lightOf(reference::sphere(), 0.1, {8, 8, 8})}));
+  EXPECT_FALSE(lookedAtEverywhere({}));
+}
+
 // From 3 cells above the floor: grazing light, which grows with the square of the height, is interpolated linearly.
 // Broken by: boxes that end where the field does.
 TEST_F(LightPlacesTest, LightsOutsideLightWhatIsInside) {
