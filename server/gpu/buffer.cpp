@@ -4,6 +4,7 @@
 
 #include "gpu/failure.h"
 #include "gpu/gl.h"
+#include "gpu/usage.h"
 
 namespace lpv::gpu {
 
@@ -21,6 +22,8 @@ std::uint32_t createStorage(const std::string& label, std::size_t bytes, const v
     glDeleteBuffers(1, &id);
     throw;
   }
+  usage().objects++;
+  usage().bytes += std::uint64_t(size);
   glObjectLabel(GL_BUFFER, id, GLsizei(label.size()), label.c_str());
   return id;
 }

@@ -9,6 +9,7 @@
 #include "gpu/failure.h"
 #include "gpu/gl.h"
 #include "gpu/shader_record.h"
+#include "gpu/usage.h"
 
 namespace lpv::gpu {
 
@@ -147,11 +148,13 @@ void Program::use() {
 
 void Program::dispatch(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   if (x == 0 || y == 0 || z == 0) return;
+  usage().dispatches++;
   use();
   glDispatchCompute(x, y, z);
 }
 
 void Program::dispatchIndirect(std::size_t offset) {
+  usage().dispatches++;
   use();
   glDispatchComputeIndirect(GLintptr(offset));
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gpu/failure.h"
+#include "gpu/usage.h"
 
 namespace lpv::gpu {
 
@@ -40,6 +41,7 @@ Texture::Texture(GLenum target, const std::string& label, const glm::ivec3& size
     throw;
   }
   setSampling(id_, sampling);
+  usage().objects++;
   glObjectLabel(GL_TEXTURE, id_, GLsizei(label.size()), label.c_str());
 }
 
