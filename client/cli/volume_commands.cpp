@@ -20,6 +20,7 @@ struct VolumeOptions {
   std::optional<v1::VolumeStage> stage;
   std::optional<int> layer;
   bool layers = false;
+  bool guard = false;
 };
 
 /// Shape of the array: (nz, ny, nx, 3, 4) of one layer or of the sum, (g, nz, ny, nx, 3, 4) with --layers.
@@ -75,6 +76,7 @@ Expected<client::VolumeResult> fetch(Context& context, const VolumeOptions& opti
   request.set_session(options.id);
   request.set_stage(options.stage.value_or(v1::VOLUME_STAGE_TRANSPORTED));
   request.set_format(v1::VOLUME_FORMAT_FLOAT);
+  request.set_guard_cells(options.guard ? kGuardCells : 0);
   return client->volume(request);
 }
 
@@ -130,6 +132,7 @@ void addGet(CLI::App& group, Commands& commands) {
   addStage(get, *given);
   auto* one = get.add_option("--layer", given->layer, "Save one layer instead of the sum")->type_name("K");
   get.add_flag("--layers", given->layers, "Save all layers: (g,nz,ny,nx,3,4)")->excludes(one);
+  get.add_flag("--guard", given->guard, "Save one cell more on each side, for lookups on the grid's bounds");
 }
 
 void addInfo(CLI::App& group, Commands& commands) {

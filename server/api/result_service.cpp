@@ -92,11 +92,12 @@ class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest,
     order_ = *order;
     WaitingCall call;
     call.volume = order_.stage;
+    call.guarded = order_.guarded;
     return call;
   }
   Expected<Parts> parts(const Result& result) override {
     const auto parts = std::make_shared<VolumeParts>(
-        result, order_, context_.caches->encodings.get(result.volume, order_, *context_.counters));
+        result, order_, context_.caches->encodings.get(order_.sentOf(result.volume), order_, *context_.counters));
     context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }

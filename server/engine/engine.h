@@ -59,6 +59,7 @@ struct TickRequest {
   ScenePtr scene;
   bool transported = false;           ///< read the transported volume back
   bool injected = false;              ///< read the injected volume back
+  bool guarded = false;               ///< and the guard cells with them (Volume::guarded)
   std::vector<FrameRequest> frames;
 };
 

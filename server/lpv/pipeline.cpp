@@ -139,7 +139,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   const Scene& scene = *request.scene;
   Stages& stages = *stages_;
   gpu::throwOnReset();
-  s.adopt(scene);
+  s.adopt(scene, request.guarded);
   if (s.products == nullptr) s.products = std::make_shared<StageProducts>();
   StageProducts& made = *s.products;
   co_yield yield();
@@ -264,7 +264,7 @@ void Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
 /// For frames that do not look at the lights alone.
 GpuTask Pipeline::Stages::makeTextures(SessionState& s, const TickRequest& request, Transported light) {
   if (request.frames.empty() || s.looksAtLights) co_return;
-  const VolumeInputs inputs = {light.stamp, 0};
+  const VolumeInputs inputs = {light.stamp, 0, false};
   if (s.products->textured.holds(inputs)) co_return;
   co_await volumeMaker.run(s.field(), light.field, s.palette(), VolumeTarget::kTextures, pacing(s));
   s.products->textured.set(inputs);
@@ -276,7 +276,7 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
   StageProducts& made = *s.products;
   LightField& field = s.field();
   const bool propagates = field.transport == Transport::kPropagate;
-  const VolumeInputs transported = {light.stamp, propagates ? 0 : made.listed.stamp()};
+  const VolumeInputs transported = {light.stamp, propagates ? 0 : made.listed.stamp(), s.guarded};
   if (!made.transportedVolume.holds(transported) && request.transported) {
     co_await volumeMaker.run(field, light.field, s.palette(), VolumeTarget::kTransported, pacing(s));
     co_await copyVolume(field, made.readbacks.transported);
@@ -310,14 +310,14 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copie
   if (copies.transported) {
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kTransported;
-    co_await takeVolume(made.readbacks.transported, s.field(), groups, *volume);
+    co_await takeVolume(made.readbacks.transported, s.field(), groups, s.guarded, *volume);
     volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks);
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }
   if (copies.injected) {
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kInjected;
-    co_await takeVolume(made.readbacks.injected, s.field(), groups, *volume);
+    co_await takeVolume(made.readbacks.injected, s.field(), groups, s.guarded, *volume);
     made.injectedVolume.set(*copies.injected, std::move(volume));
   }
 }

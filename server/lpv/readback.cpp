@@ -40,6 +40,49 @@ std::vector<Chunk> runsOf(const Grid& grid, const CellBox& box) {
   return runs;
 }
 
+/// The cells of `box`, layer by layer.
+GpuTask takeLayers(const gpu::Readback& readback, const LightField& field, CellBox box,
+                   const std::vector<std::string>& groups, Volume& out) {
+  const std::byte* from = readback.bytes().data();
+  constexpr std::size_t kCellBytes = layout::kVolumeFloats * sizeof(float);
+  for (const std::string& group : groups) {
+    VolumeLayer& layer = out.layers.emplace_back();
+    layer.group = group;
+    layer.coefficients.reserve(out.grid.cells() * layout::kVolumeFloats);
+    std::size_t taken = 0;
+    for (const Chunk& run : runsOf(field.grid, box)) {
+      for (const Chunk& part : chunksOf(run.bytes * kCellBytes)) {
+        append(layer.coefficients, from + run.offset * kCellBytes, part);
+        taken += part.bytes;
+        if (taken < kChunkBytes) continue;
+        taken = 0;
+        co_yield yield();
+      }
+    }
+    from += field.grid.cells() * kCellBytes;
+    co_yield yield();
+  }
+}
+
+/// Guard cells that are as the cells beside them.
+GpuTask repeatOutermost(const Volume& volume, Volume& out) {
+  for (const VolumeLayer& layer : volume.layers) {
+    VolumeLayer& more = out.layers.emplace_back();
+    more.group = layer.group;
+    more.coefficients.reserve(out.grid.cells() * layout::kVolumeFloats);
+    for (int z = 0; z < out.grid.dims.z; ++z) {
+      for (int y = 0; y < out.grid.dims.y; ++y) {
+        for (int x = 0; x < out.grid.dims.x; ++x) {
+          const glm::ivec3 cell = glm::clamp(glm::ivec3(x, y, z) - kGuardCells, glm::ivec3(0), volume.grid.dims - 1);
+          const float* from = &layer.coefficients[volume.grid.index(cell) * layout::kVolumeFloats];
+          more.coefficients.insert(more.coefficients.end(), from, from + layout::kVolumeFloats);
+        }
+      }
+      co_yield yield();
+    }
+  }
+}
+
 }  // namespace
 
 gpu::Readback& withRoom(gpu::Readback& readback, const char* label, std::size_t bytes) {
@@ -70,27 +113,19 @@ void copyCounters(const LightField& field, Readbacks& readbacks) {
 }
 
 GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
-                   Volume& out) {
+                   bool guarded, Volume& out) {
   out.grid = productOf(field);
-  const std::byte* from = readback.bytes().data();
-  constexpr std::size_t kCellBytes = layout::kVolumeFloats * sizeof(float);
-  for (const std::string& group : groups) {
-    VolumeLayer& layer = out.layers.emplace_back();
-    layer.group = group;
-    layer.coefficients.reserve(out.grid.cells() * layout::kVolumeFloats);
-    std::size_t taken = 0;
-    for (const Chunk& run : runsOf(field.grid, field.inner())) {
-      for (const Chunk& part : chunksOf(run.bytes * kCellBytes)) {
-        append(layer.coefficients, from + run.offset * kCellBytes, part);
-        taken += part.bytes;
-        if (taken < kChunkBytes) continue;
-        taken = 0;
-        co_yield yield();
-      }
-    }
-    from += field.grid.cells() * kCellBytes;
-    co_yield yield();
+  co_await takeLayers(readback, field, field.inner(), groups, out);
+  if (!guarded) co_return;
+  auto more = std::make_shared<Volume>();
+  more->grid = guardedGrid(out.grid);
+  more->stage = out.stage;
+  if (field.guard == kGuardCells) {
+    co_await takeLayers(readback, field, {glm::ivec3(0), field.grid.dims}, groups, *more);
+  } else {
+    co_await repeatOutermost(out, *more);
   }
+  out.guarded = std::move(more);
 }
 
 EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks) {

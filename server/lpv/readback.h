@@ -24,9 +24,10 @@ void copyEmitterList(const LightField& field, const EmitterBufferList& emitters,
 /// The same for the counters of the inject and volume stages.
 void copyCounters(const LightField& field, Readbacks& readbacks);
 
-/// After the fence: the volume's product, layer by layer. What is given outlives the coroutine.
+/// After the fence: the volume's product, layer by layer, and with `guarded` the same with guard cells. What is given
+/// outlives the coroutine.
 GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
-                   Volume& out);
+                   bool guarded, Volume& out);
 /// After the fence: the list; null with PROPAGATE.
 EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks);
 layout::Counters takeCounters(const Readbacks& readbacks);

@@ -43,9 +43,10 @@ std::vector<int> groupsOf(const std::vector<EmittingLight>& lights, const std::v
 
 }  // namespace
 
-void SessionState::adopt(const Scene& scene) {
+void SessionState::adopt(const Scene& scene, bool guardsAsked) {
+  guarded = guarded || guardsAsked;
   const std::vector<EmittingLight> before = std::move(lights);
-  const FieldGrid grid = fieldGridOf(scene);
+  const FieldGrid grid = fieldGridOf(scene, guarded);
   lights = emittingLights(scene, grid.cells, before);
   LightsInputs inputs = inputsOf(scene, grid.cells, lights);
   if (arranged.holds(inputs)) {

@@ -53,6 +53,7 @@ struct SessionState {
   SceneResources resources;
   std::vector<EmittingLight> lights;   ///< their groups stand while they are good enough
   std::vector<LightVoxelsPtr> voxels;  ///< per light
+  bool guarded = false;                ///< guard cells were asked for
   bool looksAtLights = false;          ///< frames look at the lights everywhere and read no volume
   Cached<LightsInputs, LightArrangement> arranged;
   Cached<FieldInputs, std::unique_ptr<LightField>> memory;
@@ -62,9 +63,9 @@ struct SessionState {
   LightField& field() { return *memory.product(); }
   const Palette& palette() const { return arranged.product().palette; }
 
-  /// Takes the scene's lights and grid over, with the memory that they need. Throws gpu::Failure when the field's
-  /// memory cannot be had.
-  void adopt(const Scene& scene);
+  /// Takes the scene's lights and grid over, with the memory that they need; from the first time that guard cells are
+  /// asked for, with them. Throws gpu::Failure when the field's memory cannot be had.
+  void adopt(const Scene& scene, bool guarded);
   /// After a failed tick: nothing on the GPU is trusted any more.
   void invalidate();
 

@@ -7,4 +7,11 @@ sh::Coefficients Volume::at(const VolumeLayer& layer, const Grid& grid, const gl
   return {c[0], c[1], c[2], c[3]};
 }
 
+Grid guardedGrid(const Grid& grid) {
+  Grid out = grid;
+  out.origin -= double(kGuardCells) * grid.cell;
+  out.dims += 2 * kGuardCells;
+  return out;
+}
+
 }  // namespace lpv

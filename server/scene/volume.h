@@ -13,6 +13,9 @@
 
 namespace lpv {
 
+/// Cells beyond the grid on each side that a lookup on its bounds reads.
+inline constexpr int kGuardCells = 1;
+
 /// Which field a volume shows.
 enum class VolumeStage {
   kInjected,     ///< SH of emitted intensity per cell, W/sr, direction of emission (MATHS.md 2)
@@ -31,10 +34,15 @@ struct Volume {
   VolumeStage stage = VolumeStage::kTransported;
   std::vector<VolumeLayer> layers;
   EmitterListPtr direct;  ///< its lights, for receivers near emitters or outside the grid; null with PROPAGATE
+  /// The same with kGuardCells more on each side, for lookups on the grid's bounds; null unless asked for. With
+  /// PROPAGATE, which has no light beyond the grid, these are what lookups clamp to.
+  std::shared_ptr<const Volume> guarded = nullptr;
 
   /// Coefficients of one cell and colour.
   static sh::Coefficients at(const VolumeLayer& layer, const Grid& grid, const glm::ivec3& cell, int colour);
 };
+/// `grid` with kGuardCells more on each side.
+Grid guardedGrid(const Grid& grid);
 using VolumePtr = std::shared_ptr<const Volume>;
 
 }  // namespace lpv

@@ -20,7 +20,9 @@ Expected<wire::Format> formatOf(const v1::VolumeHeader& header) {
     return broken("a volume of " + std::to_string(header.coefficients()) +
                   " coefficients per colour; this client reads 4");
   }
-  if (header.guard_cells() != 0) return broken("a volume with guard cells, which this client did not ask for");
+  if (header.guard_cells() != 0 && header.guard_cells() != kGuardCells) {
+    return broken("a volume with " + std::to_string(header.guard_cells()) + " guard cells; this client reads 0 and 1");
+  }
   for (const v1::VolumeLayer& layer : header.layers()) {
     if (layer.has_grid() && fromProto(layer.grid()) != fromProto(header.grid())) {
       return broken("a volume of several grids; this client reads one");
@@ -56,6 +58,7 @@ wire::VolumeShape shapeOf(const v1::VolumeHeader& header, wire::Format format) {
   wire::VolumeShape shape;
   shape.format = format;
   shape.grid = fromProto(header.grid());
+  if (header.guard_cells() > 0) shape.grid = guardedGrid(shape.grid);
   shape.stage = header.stage() == v1::VOLUME_STAGE_INJECTED ? VolumeStage::kInjected : VolumeStage::kTransported;
   for (const v1::VolumeLayer& layer : header.layers()) {
     shape.groups.push_back(layer.group());

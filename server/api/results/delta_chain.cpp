@@ -56,7 +56,8 @@ wire::VolumeStatePtr DeltaChain::stateOf(const Result& result, const VolumeEncod
   if (wire::VolumeStatePtr known = find(result.meta.resultId)) return known;
   const bool newest = published_.empty() || published_.back().resultId < result.meta.resultId;
   const wire::VolumeState* previous = newest && !published_.empty() ? published_.back().state.get() : nullptr;
-  wire::VolumeStatePtr state = wire::publish(*result.volume, order.format, order.toleranceClass, previous);
+  wire::VolumeStatePtr state =
+      wire::publish(*order.sentOf(result.volume), order.format, order.toleranceClass, previous);
   if (!newest) return state;
   // A worker may still ask for what was the newest until now, for nothing older.
   const std::uint64_t before = published_.empty() ? 0 : published_.back().resultId;
@@ -89,7 +90,7 @@ std::shared_ptr<DeltaChain> VolumeChains::get(const SessionPtr& session, const V
   const MutexLock lock(mutex_);
   std::erase_if(chains_, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<DeltaChain>& chain =
-      chains_[{session->id(), session->epoch(), order.stage, order.format, order.toleranceClass}];
+      chains_[{session->id(), session->epoch(), order.stage, order.format, order.toleranceClass, order.guarded}];
   std::shared_ptr<DeltaChain> live = chain.lock();
   if (!live) chain = live = std::make_shared<DeltaChain>(counters);
   return live;

@@ -24,7 +24,11 @@ struct VolumeEncodingRequest {
   wire::Format format = wire::Format::kHalf;
   wire::Compression compression = wire::Compression::kNone;
   int toleranceClass = 0;
+  bool guarded = false;          ///< with guard cells
   std::optional<Bounds> region;  ///< world, metres
+
+  /// What of a result is sent.
+  const VolumePtr& sentOf(const VolumePtr& volume) const { return guarded ? volume->guarded : volume; }
 };
 
 /// A volume ready to be sent.
@@ -73,7 +77,7 @@ class VolumeChains {
   std::shared_ptr<DeltaChain> get(const SessionPtr& session, const VolumeEncodingRequest& order, Counters& counters);
 
  private:
-  using Key = std::tuple<std::string, std::uint64_t, VolumeStage, wire::Format, int>;
+  using Key = std::tuple<std::string, std::uint64_t, VolumeStage, wire::Format, int, bool>;
   Mutex mutex_;
   std::map<Key, std::weak_ptr<DeltaChain>> chains_ LPV_GUARDED_BY(mutex_);
 };

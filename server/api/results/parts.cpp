@@ -59,6 +59,7 @@ void VolumeParts::fill(pb::VolumeHeader* header) const {
   header->set_base_result_id(encoding_->baseId);
   header->set_brick_edge(wire::kBrickEdge);
   header->set_part_count(int(volume.parts.size()));
+  header->set_guard_cells(order_.guarded ? kGuardCells : 0);
 }
 
 bool VolumeParts::next(pb::VolumePart* out) {

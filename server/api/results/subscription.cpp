@@ -124,6 +124,11 @@ Expected<VolumeEncodingRequest> commonVolume(const Message& in, bool stream) {
   const bool zstd = stream || *format == wire::Format::kCompact;
   const auto compression = compressionOf(in.compression(), zstd ? wire::Compression::kZstd : wire::Compression::kNone);
   if (!compression) return compression.status();
+  if (in.guard_cells() < 0 || in.guard_cells() > kGuardCells) {
+    return invalid("guard_cells", "guard_cells is " + std::to_string(in.guard_cells()) + ", allowed are 0 and " +
+                                      std::to_string(kGuardCells) + ", all that a lookup reads");
+  }
+  order.guarded = in.guard_cells() > 0;
   order.stage = *stage;
   order.format = *format;
   order.compression = *compression;
@@ -157,9 +162,6 @@ Status checkRate(double rate) {
 }
 
 Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::VolumeSubscription& in) {
-  if (in.guard_cells() != 0)
-    return unimplemented("guard_cells", "guard_cells is " + std::to_string(in.guard_cells()) +
-                                            "; this version sends none, leave it out");
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
   Expected<VolumeEncodingRequest> order = commonVolume(in, true);
   if (!order) return order;
@@ -176,12 +178,7 @@ Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::VolumeSubscription
   return order;
 }
 
-Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& in) {
-  if (in.guard_cells() != 0)
-    return unimplemented("guard_cells", "guard_cells is " + std::to_string(in.guard_cells()) +
-                                            "; this version sends none, leave it out");
-  return commonVolume(in, false);
-}
+Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& in) { return commonVolume(in, false); }
 
 Expected<FrameEncodingRequest> encodingRequestFrom(const pb::FrameSubscription& in, const Limits& limits) {
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;

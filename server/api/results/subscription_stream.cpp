@@ -143,6 +143,7 @@ Expected<std::shared_ptr<VolumeSubscription>> openSubscription(const Context& co
   if (!order) return order.status();
   Subscription subscription;
   subscription.volume = order->stage;
+  subscription.guarded = order->guarded;
   subscription.clientId = client.id;
   subscription.maxRate = in.max_rate();
   subscription.twoCredits = in.credits() == 2;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/volume.h"
+
 namespace lpv {
 
 namespace {
@@ -18,18 +20,14 @@ bool meetsBounds(const Bounds& world, const Grid& grid) {
 
 }  // namespace
 
-FieldGrid fieldGridOf(const Scene& scene) {
-  FieldGrid out{scene.grid, 0};
-  if (scene.options.transport != Transport::kGather) return out;
-  const bool guarded = std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [&](const auto& named) {
+FieldGrid fieldGridOf(const Scene& scene, bool asked) {
+  if (scene.options.transport == Transport::kPropagate) return {scene.grid, 0};
+  const bool read = std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [&](const auto& named) {
     const Surface& surface = *named.second;
     return meetsBounds(surface.mesh->bounds.transformed(surface.transform.worldFromObject()), scene.grid);
   });
-  if (!guarded) return out;
-  out.guard = 1;
-  out.cells.origin -= out.cells.cell;
-  out.cells.dims += 2;
-  return out;
+  if (!asked && (!read || scene.options.transport != Transport::kGather)) return {scene.grid, 0};
+  return {guardedGrid(scene.grid), kGuardCells};
 }
 
 }  // namespace lpv

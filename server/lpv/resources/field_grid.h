@@ -18,7 +18,8 @@ struct FieldGrid {
   CellBox inner() const { return {glm::ivec3(guard), cells.dims - guard}; }
 };
 
-/// Guarded where the transport is GATHER and a surface comes within half a cell of the grid's bounds.
-FieldGrid fieldGridOf(const Scene& scene);
+/// Guarded where the transport is GATHER and a surface comes within half a cell of the grid's bounds; with `asked`,
+/// because somebody reads guard cells, always but with PROPAGATE.
+FieldGrid fieldGridOf(const Scene& scene, bool asked = false);
 
 }  // namespace lpv

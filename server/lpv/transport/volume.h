@@ -21,6 +21,7 @@ enum class VolumeTarget {
 struct VolumeInputs {
   Stamp transported = 0;  ///< with it grid, palette and groups
   Stamp emitters = 0;     ///< the list that goes along; textures: none
+  bool guarded = false;   ///< guard cells go along; textures: whatever the field has
 
   bool operator==(const VolumeInputs&) const = default;
 };

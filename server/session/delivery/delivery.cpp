@@ -293,6 +293,7 @@ TickRequest Delivery::requestOf(const TickPlan& plan) const {
   request.scene = plan.moment.scene;
   request.transported = plan.transported;
   request.injected = plan.injected;
+  request.guarded = plan.guarded;
   for (const TickPlan::FrameReader& reader : plan.frameReaders) {
     request.frames.push_back(frameRequest(reader.settings, reader.subscriber->key, *request.scene));
   }

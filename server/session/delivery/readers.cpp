@@ -60,7 +60,7 @@ Clock::time_point Readers::planSubscribers(const Occasion& at, const HasView& ha
     }
     const Subscription& wanted = subscriber->subscription;
     if (wanted.volume) {
-      plan->addVolume(*wanted.volume);
+      plan->addVolume(*wanted.volume, wanted.guarded);
       if (!subscriber->hasCredit(at.pace)) plan->prefetchFor.push_back(subscriber);
     } else if (wanted.frame && hasView(wanted.frame->camera, 0)) {
       FrameSettings settings = *wanted.frame;
@@ -87,19 +87,20 @@ std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasVie
     if (call->frame) {
       plan->frameCalls.push_back(call);
       framePixels += pixelsOf(*call->frame);
-    } else if (const std::optional<Result> cached = cachedVolume(*call->volume, call->minRevision)) {
+    } else if (const std::optional<Result> cached = cachedVolume(*call)) {
       answers.push_back({call, *cached});
     } else {
-      plan->addVolume(*call->volume);
+      plan->addVolume(*call->volume, call->guarded);
       plan->volumeCalls.push_back(call);
     }
   }
   return answers;
 }
 
-std::optional<Result> Readers::cachedVolume(VolumeStage stage, std::uint64_t minRevision) const {
-  const auto found = latest_.find(stage);
-  if (found == latest_.end() || found->second.meta.revision < minRevision) return std::nullopt;
+std::optional<Result> Readers::cachedVolume(const WaitingCall& call) const {
+  const auto found = latest_.find(*call.volume);
+  if (found == latest_.end() || found->second.meta.revision < call.minRevision) return std::nullopt;
+  if (call.guarded && found->second.volume->guarded == nullptr) return std::nullopt;
   return found->second;
 }
 
@@ -127,7 +128,9 @@ void Readers::deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage s
     subscriber->dropStalePrefetch(at.revision, at.pace, at.now);
     const bool due = at.now >= subscriber->dueAt(at.revision, at.pace) ||
                      (plan.prefetchesFor(*subscriber) && subscriber->canStorePrefetch(at.pace));
-    if (subscriber->subscription.volume != stage || !subscriber->lacks(meta.revision) || !due) continue;
+    const Subscription& wanted = subscriber->subscription;
+    const bool serves = wanted.volume == stage && (!wanted.guarded || volume->guarded != nullptr);
+    if (!serves || !subscriber->lacks(meta.revision) || !due) continue;
     Result result = latest;
     result.meta.clientSequence = plan.moment.sequenceOf(subscriber->subscription.clientId);
     if (!subscriber->hasCredit(at.pace)) {

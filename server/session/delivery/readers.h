@@ -84,7 +84,7 @@ class Readers {
                      const Occasion& at, Deliveries* out);
   void deliverFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames, const Occasion& at,
                      Deliveries* out);
-  std::optional<Result> cachedVolume(VolumeStage stage, std::uint64_t minRevision) const;
+  std::optional<Result> cachedVolume(const WaitingCall& call) const;
 
   std::map<std::string, SubscriberPtr> subscribers_;
   std::list<std::shared_ptr<WaitingCall>> calls_;

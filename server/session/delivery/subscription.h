@@ -31,6 +31,7 @@ struct FrameSettings {
 /// What a subscriber wants.
 struct Subscription {
   std::optional<VolumeStage> volume;   ///< a volume of this stage ...
+  bool guarded = false;                ///< ... with guard cells
   std::optional<FrameSettings> frame;  ///< ... or frames
   std::string clientId;                ///< whose edit sequences to echo; may be empty
   double maxRate = 0.0;                ///< results per second; 0 = the session's tick rate

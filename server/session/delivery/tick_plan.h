@@ -23,6 +23,7 @@ struct TickPlan {
 
   bool transported = false;
   bool injected = false;
+  bool guarded = false;
   std::vector<SubscriberPtr> prefetchFor;  ///< readers of volumes whose credit is out
   std::vector<FrameReader> frameReaders;
   std::vector<std::shared_ptr<WaitingCall>> volumeCalls;
@@ -31,7 +32,10 @@ struct TickPlan {
   SceneMoment moment;  ///< set when the tick begins
 
   bool empty() const { return !transported && !injected && frameReaders.empty() && frameCalls.empty(); }
-  void addVolume(VolumeStage stage) { (stage == VolumeStage::kInjected ? injected : transported) = true; }
+  void addVolume(VolumeStage stage, bool withGuard) {
+    (stage == VolumeStage::kInjected ? injected : transported) = true;
+    guarded = guarded || withGuard;
+  }
   bool prefetchesFor(const Subscriber& subscriber) const {
     return std::any_of(prefetchFor.begin(), prefetchFor.end(),
                        [&](const SubscriberPtr& one) { return one.get() == &subscriber; });

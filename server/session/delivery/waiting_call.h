@@ -14,6 +14,7 @@ namespace lpv {
 struct WaitingCall {
   std::uint64_t minRevision = 0;
   std::optional<VolumeStage> volume;
+  bool guarded = false;  ///< with guard cells
   std::optional<FrameSettings> frame;
   std::function<void(Expected<Result>)> done;  ///< called once, on a worker thread
 };

@@ -94,6 +94,73 @@ double furthest(const Volume& truth, const Volume& held) {
   return worst;
 }
 
+/// The cells of a volume that has one more on each side.
+std::vector<float> innerOf(const Volume& guarded) {
+  std::vector<float> out;
+  const glm::ivec3 dims = guarded.grid.dims;
+  for (int z = 1; z + 1 < dims.z; ++z) {
+    for (int y = 1; y + 1 < dims.y; ++y) {
+      const float* row = &guarded.layers.at(0).coefficients[guarded.grid.index({1, y, z}) * 12];
+      out.insert(out.end(), row, row + std::size_t(dims.x - 2) * 12);
+    }
+  }
+  return out;
+}
+
+// One reader with guard cells and one without, and calls of both kinds. With guard cells a volume is that of a session
+// whose bounds are a cell further out. Broken by: a guard that is zero, or clamped; bricks of the grid without it; one
+// chain of bases for both; a reader without that is sent the other's.
+TEST_F(Deltas, GuardCellsContinueTheVolume) {
+  pb::SessionSettings larger = settings(22);
+  *larger.mutable_grid()->mutable_bounds()->mutable_min() = vec3(-1.1, -1.1, -1.1);
+  *larger.mutable_grid()->mutable_bounds()->mutable_max() = vec3(1.1, 1.1, 1.1);
+  const std::string around = makeSession(stubs_, larger);
+  apply(stubs_, around, {client::createLight(light("Lamp"))});
+  std::mutex mutex;
+  client::VolumeResult plain, guarded;
+  const auto keep = [&mutex](client::VolumeResult& out) {
+    return [&mutex, &out](client::VolumeResult result) {
+      const std::lock_guard lock(mutex);
+      out = std::move(result);
+    };
+  };
+  pb::VolumeSubscription wanted = subscription(pb::VOLUME_FORMAT_FLOAT);
+  client::VolumeWatcher without(client_, wanted, keep(plain));
+  wanted.set_guard_cells(1);
+  client::VolumeWatcher with(client_, wanted, keep(guarded));
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t revision = move();
+    apply(stubs_, around, {moveTo("Lamp", {0.02 * steps_, 0.1, 0.0})});
+    const auto shows = [&](const client::VolumeResult& result) {
+      const std::lock_guard lock(mutex);
+      return result.header.result().revision() == revision;
+    };
+    ASSERT_TRUE(eventually([&] { return shows(plain) && shows(guarded); }));
+    pb::GetVolumeRequest request;
+    request.set_session(around);
+    request.set_format(pb::VOLUME_FORMAT_FLOAT);
+    const Expected<client::VolumeResult> outer = client_.volume(request);
+    ASSERT_TRUE(outer.ok()) << outer.status().message();
+    request.set_session(session_);
+    request.set_guard_cells(1);
+    const Expected<client::VolumeResult> called = client_.volume(request);
+    ASSERT_TRUE(called.ok()) << called.status().message();
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(plain.header.guard_cells(), 0);
+    EXPECT_EQ(guarded.header.guard_cells(), 1);
+    EXPECT_EQ(guarded.header.grid().dims().x(), 20);
+    EXPECT_EQ(guarded.volume.grid.dims, glm::ivec3(22));
+    EXPECT_EQ(plain.volume.grid.dims, glm::ivec3(20));
+    EXPECT_EQ(innerOf(guarded.volume), plain.volume.layers.at(0).coefficients);
+    EXPECT_EQ(called->volume.layers.at(0).coefficients, guarded.volume.layers.at(0).coefficients);
+    EXPECT_LE(furthest(outer->volume, guarded.volume), 1e-4);
+  }
+  pb::GetVolumeRequest request;
+  request.set_session(session_);
+  request.set_guard_cells(2);
+  EXPECT_EQ(client_.volume(request).status().code(), Code::kInvalidArgument);
+}
+
 /// Follows the lamp with the library until the newest revision is there; every result's checksum is verified.
 TEST_F(Deltas, TheLibraryHoldsWhatTheServerMade) {
   using Coding = std::tuple<pb::VolumeFormat, int, double>;

@@ -15,7 +15,7 @@ namespace lpv::client {
 
 /// A decoded volume whose checksum has been verified. lpv::irradianceAt (scene/lookup.h) looks irradiance up.
 struct VolumeResult {
-  Volume volume;
+  Volume volume;               ///< with guard cells, where they were asked for: one more on each side of header.grid
   v1::VolumeHeader header;     ///< revision, stage times, features, layers
   std::size_t bytes = 0;       ///< bytes received, payloads only
   double decodeSeconds = 0.0;  ///< from the first part to the decoded volume, network included
