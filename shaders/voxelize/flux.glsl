@@ -10,6 +10,9 @@ struct Flux {
 
 dmat3 sameForAll(dvec3 direction) { return dmat3(direction, direction, direction); }
 
+/// Of one colour, about the normal.
+Flux evenFlux(Varying v, double share) { return Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf)); }
+
 #if LPV_VPLS
 /// One direction for all colours: unit but where directions spread.
 dvec3 meanDirection(Flux flux) {
@@ -186,7 +189,7 @@ dmat3 directionsByColour(Varying v, Boundary b, double share) {
 #if LPV_DIRECTIONS || LPV_TEXTURED
 /// `share` of the triangle, bounded by `b` (barycentric).
 Flux fluxOf(Varying v, Boundary b, double share) {
-  Flux flux = Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf));
+  Flux flux = evenFlux(v, share);
 #if LPV_DIRECTIONS && LPV_TEXTURED
   flux.direction = directionsByColour(v, b, share);
 #elif LPV_DIRECTIONS

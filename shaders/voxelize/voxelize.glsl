@@ -103,6 +103,13 @@ void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
 }
 #endif
 
+#if LPV_DIRECTIONS || LPV_TEXTURED
+/// `share` of the triangle, bounded by `part` (barycentric).
+void depositVarying(EmittingTriangle e, ivec3 cell, Boundary part, double share) {
+  depositFlux(e, cell, fluxOf(e.varying_, part, share), centroidOf(part));
+}
+#endif
+
 /// What lies in a (turned) cell.
 void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
 #if LPV_DIRECTIONS || LPV_TEXTURED
@@ -113,14 +120,12 @@ void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
     share = enclosedShare(part, e.lattice);
     part = barycentricBoundary(e.lattice, cell, part);
   }
-  const Flux flux = fluxOf(e.varying_, part, share);
-  const dvec2 lambda = centroidOf(part);
+  depositVarying(e, turnedBack(cell, e.lattice.axis), part, share);
 #else
   dvec2 lambda = dvec2(1.0lf / 3.0lf);
   const double share = whole ? 1.0lf : shareWithin(e.lattice, cell, lambda);
-  const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
+  depositFlux(e, turnedBack(cell, e.lattice.axis), evenFlux(e.varying_, share), lambda);
 #endif
-  depositFlux(e, turnedBack(cell, e.lattice.axis), flux, lambda);
 }
 #endif
 
