@@ -15,14 +15,15 @@ layout(local_size_x = kThinGroup) in;
 void depositStrip(EmittingTriangle e, ivec3 cell, Strip strip) { record(e, cell); }
 #elif LPV_FLUX
 void depositStrip(EmittingTriangle e, ivec3 cell, Strip strip) {
-  dvec2 lambda;
-  const double share = shareOf(strip, lambda);
-#if LPV_DIRECTIONS || LPV_TEXTURED
+  Place place;
+  const double share = shareOf(strip, place.middle);
+#if LPV_OUTLINED
   Boundary part = noBoundary();
   for (int i = 0; i < kStripPieces; ++i) addPiece(i, strip.pieces[i], part);
-  depositVarying(e, cell, part, share);
+  depositOutlined(e, cell, part, share);
 #else
-  depositFlux(e, cell, evenFlux(e.varying_, share), lambda);
+  place.covariance = dvec3(0.0lf);
+  depositFlux(e, cell, evenFlux(e.varying_, share), place);
 #endif
 }
 #elif LPV_SETS

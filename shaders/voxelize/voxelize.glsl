@@ -10,14 +10,16 @@ layout(binding = kTriangles) uniform usamplerBuffer triangles;
 #define LPV_DEPOSIT
 #include "voxelize/deposit.glsl"
 #include "voxelize/pairs.glsl"
-#if LPV_DIRECTIONS || LPV_TEXTURED
+// LPV_OUTLINED: what is asked of a part of a triangle takes its whole boundary.
+#define LPV_OUTLINED (LPV_DIRECTIONS || LPV_TEXTURED || LPV_SQUARES)
+#if LPV_OUTLINED
 #include "voxelize/clip.glsl"
 #endif
 #if LPV_TEXTURED
 #include "voxelize/texture_integral.glsl"
 #endif
 #include "voxelize/varying.glsl"
-#if LPV_FLUX && !LPV_DIRECTIONS && !LPV_TEXTURED
+#if LPV_FLUX && !LPV_OUTLINED
 #include "voxelize/share.glsl"
 #endif
 #if LPV_FLUX
@@ -91,28 +93,34 @@ bool isWhole(LatticeTriangle t) {
 #if !defined(LPV_RECORD_PAIRS) && LPV_FLUX
 
 #if LPV_VPLS
-/// `lambda`: the part's centroid, barycentric.
-void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
-  const vec2 at = vec2(lambda);
-  const vec3 middle = e.p + at.x * (e.q - e.p) + at.y * (e.r - e.p);
-  addVpl(cell, e.area * flux.share, clamp(middle - vec3(cell), 0.0, 1.0), meanDirection(flux), flux.colour);
+void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, Place place) {
+  const vec2 at = vec2(place.middle);
+  const vec3 pq = e.q - e.p, pr = e.r - e.p, middle = e.p + at.x * pq + at.y * pr;
+  mat3 covariance = mat3(0.0);
+#if LPV_SQUARES
+  const vec3 c = vec3(place.covariance);
+  covariance = outerProduct(pq, c.x * pq + c.z * pr) + outerProduct(pr, c.z * pq + c.y * pr);
+#endif
+  addVpl(cell, e.area * flux.share, clamp(middle - vec3(cell), 0.0, 1.0), covariance, meanDirection(flux), flux.colour);
 }
 #else
-void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
+void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, Place place) {
   addMoments(cell, e.area * flux.share, flux.direction, flux.colour);
 }
 #endif
 
-#if LPV_DIRECTIONS || LPV_TEXTURED
+#if LPV_OUTLINED
 /// `share` of the triangle, bounded by `part` (barycentric).
-void depositVarying(EmittingTriangle e, ivec3 cell, Boundary part, double share) {
-  depositFlux(e, cell, fluxOf(e.varying_, part, share), centroidOf(part));
+void depositOutlined(EmittingTriangle e, ivec3 cell, Boundary part, double share) {
+  Place place = placeOf(part);
+  const Flux flux = fluxOf(e.varying_, part, share, place);
+  depositFlux(e, cell, flux, place);
 }
 #endif
 
 /// What lies in a (turned) cell.
 void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
-#if LPV_DIRECTIONS || LPV_TEXTURED
+#if LPV_OUTLINED
   Boundary part = wholeTriangle();
   double share = 1.0lf;
   if (!whole) {
@@ -120,11 +128,11 @@ void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
     share = enclosedShare(part, e.lattice);
     part = barycentricBoundary(e.lattice, cell, part);
   }
-  depositVarying(e, turnedBack(cell, e.lattice.axis), part, share);
+  depositOutlined(e, turnedBack(cell, e.lattice.axis), part, share);
 #else
-  dvec2 lambda = dvec2(1.0lf / 3.0lf);
-  const double share = whole ? 1.0lf : shareWithin(e.lattice, cell, lambda);
-  depositFlux(e, turnedBack(cell, e.lattice.axis), evenFlux(e.varying_, share), lambda);
+  Place place = Place(dvec2(1.0lf / 3.0lf), dvec3(0.0lf));
+  const double share = whole ? 1.0lf : shareWithin(e.lattice, cell, place.middle);
+  depositFlux(e, turnedBack(cell, e.lattice.axis), evenFlux(e.varying_, share), place);
 #endif
 }
 #endif

@@ -46,21 +46,41 @@ std::uint64_t lobesPerTriangle(const VoxelizeInputs& source) {
   return source.directed() ? 9 : 1;
 }
 
+/// Edge of what fills cells, cells: a light that is narrower along two of its mesh's axes has mostly strips and slivers
+/// in them.
+constexpr double kThinLight = 2.0;
+
+/// Whether VPLs keep second moments of where they emit. By the light's extent, so that its tessellation and its pose do
+/// not matter.
+bool keepsSquares(const VoxelizeInputs& source) {
+  if (!source.method.vpls || source.textured()) return source.method.vpls;
+  glm::dvec3 extent = source.mesh->bounds.extent();
+  for (int k = 0; k < 3; ++k) extent[k] *= glm::length(glm::dvec3(source.gridFromObject[k]));
+  const double most = glm::compMax(extent), least = glm::compMin(extent);
+  return extent.x + extent.y + extent.z - most - least < kThinLight;
+}
+
 gpu::Defines variantOf(const VoxelizeInputs& source) {
   const bool flux = source.method.injection == Injection::kFlux;
   gpu::Defines variant = {{"LPV_FLUX", flux ? "1" : "0"},
                           {"LPV_TEXTURED", source.textured() ? "1" : "0"},
                           {"LPV_DIRECTIONS", source.directed() ? "1" : "0"}};
-  if (source.method.vpls) variant.emplace_back("LPV_VPLS", "1");
+  if (source.method.vpls) {
+    variant.emplace_back("LPV_VPLS", "1");
+    variant.emplace_back("LPV_SQUARES", keepsSquares(source) ? "1" : "0");
+  }
   if (keepsSets(source)) variant.emplace_back("LPV_SETS", "1");
   return variant;
 }
 
-gpu::Defines treeVariantOf(const VoxelizeInputs& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
+gpu::Defines treeVariantOf(const VoxelizeInputs& source) {
+  return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}, {"LPV_SQUARES", keepsSquares(source) ? "1" : "0"}};
+}
 
 /// Words of an entry of the table of VPLs.
 std::size_t vplWords(const VoxelizeInputs& source) {
-  return source.textured() ? layout::kTexturedVplWords : layout::kPlainVplWords;
+  const int words = source.textured() ? layout::kTexturedVplWords : layout::kPlainVplWords;
+  return std::size_t(words + (keepsSquares(source) ? layout::kSquareWords : 0));
 }
 
 constexpr double kMostEntries = 1 << 23;
@@ -246,6 +266,7 @@ void Voxelizer::bind(const Run& run) {
   run.mesh.uvs->bindStorage(layout::kUvs);
   run.texture->radiance.bind(layout::kLightTexture);
   run.texture->rowIntegrals.bindStorage(layout::kRowIntegrals);
+  run.texture->rowMoments.bindStorage(layout::kRowMoments);
 }
 
 void Voxelizer::collect(const Run& run) {
