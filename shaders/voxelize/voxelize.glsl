@@ -28,6 +28,14 @@ layout(binding = kTriangles) uniform usamplerBuffer triangles;
 #include "voxelize/lobes.glsl"
 #endif
 
+#if LPV_VPLS && LPV_SQUARES
+#define Point dvec3  // second moments take more digits
+#define Square dmat3
+#else
+#define Point vec3
+#define Square mat3
+#endif
+
 /// A triangle of the light, in grid space.
 struct EmittingTriangle {
   uint index;
@@ -35,7 +43,7 @@ struct EmittingTriangle {
   LatticeTriangle lattice;
   double area;         // as a share of what the light's scale was made for
 #if LPV_VPLS
-  vec3 p, q, r;        // corners as they are
+  Point p, q, r;       // corners as they are
 #endif
   Varying varying_;
 };
@@ -69,9 +77,9 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   e.varying_ = varyingOf(e.corners, vec3(direction / length_));
   const dvec3 gridP = gridPoint(p), gridQ = gridPoint(q), gridR = gridPoint(r);
 #if LPV_VPLS
-  e.p = vec3(gridP);
-  e.q = vec3(gridQ);
-  e.r = vec3(gridR);
+  e.p = Point(gridP);
+  e.q = Point(gridQ);
+  e.r = Point(gridR);
 #endif
   e.lattice = latticeTriangle(snapToLattice(gridP), snapToLattice(gridQ), snapToLattice(gridR), params.dims);
   return true;
@@ -94,14 +102,14 @@ bool isWhole(LatticeTriangle t) {
 
 #if LPV_VPLS
 void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, Place place) {
-  const vec2 at = vec2(place.middle);
-  const vec3 pq = e.q - e.p, pr = e.r - e.p, middle = e.p + at.x * pq + at.y * pr;
-  mat3 covariance = mat3(0.0);
+  const Point at = Point(place.middle, 0.0), pq = e.q - e.p, pr = e.r - e.p;
+  const Point offset = clamp(e.p + at.x * pq + at.y * pr - Point(cell), 0.0, 1.0);
+  Square covariance = Square(0.0);
 #if LPV_SQUARES
-  const vec3 c = vec3(place.covariance);
+  const dvec3 c = place.covariance;
   covariance = outerProduct(pq, c.x * pq + c.z * pr) + outerProduct(pr, c.z * pq + c.y * pr);
 #endif
-  addVpl(cell, e.area * flux.share, clamp(middle - vec3(cell), 0.0, 1.0), covariance, meanDirection(flux), flux.colour);
+  addVpl(cell, e.area * flux.share, dvec3(offset), dmat3(covariance), meanDirection(flux), flux.colour);
 }
 #else
 void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, Place place) {

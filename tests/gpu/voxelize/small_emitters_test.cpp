@@ -127,5 +127,32 @@ TEST_F(SmallEmittersTest, Explore) {
   }
 }
 
+TEST_F(SmallEmittersTest, ExploreTessellations) {
+  for (const double size : {0.9, 2.3, 5.0}) {
+    for (const double angle : {0.0, 0.7, 1.3}) {
+      const glm::dmat4 pose = test::poseOf({7.31, 6.62, 7.2}, glm::dvec3(size), angle);
+      for (const double k : {1.5, 3.0}) {
+        reference::Field first(kGrid.dims);
+        for (const int n : {1, 10, 100}) {
+          const EmittingLight light = test::placed(reference::quadOf(n), pose, kWhite);
+          const reference::Field f = gathered(kGrid, {light}, k);
+          if (n == 1) first = f;
+          double worst = 0.0, largest = 0.0, sum = 0.0, sum2 = 0.0, local = 0.0;
+          for (std::size_t i = 0; i < f.cells.size(); ++i) largest = std::max(largest, glm::length(first.cells[i][0]));
+          for (std::size_t i = 0; i < f.cells.size(); ++i) {
+            const double d = glm::length(f.cells[i][0] - first.cells[i][0]);
+            worst = std::max(worst, d);
+            sum += d * d;
+            sum2 += glm::dot(first.cells[i][0], first.cells[i][0]);
+            if (glm::length(first.cells[i][0]) > 0.01 * largest) local = std::max(local, d / glm::length(first.cells[i][0]));
+          }
+          printf("size %g angle %g k %g n %d: vpls %u L2 %.4f %% worst %.4f %% local %.4f %%\n", size, angle, k, n, rig().voxels[0]->tree->vplCount,
+                 100 * std::sqrt(sum / sum2), 100 * worst / largest, 100 * local);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lpv
