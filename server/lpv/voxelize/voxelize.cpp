@@ -29,7 +29,7 @@ glm::dmat4 outwardFromObject(const glm::dmat4& gridFromObject) {
 /// Whether cells keep which triangles came to them instead of sums.
 bool keepsSets(const VoxelizeInputs& source) {
   return source.method.injection == Injection::kCount && source.method.method != InjectionMethod::kDense &&
-         !source.textured() && !source.directed() && source.mesh->triangles.size() <= layout::kSetTriangles;
+         !source.textured() && !source.directed() && source.triangles().size() <= layout::kSetTriangles;
 }
 
 /// Words of a cell's accumulators.
@@ -87,7 +87,7 @@ constexpr double kMostEntries = 1 << 23;
 
 /// Entries of the table: twice the VPLs there were last time, or that there may be. A power of two.
 std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
-  const double triangles = double(voxels.source.mesh->triangles.size());
+  const double triangles = double(voxels.source.triangles().size());
   const double guess = voxels.tree->vplCount > 0 ? voxels.tree->vplCount : 3.0 * triangles + 3.0 * area;
   return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
 }
@@ -131,15 +131,16 @@ glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& a
 /// Triangles whose costs are added up, and between whose areas others may work.
 constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
 
-GpuTask estimateCosts(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, TriangleCosts& out) {
+GpuTask estimateCosts(const VoxelizeInputs& source, const glm::dmat4& areaFromObject, TriangleCosts& out) {
   const glm::dmat3 map(areaFromObject);
+  const glm::ivec3& dims = source.dims;
   const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
-  const std::size_t triangles = mesh.triangles.size();
+  const std::size_t triangles = source.triangles().size();
   for (std::size_t first = 0; first < triangles; first += kTrianglesPerCost) {
     const std::size_t end = std::min(triangles, first + kTrianglesPerCost);
     VoxelizeWork work{double(end - first), 0.0};
     for (std::size_t i = first; i < end; ++i) {
-      const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
+      const double area = glm::length(areaNormal(*source.mesh, source.triangles()[i], map));
       out.area += area;
       work.columns += std::min(area, face);
     }
@@ -181,7 +182,7 @@ void listNormals(layout::VoxelizeParams& params, const Mesh& mesh) {
 /// Scales of a light's fixed point, into `params` and `voxels`.
 void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxels) {
   const VoxelizeInputs& source = voxels.source;
-  const double triangles = double(source.mesh->triangles.size());
+  const double triangles = double(source.triangles().size());
   if (source.method.injection == Injection::kFlux) {
     // A little more than the sum, for its rounding. A light without area has nothing to scale.
     voxels.areaScale = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
@@ -259,7 +260,8 @@ void Voxelizer::bind(const Run& run) {
     run.voxels.moments.bindStorage(layout::kVoxelMoments);
   }
   run.mesh.positionTexels->bind(layout::kPositions);
-  run.mesh.triangleTexels->bind(layout::kTriangles);
+  const bool merges = run.voxels.source.merges();
+  (merges ? run.mesh.mergedTexels : run.mesh.triangleTexels)->bind(layout::kTriangles);
   if (run.voxels.source.directed()) run.mesh.directions->bindStorage(layout::kDirections);
   params_.bindUniform(layout::kParams);
   if (run.texture == nullptr) return;
@@ -279,8 +281,9 @@ void Voxelizer::collect(const Run& run) {
 
 GpuTask Voxelizer::deposit(Run& run) {
   TriangleVoxelizer& voxelizer = voxelizerFor(run.voxels.source.method.method);
-  for (std::uint32_t first = 0; first < run.mesh.triangleCount;) {
-    const std::uint32_t end = first + std::min(voxelizer.limit(run.job), run.mesh.triangleCount - first);
+  const auto triangles = std::uint32_t(run.voxels.source.triangles().size());
+  for (std::uint32_t first = 0; first < triangles;) {
+    const std::uint32_t end = first + std::min(voxelizer.limit(run.job), triangles - first);
     const Batch batch = nextBatch(run.costs, first, end, run.pacing.unitsFor(Stage::kVoxelize));
     run.job.params.firstTriangle = first;
     run.job.params.triangleCount = batch.count;
@@ -339,7 +342,7 @@ GpuTask Voxelizer::voxelize(Run& run) {
 GpuTask Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
                        Pacing pacing) {
   Run run{field, std::exchange(field.accumulators, {}), mesh, texture, voxels, {}, jobOf(voxels, texture), pacing};
-  co_await estimateCosts(*voxels.source.mesh, run.job.params.areaFromObject, voxels.source.dims, run.costs);
+  co_await estimateCosts(voxels.source, run.job.params.areaFromObject, run.costs);
   chooseScales(run.job.params, run.costs.area, voxels);
   co_await voxelize(run);
   field.accumulators = std::move(run.accumulators);
