@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtx/component_wise.hpp>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -13,8 +14,12 @@ namespace lpv {
 
 namespace {
 
-constexpr double kTolerance = 1e-5;  // of the mesh's extent
-constexpr double kSameArea = 1e-5;   // of a patch's area
+/// What corners may be off the plane and the outline by, of the largest coordinate: two roundings of a float. Flat is
+/// what a file could not have said better; what bends is left as it is. While a patch grows its plane is not that well
+/// known.
+constexpr double kRounding = 2.5e-7, kGrowing = 4.0;
+constexpr std::size_t kLeastPatch = 4;  // triangles
+constexpr double kSameArea = 1e-6;  // of a patch's area
 constexpr std::int32_t kNone = -1;
 
 using Loop = std::vector<std::uint32_t>;
@@ -36,7 +41,9 @@ Loop firstAtPlace(const std::vector<glm::vec3>& positions) {
 /// A mesh's triangles over places, and which of them share an edge that no third one has.
 class Patches {
  public:
-  explicit Patches(const Mesh& mesh) : mesh_(mesh), tolerance_(kTolerance * glm::compMax(mesh.bounds.extent())) {
+  explicit Patches(const Mesh& mesh)
+      : mesh_(mesh),
+        tolerance_(kRounding * glm::compMax(glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max)))) {
     const Loop place = firstAtPlace(mesh.positions);
     for (const glm::uvec3& t : mesh.triangles) triangles_.emplace_back(place[t.x], place[t.y], place[t.z]);
     findNeighbours();
@@ -49,7 +56,8 @@ class Patches {
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       if (patchOf_[t] != kNone) continue;
       const std::vector<std::uint32_t> patch = grow(std::uint32_t(t));
-      const std::optional<Loop> corners = patch.size() > 2 ? convexOutline(patch) : std::nullopt;
+      const std::optional<Loop> corners =
+          patch.size() >= kLeastPatch && isFlat(patch) ? convexOutline(patch) : std::nullopt;
       if (corners && 2 * (corners->size() - 2) <= patch.size()) {
         for (std::size_t i = 2; i < corners->size(); ++i)
           out.emplace_back((*corners)[0], (*corners)[i - 1], (*corners)[i]);
@@ -91,30 +99,62 @@ class Patches {
   glm::dvec3 at(std::uint32_t place) const { return glm::dvec3(mesh_.positions[place]); }
   glm::dvec3 areaNormal(const glm::uvec3& t) const { return 0.5 * glm::cross(at(t.y) - at(t.x), at(t.z) - at(t.x)); }
 
+  /// The mean plane of what a patch has so far.
+  struct Plane {
+    glm::dvec3 areaNormal{0.0}, moment{0.0};
+    double area = 0.0;
+    void add(const glm::dvec3& normal, const glm::dvec3& centroid) {
+      areaNormal += normal;
+      area += glm::length(normal);
+      moment += glm::length(normal) * centroid;
+    }
+    double height(const glm::dvec3& p) const {
+      return glm::dot(p - moment / area, areaNormal) / glm::length(areaNormal);
+    }
+  };
+
+  void addTo(Plane& plane, const glm::uvec3& t) const { plane.add(areaNormal(t), (at(t.x) + at(t.y) + at(t.z)) / 3.0); }
+  bool isIn(const Plane& plane, const glm::uvec3& t) const {
+    if (!(glm::dot(areaNormal(t), plane.areaNormal) > 0.0)) return false;
+    const double most = kGrowing * tolerance_;
+    return std::abs(plane.height(at(t.x))) <= most && std::abs(plane.height(at(t.y))) <= most &&
+           std::abs(plane.height(at(t.z))) <= most;
+  }
+
   /// What is joined to a triangle and lies in its plane, ascending; a triangle without area is alone.
   std::vector<std::uint32_t> grow(std::uint32_t seed) {
     patchOf_[seed] = std::int32_t(seed);
     std::vector<std::uint32_t> patch = {seed};
-    const glm::dvec3 area = areaNormal(triangles_[seed]);
-    if (!(glm::length(area) > 0.0)) return patch;
-    normal_ = glm::normalize(area);
-    const glm::dvec3 origin = at(triangles_[seed].x);
-    const auto inPlane = [&](const glm::uvec3& t) {
-      if (!(glm::dot(areaNormal(t), normal_) > 0.0)) return false;
-      for (int k = 0; k < 3; ++k) {
-        if (std::abs(glm::dot(at(t[k]) - origin, normal_)) > tolerance_) return false;
-      }
-      return true;
-    };
+    Plane plane;
+    addTo(plane, triangles_[seed]);
+    if (!(plane.area > 0.0)) return patch;
     for (std::size_t i = 0; i < patch.size(); ++i) {
       for (const std::int32_t next : neighbours_[patch[i]]) {
-        if (next == kNone || patchOf_[std::size_t(next)] != kNone || !inPlane(triangles_[std::size_t(next)])) continue;
+        if (next == kNone || patchOf_[std::size_t(next)] != kNone || !isIn(plane, triangles_[std::size_t(next)]))
+          continue;
         patchOf_[std::size_t(next)] = std::int32_t(seed);
         patch.push_back(std::uint32_t(next));
+        addTo(plane, triangles_[std::size_t(next)]);
       }
     }
     std::sort(patch.begin(), patch.end());
     return patch;
+  }
+
+  /// Whether all corners lie in the mean plane, which becomes the patch's.
+  bool isFlat(const std::vector<std::uint32_t>& patch) {
+    glm::dvec3 sum(0.0);
+    for (const std::uint32_t t : patch) sum += areaNormal(triangles_[t]);
+    normal_ = glm::normalize(sum);
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const std::uint32_t t : patch) {
+      for (int k = 0; k < 3; ++k) {
+        const double height = glm::dot(at(triangles_[t][k]), normal_);
+        least = std::min(least, height);
+        most = std::max(most, height);
+      }
+    }
+    return most - least <= 2.0 * tolerance_;
   }
 
   /// The patch's outline as one loop; nothing where there are several or it touches itself.

@@ -74,81 +74,72 @@ std::vector<glm::dvec3> pointsAt(const std::vector<reference::Emitter>& emitters
   return out;
 }
 
+/// What is asked of one distance.
+struct Error {
+  double mean = 0.0, worst = 0.0;  ///< |got - truth|, as a share of the largest truth
+};
+
 class SmallEmittersTest : public test::GatherTest {
  protected:
-  struct Error {
-    double mean = 0.0, worst = 0.0;  ///< |got - truth|, as a share of the largest truth
-  };
-  static Error errorAt(const EmittingLight& light, double distance, int n, int count = 60) {
+  /// Vector irradiance of a light's VPLs, each by itself. `parts`: of a triangle's side, for the truth.
+  static Error errorAt(const EmittingLight& light, double distance, int parts) {
     const LightVoxels& voxels = *planted(kGrid, {light}).voxels[0];
     const test::VplMap vpls = test::vplsOf(voxels);
     const auto emitters = test::emittersOf(kGrid, {light});
+    const double scale = light.radiance.r * voxels.radianceScale;
+    return compare(emitters, distance, parts, [&](const glm::dvec3& x) { return arrivingAt(vpls, x, scale); });
+  }
+
+  /// Irradiance of surfaces that face the light, as DIRECT has it from the light's tree.
+  static Error directErrorAt(const EmittingLight& light, double distance, int parts, double k) {
+    const LightVoxels& voxels = *planted(kGrid, {light}).voxels[0];
+    EmitterList list;
+    list.grid = kGrid;
+    list.always = true;
+    const float stride = voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
+    list.texels = {{1.0F, float(k), 0.0F, 0.0F},
+                   glm::vec4(light.radiance * voxels.radianceScale, 1.0),
+                   {3.0F, float(voxels.tree->entryCount), 1.0F, stride}};
+    const std::vector<glm::vec4> entries = test::read<glm::vec4>(voxels.tree->entries);
+    list.texels.insert(list.texels.end(), entries.begin(),
+                       entries.begin() + std::ptrdiff_t(voxels.tree->entryCount) * std::ptrdiff_t(stride));
+    const auto emitters = test::emittersOf(kGrid, {light});
+    return compare(emitters, distance, parts, [&](const glm::dvec3& x) {
+      const glm::dvec3 n = glm::normalize(truthAt(emitters, x, 1) + glm::dvec3(1e-30));
+      return list.irradiance(x, n).r * n;
+    });
+  }
+
+ private:
+  template <typename Got>
+  static Error compare(const std::vector<reference::Emitter>& emitters, double distance, int parts, const Got& got) {
     Error e;
-    double largest = 0.0, sum = 0.0;
-    for (const glm::dvec3& x : pointsAt(emitters, distance, count)) {
-      const glm::dvec3 want = truthAt(emitters, x, n),
-                       got = arrivingAt(vpls, x, light.radiance.r * voxels.radianceScale);
+    double largest = 0.0;
+    const std::vector<glm::dvec3> points = pointsAt(emitters, distance, 60);
+    for (const glm::dvec3& x : points) {
+      const glm::dvec3 want = truthAt(emitters, x, parts);
+      const double error = glm::length(got(x) - want);
       largest = std::max(largest, glm::length(want));
-      e.worst = std::max(e.worst, glm::length(got - want));
-      sum += glm::length(got - want);
+      e.worst = std::max(e.worst, error);
+      e.mean += error / double(points.size());
     }
-    e.mean = sum / count / largest;
-    e.worst /= largest;
-    return e;
+    return {e.mean / largest, e.worst / largest};
   }
 };
 
 TEST_F(SmallEmittersTest, Explore) {
-  const auto tell = [&](const char* name, const EmittingLight& light, int n) {
-    for (const double d : {1.0, 2.0, 3.0}) {
-      const Error e = errorAt(light, d, n);
-      printf("%-24s %g cells: mean %.3f %% worst %.3f %%\n", name, d, 100 * e.mean, 100 * e.worst);
-    }
-  };
-  const double m = 1.0 / 1.3;
-  tell("tube", test::placed(reference::tube(), test::poseOf({7.1, 6.9, 7.2}, {5.0 * m, 0.02 * m, 0.02 * m}), kWhite),
-       1);
-  tell("tube along x",
-       test::placed(reference::tube(), test::poseOf({7.1, 6.9, 7.2}, {5.0 * m, 0.02 * m, 0.02 * m}, 0.0), kWhite), 1);
-  tell("sliver 1e-6", test::placed(reference::slivers(1, 1e-6), test::poseOf({7.1, 6.9, 7.2}, glm::dvec3(6.0)), kWhite),
-       1);
-  tell("slivers 1e-2",
-       test::placed(reference::slivers(8, 1e-2), test::poseOf({7.1, 6.9, 7.2}, glm::dvec3(6.0)), kWhite), 1);
   const TexturePtr step = reference::textureOf(16, 16, [](int x, int) { return glm::dvec3(x < 8 ? 1.0 : 0.0); });
   const TexturePtr spot = reference::textureOf(16, 16, [](int x, int y) {
-    return glm::dvec3(0.05 + std::exp(-0.5 * ((x - 11) * (x - 11) + (y - 4) * (y - 4)) / 2.0));
+    return glm::dvec3(0.05 + std::exp(-0.25 * ((x - 11) * (x - 11) + (y - 4) * (y - 4))));
   });
-  for (const double size : {0.7, 1.5, 3.0}) {
-    const glm::dmat4 pose = test::poseOf({7.31, 6.62, 7.2}, glm::dvec3(size));
-    printf("size %g\n", size);
-    tell("even", test::placed(reference::quad(), pose, kWhite), 1);
-    tell("step", test::placed(reference::quad(), pose, kWhite, false, step), 48);
-    tell("spot", test::placed(reference::quad(), pose, kWhite, false, spot), 48);
-  }
-}
-
-TEST_F(SmallEmittersTest, ExploreTessellations) {
-  for (const double size : {0.9, 2.3, 5.0}) {
-    for (const double angle : {0.0, 0.7, 1.3}) {
-      const glm::dmat4 pose = test::poseOf({7.31, 6.62, 7.2}, glm::dvec3(size), angle);
-      for (const double k : {1.5, 3.0}) {
-        reference::Field first(kGrid.dims);
-        for (const int n : {1, 10, 100}) {
-          const EmittingLight light = test::placed(reference::quadOf(n), pose, kWhite);
-          const reference::Field f = gathered(kGrid, {light}, k);
-          if (n == 1) first = f;
-          double worst = 0.0, largest = 0.0, sum = 0.0, sum2 = 0.0, local = 0.0;
-          for (std::size_t i = 0; i < f.cells.size(); ++i) largest = std::max(largest, glm::length(first.cells[i][0]));
-          for (std::size_t i = 0; i < f.cells.size(); ++i) {
-            const double d = glm::length(f.cells[i][0] - first.cells[i][0]);
-            worst = std::max(worst, d);
-            sum += d * d;
-            sum2 += glm::dot(first.cells[i][0], first.cells[i][0]);
-            if (glm::length(first.cells[i][0]) > 0.01 * largest) local = std::max(local, d / glm::length(first.cells[i][0]));
-          }
-          printf("size %g angle %g k %g n %d: vpls %u L2 %.4f %% worst %.4f %% local %.4f %%\n", size, angle, k, n, rig().voxels[0]->tree->vplCount,
-                 100 * std::sqrt(sum / sum2), 100 * worst / largest, 100 * local);
-        }
+  for (const double size : {0.7, 1.5, 3.0, 6.0}) {
+    for (const TexturePtr& t : {TexturePtr(), step, spot}) {
+      const EmittingLight light = test::placed(reference::quad(), test::poseOf({7.31, 6.62, 7.2}, glm::dvec3(size)), kWhite, false, t);
+      for (const double d : {1.0, 2.0, 4.0}) {
+        const int n = t ? 48 : 1;
+        const Error v = errorAt(light, d, n), e = directErrorAt(light, d, n, 3.0), f = directErrorAt(light, d, n, 1.5);
+        printf("%s size %g at %g: VPLs %.3f worst %.3f | E k3 %.3f worst %.3f | k1.5 %.3f worst %.3f\n", t == nullptr ? "even" : t == step ? "step" : "spot", size, d,
+          100 * v.mean, 100 * v.worst, 100 * e.mean, 100 * e.worst, 100 * f.mean, 100 * f.worst);
       }
     }
   }
