@@ -5,12 +5,14 @@
 #include <random>
 
 #include "gpu/transport/gather_rig.h"
+#include "lpv/transport/emitter_list.h"
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
 #include "reference/mipmap.h"
 #include "reference/receivers.h"
 #include "reference/textures.h"
 #include "scene/emitter_list.h"
+#include "scene/error_goal.h"
 
 namespace lpv {
 namespace {
@@ -18,7 +20,7 @@ namespace {
 const Grid kGrid = test::unitGrid({14, 14, 14});
 const glm::dvec3 kWhite(1.0);
 
-/// Sum over a light's VPLs of what arrives at x, a colour each.
+/// Vector irradiance of red at x: the sum over a light's VPLs.
 glm::dvec3 arrivingAt(const test::VplMap& vpls, const glm::dvec3& x, double scale) {
   glm::dvec3 sum(0.0);
   for (const auto& [place, v] : vpls) {
@@ -79,6 +81,9 @@ struct Error {
   double mean = 0.0, worst = 0.0;  ///< |got - truth|, as a share of the largest truth
 };
 
+/// A direction; any one where there is none.
+glm::dvec3 unitAt(const glm::dvec3& v) { return v == glm::dvec3(0.0) ? glm::dvec3(0, 0, 1) : glm::normalize(v); }
+
 class SmallEmittersTest : public test::GatherTest {
  protected:
   /// Vector irradiance of a light's VPLs, each by itself. `parts`: of a triangle's side, for the truth.
@@ -105,7 +110,7 @@ class SmallEmittersTest : public test::GatherTest {
                        entries.begin() + std::ptrdiff_t(voxels.tree->entryCount) * std::ptrdiff_t(stride));
     const auto emitters = test::emittersOf(kGrid, {light});
     return compare(emitters, distance, parts, [&](const glm::dvec3& x) {
-      const glm::dvec3 n = glm::normalize(truthAt(emitters, x, 1) + glm::dvec3(1e-30));
+      const glm::dvec3 n = unitAt(truthAt(emitters, x, parts));
       return list.irradiance(x, n).r * n;
     });
   }
@@ -127,19 +132,83 @@ class SmallEmittersTest : public test::GatherTest {
   }
 };
 
-TEST_F(SmallEmittersTest, Explore) {
-  const TexturePtr step = reference::textureOf(16, 16, [](int x, int) { return glm::dvec3(x < 8 ? 1.0 : 0.0); });
-  const TexturePtr spot = reference::textureOf(16, 16, [](int x, int y) {
+const glm::dvec3 kMiddle(7.31, 6.62, 7.2);
+
+// A tube of 10 m and 4 mm in cells of 1.3 m, and strips and slivers far thinner than 1/256 cell: asked is 2 % from two
+// cells on. Seen, worst of the largest: .22 % (tube), .94 % (sliver of 1:10^6, whose mesh's box is no thin one). Broken
+// by: the whole of a segment in one cell; its parts by length alone (the sliver); what is thin taken for flat squares
+// (the tube).
+TEST_F(SmallEmittersTest, ThinEmittersKeepLengthAreaAndDirection) {
+  const double metre = 1.0 / 1.3;
+  const glm::dvec3 tube(5.0 * metre, 0.02 * metre, 0.02 * metre);
+  const std::vector<std::pair<std::string, EmittingLight>> lights = {
+      {"tube", test::placed(reference::tube(), test::poseOf(kMiddle, tube), kWhite)},
+      {"tube along x", test::placed(reference::tube(), test::poseOf(kMiddle, tube, 0.0), kWhite)},
+      {"strip", test::placed(reference::quad(), test::poseOf(kMiddle, {9.0, 1e-4, 1.0}), kWhite)},
+      {"cut up strip", test::placed(reference::quadOf(3), test::poseOf(kMiddle, {9.0, 1e-4, 1.0}), kWhite)},
+      {"sliver", test::placed(reference::slivers(1, 1e-6), test::poseOf(kMiddle, glm::dvec3(6.0)), kWhite)},
+      {"slivers", test::placed(reference::slivers(8, 1e-2), test::poseOf(kMiddle, glm::dvec3(6.0)), kWhite)}};
+  for (const auto& [name, light] : lights) {
+    for (const double distance : {2.0, 3.0, 5.0}) {
+      EXPECT_LE(errorAt(light, distance, 1).worst, 0.02) << name << " from " << distance << " cells";
+    }
+  }
+}
+
+/// Half bright, and a spot of 1.4 texels on a twentieth of its brightness.
+std::vector<std::pair<std::string, TexturePtr>> unevenTextures() {
+  const auto step = [](int x, int) { return glm::dvec3(x < 8 ? 1.0 : 0.0); };
+  const auto spot = [](int x, int y) {
     return glm::dvec3(0.05 + std::exp(-0.25 * ((x - 11) * (x - 11) + (y - 4) * (y - 4))));
-  });
-  for (const double size : {0.7, 1.5, 3.0, 6.0}) {
-    for (const TexturePtr& t : {TexturePtr(), step, spot}) {
-      const EmittingLight light = test::placed(reference::quad(), test::poseOf({7.31, 6.62, 7.2}, glm::dvec3(size)), kWhite, false, t);
-      for (const double d : {1.0, 2.0, 4.0}) {
-        const int n = t ? 48 : 1;
-        const Error v = errorAt(light, d, n), e = directErrorAt(light, d, n, 3.0), f = directErrorAt(light, d, n, 1.5);
-        printf("%s size %g at %g: VPLs %.3f worst %.3f | E k3 %.3f worst %.3f | k1.5 %.3f worst %.3f\n", t == nullptr ? "even" : t == step ? "step" : "spot", size, d,
-          100 * v.mean, 100 * v.worst, 100 * e.mean, 100 * e.worst, 100 * f.mean, 100 * f.worst);
+  };
+  return {{"half", reference::textureOf(16, 16, step)}, {"spot", reference::textureOf(16, 16, spot)}};
+}
+
+// Asked is .5 % from one cell on, .2 % of what is looked at directly. Seen, mean of the largest: .18 % at one cell, .03
+// % at two; DIRECT .14 and .02 %, with k = 1.5 .11 % at four. The worst point at one cell is 3.4 % off (1.6 % for an
+// even square): what a cell emits is expanded to second order only. Broken by: places weighted by area (1.4 % at three
+// cells); what is textured taken for flat squares.
+TEST_F(SmallEmittersTest, TexturedEmittersSendFromWhereTheyGlow) {
+  for (const auto& [name, texture] : unevenTextures()) {
+    for (const double size : {0.7, 1.5, 3.0, 6.0}) {
+      SCOPED_TRACE(testing::Message() << name << ", " << size << " cells");
+      const EmittingLight light =
+          test::placed(reference::quad(), test::poseOf(kMiddle, glm::dvec3(size)), kWhite, false, texture);
+      EXPECT_LE(errorAt(light, 1.0, 48).mean, 0.005);
+      for (const double distance : {2.0, 4.0}) {
+        EXPECT_LE(errorAt(light, distance, 48).worst, 0.005) << distance;
+        EXPECT_LE(errorAt(light, distance, 48).mean, 0.0005) << distance;
+      }
+      for (const double distance : {1.0, 2.0, 4.0}) {
+        EXPECT_LE(directErrorAt(light, distance, 48, 3.0).mean, 0.002) << distance;
+        EXPECT_LE(directErrorAt(light, distance, 48, 1.5).mean, 0.002) << distance;
+      }
+    }
+  }
+}
+
+/// The largest difference of two fields, as a share of the largest value.
+double apart(const reference::Field& a, const reference::Field& b) {
+  double largest = 0.0, apart = 0.0;
+  for (std::size_t i = 0; i < a.cells.size(); ++i) {
+    largest = std::max(largest, glm::length(a.cells[i][0]));
+    apart = std::max(apart, glm::length(a.cells[i][0] - b.cells[i][0]));
+  }
+  return apart / largest;
+}
+
+// Asked is .1 % (MATHS.md 6.5); it is the same triangles. Broken by: triangles voxelized as they come (up to 1.8 %).
+TEST_F(SmallEmittersTest, AQuadOfManyTrianglesIsAQuad) {
+  for (const double size : {0.9, 2.3, 5.0}) {
+    for (const double angle : {0.0, 0.7, 1.3}) {
+      const glm::dmat4 pose = test::poseOf(kMiddle, glm::dvec3(size), angle);
+      const reference::Field want = gathered(kGrid, {test::placed(reference::quad(), pose, kWhite)}, kFastOpeningRatio);
+      for (const int n : {10, 100}) {
+        const EmittingLight light = test::placed(reference::quadOf(n), pose, kWhite);
+        EXPECT_LE(apart(want, gathered(kGrid, {light}, kFastOpeningRatio)), 1e-5) << n << ", size " << size;
+        std::vector<EmittingLight> lights = {light};
+        choosePolygons(lights, Transport::kGather, kFastOpeningRatio);
+        EXPECT_TRUE(lights[0].polygons) << "looked at as a tree, from near";
       }
     }
   }
