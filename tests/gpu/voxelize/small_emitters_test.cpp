@@ -136,8 +136,7 @@ const glm::dvec3 kMiddle(7.31, 6.62, 7.2);
 
 // A tube of 10 m and 4 mm in cells of 1.3 m, and strips and slivers far thinner than 1/256 cell: asked is 2 % from two
 // cells on. Seen, worst of the largest: .22 % (tube), .94 % (sliver of 1:10^6, whose mesh's box is no thin one). Broken
-// by: the whole of a segment in one cell; its parts by length alone (the sliver); what is thin taken for flat squares
-// (the tube).
+// by: the whole of a segment in one cell; what is thin taken for flat squares (1 to 2 %, the tube and the strips).
 TEST_F(SmallEmittersTest, ThinEmittersKeepLengthAreaAndDirection) {
   const double metre = 1.0 / 1.3;
   const glm::dvec3 tube(5.0 * metre, 0.02 * metre, 0.02 * metre);
@@ -150,7 +149,8 @@ TEST_F(SmallEmittersTest, ThinEmittersKeepLengthAreaAndDirection) {
       {"slivers", test::placed(reference::slivers(8, 1e-2), test::poseOf(kMiddle, glm::dvec3(6.0)), kWhite)}};
   for (const auto& [name, light] : lights) {
     for (const double distance : {2.0, 3.0, 5.0}) {
-      EXPECT_LE(errorAt(light, distance, 1).worst, 0.02) << name << " from " << distance << " cells";
+      const bool measured = name.find("sliver") == std::string::npos;
+      EXPECT_LE(errorAt(light, distance, 1).worst, measured ? 0.005 : 0.02) << name << " from " << distance << " cells";
     }
   }
 }
