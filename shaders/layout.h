@@ -53,6 +53,8 @@ LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
 LPV_CONST int kCursors =
     21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
+LPV_CONST int kThinTriangles = 23;  // ListHeader, then uint: triangles that snapping makes a segment over several cells
+LPV_CONST int kRowMoments = 24;  // double, 2 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
@@ -82,6 +84,7 @@ LPV_CONST int kEmitterDistanceOut = 3;
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
 LPV_CONST int kColumnGroup = 16;  // large triangles: threads of one work item
+LPV_CONST int kThinGroup = 16;  // a segment: threads take its layers of cells
 LPV_CONST int kCellGroup = 64;  // touched cells: a thread each
 LPV_CONST int kFieldGroupX = 8;  // cells along x, y of a group that walks the field: as fast on llvmpipe as
 LPV_CONST int kFieldGroupY = 4;  // 32 x 1, with fewer idle threads in narrow boxes
@@ -109,6 +112,7 @@ LPV_CONST int kMaxSlices = 8;  // work items of one split triangle
 LPV_CONST int kMaxVaryingSlices = 128;  // of one with texture or directions: llvmpipe ends a thread's loops after 2^16
                                         // rounds in all, without reporting it
 LPV_CONST int kMaxPieceTriangles = 8191;  // per dispatch: kMaxSlices items of each stay below 65535 groups
+LPV_CONST int kMaxThinTriangles = 65535;  // per dispatch: a group each
 LPV_CONST int kFluxBits = 50;  // FLUX: the light's whole area is 2^50 in fixed point, its sums 64 bits wide
 LPV_CONST int kSetTriangles = 32;  // COUNT of a light with so few: a cell keeps which of them came to it
 LPV_CONST int kSamplesPerThread = 32;  // dense sampling
@@ -136,6 +140,8 @@ LPV_CONST int kPlainVplWords = kVplOffset + 3 * kWideWords;
 LPV_CONST int kVplColour = kPlainVplWords;  // area x colour, 3 sums
 LPV_CONST int kVplWeight = kVplColour + kColours * kWideWords;  // area x brightest channel
 LPV_CONST int kTexturedVplWords = kVplWeight + kWideWords;
+LPV_CONST int kSquareWords = 6 * kWideWords;  // at the end, with LPV_SQUARES: weight x squares of where it emits (xx, yy,
+                                              // zz, xy, xz, yz), about the cell's lower corner
 
 // --- the volume
 LPV_CONST int kCoefficients = 4;  // 2-band SH
@@ -161,6 +167,10 @@ struct ListHeader {
   uint groupsX, groupsY, groupsZ;
   uint count;  // entries that follow
 };
+
+#ifdef __cplusplus
+inline constexpr ListHeader kEmptyListHeader{.groupsX = 0, .groupsY = 1, .groupsZ = 1, .count = 0};
+#endif
 
 /// The same for one light's cells (or VPLs), kCellGroup of them a group.
 struct VoxelHeader {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scene/flat_patches.h"
+
 namespace lpv {
 namespace {
 
@@ -49,7 +51,7 @@ void repairNormals(Mesh& mesh) {
 
 std::size_t Mesh::bytes() const {
   return positions.size() * sizeof(glm::vec3) + normals.size() * sizeof(glm::vec3) + uvs.size() * sizeof(glm::vec2) +
-         directions.size() * sizeof(glm::vec3) + triangles.size() * sizeof(glm::uvec3);
+         directions.size() * sizeof(glm::vec3) + (triangles.size() + merged.size()) * sizeof(glm::uvec3);
 }
 
 Status finishMesh(Mesh& mesh) {
@@ -82,6 +84,7 @@ Status finishMesh(Mesh& mesh) {
   mesh.bounds = Bounds();
   for (const glm::vec3& p : mesh.positions) mesh.bounds.add(glm::dvec3(p));
   mesh.area = worldArea(mesh, Transform());
+  mesh.merged = flatPatchesMerged(mesh);
   return {};
 }
 
@@ -103,6 +106,7 @@ Expected<Mesh> withVertices(const Mesh& mesh, std::vector<glm::vec3> positions, 
   repairNormals(out);
   for (const glm::vec3& p : out.positions) out.bounds.add(glm::dvec3(p));
   out.area = worldArea(out, Transform());
+  out.merged = flatPatchesMerged(out);
   return out;
 }
 

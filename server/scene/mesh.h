@@ -24,6 +24,9 @@ struct Mesh {
   std::vector<glm::vec2> uvs;          ///< empty, or one per position; (0,0) is the first texel of the first row
   std::vector<glm::vec3> directions;   ///< empty, or one emission direction per position (paper 3.2)
   std::vector<glm::uvec3> triangles;   ///< indices into positions
+  /// The same surface for what does not vary over it: flat patches with a convex outline are fans, so that an answer does
+  /// not depend on how they were cut up (scene/flat_patches.h); empty where that changes nothing.
+  std::vector<glm::uvec3> merged;
   BlobHash hash;                       ///< of the blob this came from; names the content
   /// The blob's bytes if serialising this mesh would give others (repaired normals, another order of fields); else
   /// null.
@@ -31,13 +34,14 @@ struct Mesh {
   Bounds bounds;  ///< of positions
   double area = 0.0;  ///< of one side, object space, m^2
 
+  const std::vector<glm::uvec3>& evenTriangles() const { return merged.empty() ? triangles : merged; }
   std::size_t bytes() const;
 };
 using MeshPtr = std::shared_ptr<const Mesh>;
 
 /// INVALID_ARGUMENT for an empty mesh, a position that is not finite, an index out of range, or attributes whose
 /// count is not that of the positions; the message names index and value. Normals that are not finite or have no
-/// length are replaced by the area-weighted mean of their triangles. Fills `bounds` and `area`.
+/// length are replaced by the area-weighted mean of their triangles. Fills `merged`, `bounds` and `area`.
 Status finishMesh(Mesh& mesh);
 
 /// The same triangles with new vertices (a deforming mesh): positions.size() must match. Normals, where the mesh has

@@ -43,7 +43,7 @@ float spreadOf(float area, vec3 direction) {
   return 0.5 * (area + sqrt(max(area * area - 4.0 / 3.0 * n * n, 0.0)));
 }
 
-/// What is in one cell is taken for a flat square: its own second moments are not worth their place in the table.
+/// Of what is in one cell and taken for a flat square.
 mat3 covarianceInCell(float area, vec3 direction) {
   const vec3 n = direction / max(area, 1e-30);
   return min(area, 1.0) / 12.0 * (mat3(1.0) - outerProduct(n, n));

@@ -15,6 +15,10 @@
 #define LPV_VPLS 0
 #endif
 
+#if !LPV_VPLS
+#define LPV_SQUARES 0
+#endif
+
 #ifndef LPV_SETS
 #define LPV_SETS 0
 #endif

@@ -31,8 +31,9 @@ void addWide3(int at, dvec3 value) {
 
 #if LPV_VPLS
 
-/// `area` of emitter, as a share of what the light's scale was made for, about `offset` from the cell's lower corner.
-void addVpl(ivec3 cell, double area, vec3 offset, dvec3 direction, dvec3 colour) {
+/// `area` of emitter, as a share of what the light's scale was made for, that emits from about `offset` from the cell's
+/// lower corner, with `covariance` about that.
+void addVpl(ivec3 cell, double area, dvec3 offset, dmat3 covariance, dvec3 direction, dvec3 colour) {
   const double zeroth = params.momentUnits * area;
   if (zeroth < 0.5lf) return;  // a corner cut so small has no area in fixed point: a VPL without one is no light
   const int at = vplPlace(cell, normalBin(vec3(direction)));
@@ -46,7 +47,12 @@ void addVpl(ivec3 cell, double area, vec3 offset, dvec3 direction, dvec3 colour)
 #else
   const double weight = zeroth;
 #endif
-  addWide3(at + kVplOffset, weight * dvec3(offset));
+  addWide3(at + kVplOffset, weight * offset);
+#if LPV_SQUARES
+  const dmat3 square = covariance + outerProduct(offset, offset);
+  addWide3(at + kVplSquares, weight * dvec3(square[0][0], square[1][1], square[2][2]));
+  addWide3(at + kVplSquares + 3 * kWideWords, weight * dvec3(square[0][1], square[0][2], square[1][2]));
+#endif
 }
 
 #elif LPV_FLUX

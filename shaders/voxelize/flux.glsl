@@ -8,7 +8,16 @@ struct Flux {
   dvec3 colour;
 };
 
+/// Where a part emits from, barycentric: its middle, and its covariance about that (xx, yy, xy).
+struct Place {
+  dvec2 middle;
+  dvec3 covariance;
+};
+
 dmat3 sameForAll(dvec3 direction) { return dmat3(direction, direction, direction); }
+
+/// Of one colour, about the normal.
+Flux evenFlux(Varying v, double share) { return Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf)); }
 
 #if LPV_VPLS
 /// One direction for all colours: unit but where directions spread.
@@ -19,6 +28,25 @@ dvec3 meanDirection(Flux flux) {
 #else
   return flux.direction[0];
 #endif
+}
+#endif
+
+#if LPV_OUTLINED
+/// Of what emits evenly.
+Place placeOf(Boundary b) {
+  double area = 0.0lf;
+  dvec2 first = dvec2(0.0lf);
+  dvec3 second = dvec3(0.0lf);
+  for (int i = 0; i < kMostPieces; ++i) {
+    const dvec2 p = b.pieces[i].xy, q = b.pieces[i].zw, s = p + q;
+    const double twice = cross2(p, q);
+    area += twice;
+    first += twice * s;
+    second += twice * dvec3(p * p + q * q + s * s, p.x * p.y + q.x * q.y + s.x * s.y);
+  }
+  if (!(area > 0.0lf)) return Place(dvec2(1.0lf / 3.0lf), dvec3(0.0lf));
+  const dvec2 middle = first / (3.0lf * area);
+  return Place(middle, second / (12.0lf * area) - dvec3(middle * middle, middle.x * middle.y));
 }
 #endif
 
@@ -140,6 +168,9 @@ bool laborious(Varying v) {
 /// A texture is at least so wide across, as a share of its length along: a line of it that is stretched over the
 /// triangle has no area to integrate over, and this much blurs nothing.
 const double kThinnest = 1e-7lf;
+/// One so narrow, a part so dark (as a share of the brightest texel) or so small (texels, as a share of the distance from
+/// the first one) has no digits left for where it glows: it is taken to emit evenly.
+const double kFlattest = 1e-4lf, kDarkest = 1e-9lf, kSmallest = 5e-5lf;
 
 void widen(inout dvec2 along, inout dvec2 across) {
   const double by = cross2(along, across) < 0.0lf ? -kThinnest : kThinnest;
@@ -147,20 +178,40 @@ void widen(inout dvec2 along, inout dvec2 across) {
   else along -= by * dvec2(-across.y, across.x);
 }
 
-dvec3 meanColour(Varying v, Boundary b, double share) {
+/// `place`, with LPV_VPLS: of what emits evenly; becomes that of what glows.
+dvec3 meanColour(Varying v, Boundary b, double share, inout Place place) {
   dvec2 along = v.uv[1] - v.uv[0], across = v.uv[2] - v.uv[0];
   const double size = max(dot(along, along), dot(across, across));
   if (size == 0.0lf || share <= 0.0lf) return dvec3(textureAt(uvAt(v, centroidOf(b))));
-  if (abs(cross2(along, across)) < kThinnest * size) widen(along, across);
+  const bool line = abs(cross2(along, across)) < kThinnest * size;
+#if LPV_VPLS
+  const dvec2 far = max(max(abs(v.uv[0]), abs(v.uv[1])), abs(v.uv[2]));
+  const double least = kSmallest * max(far.x, far.y);
+  const double area = abs(cross2(along, across));
+  const bool told = area > kFlattest * size && area * share > least * least;
+#endif
+  if (line) widen(along, across);
   v.uv[1] = v.uv[0] + along;
   v.uv[2] = v.uv[0] + across;
   const double texels = cross2(along, across);
-  dvec3 sum = dvec3(0.0lf);
+  TextureIntegral sum = noIntegral();
   for (int i = 0; i < b.count; ++i) {
     const dvec4 piece = pieceAt(b, i);
-    if (piece.xy != piece.zw) sum += lineIntegral(uvAt(v, piece.xy), uvAt(v, piece.zw));
+    if (piece.xy != piece.zw) addLine(uvAt(v, piece.xy), uvAt(v, piece.zw), sum);
   }
-  return max(sum * (2.0lf / (texels * share)), dvec3(0.0lf));
+#if LPV_VPLS
+  if (told && sum.glow / texels > kDarkest * share) {
+    const dvec2 uv = sum.first / sum.glow;
+    const dvec3 square = sum.second / sum.glow - dvec3(uv * uv, uv.x * uv.y);
+    // Of texel space to barycentric coordinates.
+    const dvec2 x = dvec2(across.y, -across.x) / texels, y = dvec2(-along.y, along.x) / texels;
+    place.middle = dvec2(dot(x, uv - v.uv[0]), dot(y, uv - v.uv[0]));
+    const dvec2 cx = dvec2(square.x * x.x + square.z * x.y, square.z * x.x + square.y * x.y);
+    const dvec2 cy = dvec2(square.x * y.x + square.z * y.y, square.z * y.x + square.y * y.y);
+    place.covariance = dvec3(dot(x, cx), dot(y, cy), dot(x, cy));
+  }
+#endif
+  return max(sum.colour * (2.0lf / (texels * share)), dvec3(0.0lf));
 }
 #endif
 
@@ -183,17 +234,17 @@ dmat3 directionsByColour(Varying v, Boundary b, double share) {
 }
 #endif
 
-#if LPV_DIRECTIONS || LPV_TEXTURED
-/// `share` of the triangle, bounded by `b` (barycentric).
-Flux fluxOf(Varying v, Boundary b, double share) {
-  Flux flux = Flux(share, sameForAll(dvec3(v.normal)), dvec3(1.0lf));
+#if LPV_OUTLINED
+/// `share` of the triangle, bounded by `b` (barycentric). `place`: of what emits evenly; becomes that of what glows.
+Flux fluxOf(Varying v, Boundary b, double share, inout Place place) {
+  Flux flux = evenFlux(v, share);
 #if LPV_DIRECTIONS && LPV_TEXTURED
   flux.direction = directionsByColour(v, b, share);
 #elif LPV_DIRECTIONS
   flux.direction = sameForAll(meansBySampling(v, b, splitsFor(v)).direction);
 #endif
 #if LPV_TEXTURED
-  flux.colour = meanColour(v, b, share);
+  flux.colour = meanColour(v, b, share, place);
 #endif
   return flux;
 }

@@ -1,6 +1,7 @@
 // The exact set of (triangle, cell) pairs of one triangle (paper 3.1; MATHS.md 2): vertices snapped to 1/256 cell,
 // strict overlap on the 13 axes of the triangle/box test (Akenine-Moller 2001) evaluated in double on integers, so that
-// no rounding happens (|coordinate| < 2^17 lattice units: products below 2^53).
+// no rounding happens (|coordinate| < 2^17 lattice units: products below 2^53). One that snapping makes a segment over
+// several cells has no plane to ask about: voxelize/thin.glsl.
 
 /// A triangle on the lattice, turned so that its dominant axis is the third: columns run along it.
 struct LatticeTriangle {
@@ -10,7 +11,7 @@ struct LatticeTriangle {
   int axis;           // which axis is dominant: 0 x, 1 y, 2 z
   ivec3 lower, upper; // candidate cells, both inclusive; empty where lower > upper
   bool oneLayer;      // all candidate cells have one depth
-  bool oneCell;       // wholly inside one cell, in the grid or not; a degenerate one: in its centroid's
+  bool oneCell;       // wholly inside one cell, in the grid or not
 };
 
 double cross2(dvec2 p, dvec2 q) { return p.x * q.y - p.y * q.x; }
@@ -36,6 +37,9 @@ ivec2 cellRange(double least, double most, double units, int cells) {
 
 bool degenerate(LatticeTriangle t) { return t.normal == dvec3(0.0lf); }
 
+/// A segment over several cells, not for columns.
+bool isThin(LatticeTriangle t) { return degenerate(t) && !t.oneCell; }
+
 LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   LatticeTriangle t;
   precise dvec3 normal = cross(b - a, c - a);
@@ -46,15 +50,10 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.v2 = turned(c, t.axis);
   t.normal = turned(normal, t.axis);
   t.dims = turned(dims, t.axis);
-  dvec3 least = min(t.v0, min(t.v1, t.v2));
-  dvec3 most = max(t.v0, max(t.v1, t.v2));
-  double units = double(kLatticeUnits);
-  if (degenerate(t)) {  // all of it where its centroid is
-    least = most = t.v0 + t.v1 + t.v2;
-    units *= 3.0lf;
-  }
+  const dvec3 least = min(t.v0, min(t.v1, t.v2));
+  const dvec3 most = max(t.v0, max(t.v1, t.v2));
   for (int k = 0; k < 3; ++k) {
-    const ivec2 range = cellRange(least[k], most[k], units, t.dims[k]);
+    const ivec2 range = cellRange(least[k], most[k], double(kLatticeUnits), t.dims[k]);
     t.lower[k] = range.x;
     t.upper[k] = range.y;
   }

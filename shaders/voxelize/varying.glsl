@@ -74,7 +74,7 @@ dvec2 barycentric(LatticeTriangle t, dvec2 centre, dvec2 p) {
   return dvec2(cross2(from, t.v2.xy - t.v0.xy), cross2(t.v1.xy - t.v0.xy, from)) / t.normal.z;
 }
 
-#if LPV_FLUX && (LPV_DIRECTIONS || LPV_TEXTURED)
+#if LPV_FLUX && LPV_OUTLINED
 /// A boundary in barycentric coordinates, counter-clockwise there.
 Boundary barycentricBoundary(LatticeTriangle t, ivec3 cell, Boundary b) {
   const dvec2 centre = (dvec2(cell.xy) + 0.5lf) * double(kLatticeUnits);

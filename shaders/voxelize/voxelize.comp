@@ -1,6 +1,6 @@
 // Voxelization in compute.
 //
-// LPV_SMALL: a thread per triangle; triangles over many columns are handed on as work items.
+// LPV_SMALL: a thread per triangle; triangles over many columns are handed on as work items, segments to thin.comp.
 // LPV_LARGE: a work-group per work item, a thread for a row of columns or every n-th column of one.
 #extension GL_ARB_shader_ballot : enable
 #extension GL_ARB_gpu_shader_int64 : enable
@@ -14,6 +14,7 @@
 #endif
 
 #ifdef LPV_SMALL
+#include "voxelize/thin_list.glsl"
 layout(local_size_x = kVoxelizeGroup) in;
 #else
 layout(local_size_x = kColumnGroup) in;
@@ -53,6 +54,10 @@ void main() {
     return;
   }
   const int columns = columnCount(e.lattice);
+  if (isThin(e.lattice)) {
+    if (columns > 0) handOnThin(e.index);
+    return;
+  }
   const int most = kVarying ? kSmallVaryingColumns : params.triangleCount < kManyTriangles ? kSmallColumns : kManyColumns;
   if (columns > most || (columns > 1 && laborious(e.varying_))) handOn(local, sharesOf(e.lattice, columns).slices);
   else if (columns > 0) voxelizeRows(e, 0, 1, 0, 1);

@@ -1,8 +1,9 @@
 // The raster injector's second stage (paper 3.1): the triangle is turned to its dominant axis, one pixel per column of
 // cells, and made larger so that the centre of every column it meets is covered (Hasselgren et al. 2005). Triangles for
 // which that is delicate (slivers, and small ones, which have nothing to gain) are drawn as the box of their columns. It
-// only has to be large enough: which cells make pairs is decided in the next stage.
+// only has to be large enough: which cells make pairs is decided in the next stage. Segments go to thin.comp.
 #include "voxelize/voxelize.glsl"
+#include "voxelize/thin_list.glsl"
 
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 4) out;
@@ -69,5 +70,7 @@ void main() {
 #endif
     return;
   }
-  if (columnCount(e.lattice) > 0) emitTriangle(e.lattice);
+  if (columnCount(e.lattice) == 0) return;
+  if (isThin(e.lattice)) handOnThin(e.index);
+  else emitTriangle(e.lattice);
 }

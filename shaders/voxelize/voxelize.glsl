@@ -10,20 +10,30 @@ layout(binding = kTriangles) uniform usamplerBuffer triangles;
 #define LPV_DEPOSIT
 #include "voxelize/deposit.glsl"
 #include "voxelize/pairs.glsl"
-#if LPV_DIRECTIONS || LPV_TEXTURED
+// LPV_OUTLINED: what is asked of a part of a triangle takes its whole boundary.
+#define LPV_OUTLINED (LPV_DIRECTIONS || LPV_TEXTURED || LPV_SQUARES)
+#if LPV_OUTLINED
 #include "voxelize/clip.glsl"
 #endif
 #if LPV_TEXTURED
 #include "voxelize/texture_integral.glsl"
 #endif
 #include "voxelize/varying.glsl"
-#if LPV_FLUX && !LPV_DIRECTIONS && !LPV_TEXTURED
+#if LPV_FLUX && !LPV_OUTLINED
 #include "voxelize/share.glsl"
 #endif
 #if LPV_FLUX
 #include "voxelize/flux.glsl"
 #else
 #include "voxelize/lobes.glsl"
+#endif
+
+#if LPV_VPLS && LPV_SQUARES
+#define Point dvec3  // second moments take more digits
+#define Square dmat3
+#else
+#define Point vec3
+#define Square mat3
 #endif
 
 /// A triangle of the light, in grid space.
@@ -33,7 +43,7 @@ struct EmittingTriangle {
   LatticeTriangle lattice;
   double area;         // as a share of what the light's scale was made for
 #if LPV_VPLS
-  vec3 p, q, r;        // corners as they are
+  Point p, q, r;       // corners as they are
 #endif
   Varying varying_;
 };
@@ -67,9 +77,9 @@ bool loadTriangle(uint index, out EmittingTriangle e) {
   e.varying_ = varyingOf(e.corners, vec3(direction / length_));
   const dvec3 gridP = gridPoint(p), gridQ = gridPoint(q), gridR = gridPoint(r);
 #if LPV_VPLS
-  e.p = vec3(gridP);
-  e.q = vec3(gridQ);
-  e.r = vec3(gridR);
+  e.p = Point(gridP);
+  e.q = Point(gridQ);
+  e.r = Point(gridR);
 #endif
   e.lattice = latticeTriangle(snapToLattice(gridP), snapToLattice(gridQ), snapToLattice(gridR), params.dims);
   return true;
@@ -91,21 +101,34 @@ bool isWhole(LatticeTriangle t) {
 #if !defined(LPV_RECORD_PAIRS) && LPV_FLUX
 
 #if LPV_VPLS
-/// `lambda`: the part's centroid, barycentric.
-void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
-  const vec2 at = vec2(lambda);
-  const vec3 middle = e.p + at.x * (e.q - e.p) + at.y * (e.r - e.p);
-  addVpl(cell, e.area * flux.share, clamp(middle - vec3(cell), 0.0, 1.0), meanDirection(flux), flux.colour);
+void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, Place place) {
+  const Point at = Point(place.middle, 0.0), pq = e.q - e.p, pr = e.r - e.p;
+  const Point offset = clamp(e.p + at.x * pq + at.y * pr - Point(cell), 0.0, 1.0);
+  Square covariance = Square(0.0);
+#if LPV_SQUARES
+  const dvec3 c = place.covariance;
+  covariance = outerProduct(pq, c.x * pq + c.z * pr) + outerProduct(pr, c.z * pq + c.y * pr);
+#endif
+  addVpl(cell, e.area * flux.share, dvec3(offset), dmat3(covariance), meanDirection(flux), flux.colour);
 }
 #else
-void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, dvec2 lambda) {
+void depositFlux(EmittingTriangle e, ivec3 cell, Flux flux, Place place) {
   addMoments(cell, e.area * flux.share, flux.direction, flux.colour);
+}
+#endif
+
+#if LPV_OUTLINED
+/// `share` of the triangle, bounded by `part` (barycentric).
+void depositOutlined(EmittingTriangle e, ivec3 cell, Boundary part, double share) {
+  Place place = placeOf(part);
+  const Flux flux = fluxOf(e.varying_, part, share, place);
+  depositFlux(e, cell, flux, place);
 }
 #endif
 
 /// What lies in a (turned) cell.
 void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
-#if LPV_DIRECTIONS || LPV_TEXTURED
+#if LPV_OUTLINED
   Boundary part = wholeTriangle();
   double share = 1.0lf;
   if (!whole) {
@@ -113,14 +136,12 @@ void depositPart(EmittingTriangle e, ivec3 cell, bool whole) {
     share = enclosedShare(part, e.lattice);
     part = barycentricBoundary(e.lattice, cell, part);
   }
-  const Flux flux = fluxOf(e.varying_, part, share);
-  const dvec2 lambda = centroidOf(part);
+  depositOutlined(e, turnedBack(cell, e.lattice.axis), part, share);
 #else
-  dvec2 lambda = dvec2(1.0lf / 3.0lf);
-  const double share = whole ? 1.0lf : shareWithin(e.lattice, cell, lambda);
-  const Flux flux = Flux(share, sameForAll(dvec3(e.varying_.normal)), dvec3(1.0lf));
+  Place place = Place(dvec2(1.0lf / 3.0lf), dvec3(0.0lf));
+  const double share = whole ? 1.0lf : shareWithin(e.lattice, cell, place.middle);
+  depositFlux(e, turnedBack(cell, e.lattice.axis), evenFlux(e.varying_, share), place);
 #endif
-  depositFlux(e, turnedBack(cell, e.lattice.axis), flux, lambda);
 }
 #endif
 

@@ -4,11 +4,18 @@
 //
 // Words of an entry: shaders/layout.h.
 
-#if LPV_TEXTURED
-const int kVplWords = kTexturedVplWords;
-#else
-const int kVplWords = kPlainVplWords;
+// LPV_SQUARES: second moments of where a VPL emits are kept, for textured lights and thin ones. Else what is in one cell
+// is taken for a flat square: its own second moments are not worth their place in the table.
+#ifndef LPV_SQUARES
+#error "LPV_SQUARES: 0 or 1"
 #endif
+
+#if LPV_TEXTURED
+const int kVplSquares = kTexturedVplWords;
+#else
+const int kVplSquares = kPlainVplWords;
+#endif
+const int kVplWords = kVplSquares + LPV_SQUARES * kSquareWords;
 
 layout(std430, binding = kAccumulators) buffer Table { uint words[]; };
 #include "voxelize/voxel_list.glsl"

@@ -166,6 +166,29 @@ glm::dvec3 radianceIntegral(const Emitter& e, const Polygon& part) {
   return e.area() * sum;
 }
 
+Glow glowIntegral(const Emitter& e, const Polygon& part) {
+  static const auto nodes = gaussLegendre(3);  // exact to degree 4: a bilinear texture times a square
+  Glow glow;
+  for (const Piece& piece : piecesOf(e, part)) {
+    for (const Triangle& triangle : fanOf(piece.polygon)) {
+      for (const auto& [s, ws] : nodes) {
+        for (const auto& [t, wt] : nodes) {
+          const glm::dvec3 b = (1.0 - s) * triangle[0] + s * (1.0 - t) * triangle[1] + s * t * triangle[2];
+          const glm::dvec3 radiance = radianceAt(e, piece, b), at = e.positionAt(b);
+          const double amount = 2.0 * s * ws * wt * fractionOf(triangle) * (radiance.x + radiance.y + radiance.z);
+          glow.amount += amount;
+          glow.first += amount * at;
+          glow.second += amount * glm::outerProduct(at, at);
+        }
+      }
+    }
+  }
+  glow.amount *= e.area();
+  glow.first *= e.area();
+  glow.second *= e.area();
+  return glow;
+}
+
 DirectedEmission directedIntegral(const Emitter& e, const Polygon& part) {
   DirectedEmission sum;
   if (!e.directions) {

@@ -20,6 +20,15 @@ namespace lpv::reference {
 /// Int C dA over a part of the triangle, W/sr.
 glm::dvec3 radianceIntegral(const Emitter& emitter, const Polygon& part);
 
+/// Where a part emits from: integrals over its area of brightness (red + green + blue), brightness x place and
+/// brightness x place place^T, world.
+struct Glow {
+  double amount = 0.0;
+  glm::dvec3 first{0.0};
+  glm::dmat3 second{0.0};
+};
+Glow glowIntegral(const Emitter& emitter, const Polygon& part);
+
 struct DirectedEmission {
   glm::dvec3 direction{0.0};  ///< Int d dA, m^2
   std::array<glm::dvec3, 3> radiance{};  ///< Int C d dA for red, green, blue, W/sr

@@ -1,5 +1,6 @@
 #include "reference/emitter.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -34,6 +35,14 @@ Emitter emitterOf(const Mesh& mesh, std::uint32_t triangle, const glm::dmat4& wo
     (*e.directions)[k] = length > 0.0 ? world / length : e.normal();
   }
   return e;
+}
+
+bool isThin(const Grid& grid, const Mesh& mesh, const glm::dmat4& worldFromObject) {
+  std::array<double, 3> edges{};
+  for (int k = 0; k < 3; ++k)
+    edges[std::size_t(k)] = mesh.bounds.extent()[k] * glm::length(glm::dvec3(worldFromObject[k])) / grid.cell;
+  std::sort(edges.begin(), edges.end());
+  return edges[1] < kThinLight;
 }
 
 }  // namespace
@@ -77,6 +86,7 @@ Emitters emittersOf(const Grid& grid, const Mesh& mesh, const glm::dmat4& worldF
     if (e.swapped) std::swap(e.snapped.corners[1], e.snapped.corners[2]);
     e.radiance = radiance;
     e.twoSided = twoSided;
+    e.thin = isThin(grid, mesh, worldFromObject);
     if (!mesh.uvs.empty()) e.texture = texture;
     if (e.area() > 0.0) {
       out.triangles.push_back(e);

@@ -21,6 +21,9 @@ inline constexpr double kZeroDirection = 1e-6;
 /// v at unit length, or `fallback` where v is no longer than kZeroDirection.
 glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& fallback);
 
+/// A light whose mesh's box, cells, is narrower than this along two of its axes is thin.
+inline constexpr double kThinLight = 2.0;
+
 /// One triangle that emits radiance (times the texture's, where it has one) from its front (both sides when twoSided),
 /// about its normal or about the directions given at its corners. All per-corner members have one order.
 struct Emitter {
@@ -30,6 +33,7 @@ struct Emitter {
   bool twoSided = false;
   std::uint32_t triangle = 0;         ///< index in the mesh, those of no area included
   bool swapped = false;               ///< corners 1 and 2 are the mesh's 2 and 1: a mirrored transform
+  bool thin = false;                  ///< of a thin light: within a cell no flat square
   std::array<glm::dvec2, 3> uvs{};    ///< (0,0) is the outer corner of the texture's first texel; any size, repeat
   MipChainPtr texture;                ///< multiplies radiance, or null
   std::optional<std::array<glm::dvec3, 3>> directions;  ///< emission directions, world, unit length

@@ -21,8 +21,13 @@ int third(double u) {
 
 Vpl vplOf(const FluxPair& pair) {
   const double brightest = std::max({pair.areaRadiance.x, pair.areaRadiance.y, pair.areaRadiance.z});
-  return {pair.area, pair.directed.direction, pair.areaRadiance, brightest, brightest * pair.areaCentroid / pair.area,
-          {}};
+  const double weight = pair.glow.amount > 0.0 ? brightest / pair.glow.amount : 0.0;
+  return {.area = pair.area,
+          .areaNormal = pair.directed.direction,
+          .areaRadiance = pair.areaRadiance,
+          .weight = brightest,
+          .weightedPosition = weight * pair.glow.first,
+          .weightedSquare = weight * pair.glow.second};
 }
 
 /// The bin of a part: that of its direction of emission, or of its normal where directions cancel.
@@ -53,6 +58,7 @@ Vpl& Vpl::operator+=(const Vpl& other) {
   weight += other.weight;
   weightedPosition += other.weightedPosition;
   weightedSquare += other.weightedSquare;
+  settles = settles || other.settles;
   return *this;
 }
 
@@ -71,6 +77,7 @@ std::vector<CellVpls> cellVpls(const Grid& grid, const std::vector<Emitter>& emi
     Vpl vpl = vplOf(pair);
     if (!(vpl.weight > 0.0)) continue;
     const Emitter& e = emitters[pair.emitter];
+    vpl.settles = !e.texture && !e.thin;
     CellVpls& cell = cells[keyOf(pair.cell)];
     cell.cell = pair.cell;
     cell.bins[binOf(pair, vpl.areaNormal, e.normal())] += vpl;
@@ -80,7 +87,9 @@ std::vector<CellVpls> cellVpls(const Grid& grid, const std::vector<Emitter>& emi
   }
   std::vector<CellVpls> out;
   for (auto& [key, cell] : cells) {
-    for (auto& [bin, vpl] : cell.bins) vpl.settleInCell(grid.cell);
+    for (auto& [bin, vpl] : cell.bins) {
+      if (vpl.settles) vpl.settleInCell(grid.cell);
+    }
     out.push_back(std::move(cell));
   }
   return out;

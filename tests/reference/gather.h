@@ -30,11 +30,13 @@ struct Vpl {
   glm::dvec3 areaNormal{0.0};        ///< N, m^2: area x unit direction of emission
   glm::dvec3 areaRadiance{0.0};      ///< W/sr: radiance x texture over the area
   double weight = 0.0;               ///< area x brightest channel, W/sr
-  glm::dvec3 weightedPosition{0.0};  ///< weight x centroid, world
+  glm::dvec3 weightedPosition{0.0};  ///< weight x centroid of what glows, world
   glm::dmat3 weightedSquare{0.0};    ///< weight x (extent + centroid centroid^T)
+  bool settles = false;              ///< of a light without texture that is not thin
 
   Vpl& operator+=(const Vpl& other);
-  /// Takes what is there for a flat square in a cell of that edge, facing N: where its parts lie is not kept.
+  /// Takes what is there for a flat square in a cell of that edge, facing N: where its parts lie is not kept. What
+  /// has a texture or is thin keeps it.
   void settleInCell(double cellEdge);
   glm::dmat3 extent() const;  ///< covariance of where light leaves, m^2
   glm::dvec3 position() const { return weightedPosition / weight; }  ///< p; there is none for a VPL that emits nothing

@@ -61,6 +61,7 @@ std::vector<FluxPair> fluxPairs(const Grid& grid, const std::vector<Emitter>& em
       pair.areaNormal = share.fraction * e.areaNormal();
       pair.areaCentroid = pair.area * e.positionAt(share.centroid);
       pair.areaRadiance = radianceIntegral(e, part);
+      pair.glow = glowIntegral(e, part);
       pair.directed = directedIntegral(e, part);
       pairs.push_back(pair);
     }

@@ -36,6 +36,7 @@ struct FluxPair {
   glm::dvec3 areaNormal{0.0};      ///< area x unit normal
   glm::dvec3 areaCentroid{0.0};    ///< area x centroid, world metres, on the unsnapped triangle
   glm::dvec3 areaRadiance{0.0};    ///< radiance x texture integrated over the part, W/sr
+  Glow glow;                       ///< where it emits from
   DirectedEmission directed;       ///< the direction, alone and times radiance x texture, integrated over the part
 };
 

@@ -111,19 +111,6 @@ std::optional<FacePlane> facePlane(const SnappedTriangle& t, const glm::ivec3& d
   return std::nullopt;
 }
 
-/// The cell of the corners' mean; a centroid on the grid's outer upper face belongs to the last cell.
-std::optional<glm::ivec3> centroidCell(const SnappedTriangle& t, const glm::ivec3& dims) {
-  const LatticePoint sum = t.corners[0] + t.corners[1] + t.corners[2];
-  glm::ivec3 cell(0);
-  for (int k = 0; k < 3; ++k) {
-    std::int64_t i = floorDivide(sum[k], 3 * kUnitsPerCell);
-    if (sum[k] == std::int64_t(3) * kUnitsPerCell * dims[k]) i = dims[k] - 1;
-    if (i < 0 || i >= dims[k]) return std::nullopt;
-    cell[k] = int(i);
-  }
-  return cell;
-}
-
 /// Candidate cells: the triangle's box and one more on each side, within the grid.
 std::pair<glm::ivec3, glm::ivec3> candidates(const SnappedTriangle& t, const glm::ivec3& dims) {
   glm::ivec3 lower(0);
@@ -134,6 +121,67 @@ std::pair<glm::ivec3, glm::ivec3> candidates(const SnappedTriangle& t, const glm
     upper[k] = int(std::clamp<std::int64_t>(floorDivide(most, kUnitsPerCell) + 1, -1, dims[k] - 1));
   }
   return {lower, upper};
+}
+
+/// The cell of a coordinate that all corners share: [i, i + 1), and the last one's upper face.
+std::int64_t halfOpenCell(std::int64_t x, int cells) {
+  return x == std::int64_t(kUnitsPerCell) * cells ? cells - 1 : floorDivide(x, kUnitsPerCell);
+}
+
+/// n / d, d > 0.
+struct Ratio {
+  Int128 n, d;
+  bool operator<(const Ratio& other) const { return n * other.d < other.n * d; }
+};
+
+Ratio ratio(Int128 n, Int128 d) { return d < 0 ? Ratio{-n, -d} : Ratio{n, d}; }
+
+/// The two corners that are farthest apart along the axis of the longest extent: all others lie between them.
+std::array<LatticePoint, 2> endsOf(const SnappedTriangle& t) {
+  std::array<LatticePoint, 2> ends = {t.corners[0], t.corners[0]};
+  std::int64_t longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    for (const LatticePoint& p : t.corners) {
+      for (const LatticePoint& q : t.corners) {
+        if (q[k] - p[k] <= longest) continue;
+        longest = q[k] - p[k];
+        ends = {p, q};
+      }
+    }
+  }
+  return ends;
+}
+
+/// Whether p + s (q - p) is within the cell for an interval of s in (0, 1) that has a length; for a point, whether it
+/// is in the cell.
+bool passes(const std::array<LatticePoint, 2>& ends, const glm::ivec3& cell, const glm::ivec3& dims) {
+  Ratio from = {0, 1};
+  Ratio to = {1, 1};
+  for (int k = 0; k < 3; ++k) {
+    const std::int64_t p = ends[0][k];
+    const std::int64_t d = ends[1][k] - p;
+    if (d == 0) {
+      if (cell[k] != halfOpenCell(p, dims[k])) return false;
+      continue;
+    }
+    const Ratio low = ratio(std::int64_t(cell[k]) * kUnitsPerCell - p, d);
+    const Ratio high = ratio((std::int64_t(cell[k]) + 1) * kUnitsPerCell - p, d);
+    from = std::max(from, std::min(low, high));
+    to = std::min(to, std::max(low, high));
+  }
+  return from < to;
+}
+
+std::vector<glm::ivec3> cellsOfSegment(const SnappedTriangle& t, const glm::ivec3& dims) {
+  const std::array<LatticePoint, 2> ends = endsOf(t);
+  const auto [lower, upper] = candidates(t, dims);
+  std::vector<glm::ivec3> cells;
+  for (int z = lower.z; z <= upper.z; ++z)
+    for (int y = lower.y; y <= upper.y; ++y)
+      for (int x = lower.x; x <= upper.x; ++x) {
+        if (passes(ends, {x, y, z}, dims)) cells.emplace_back(x, y, z);
+      }
+  return cells;
 }
 
 template <typename Int>
@@ -172,10 +220,7 @@ bool isPair(const SnappedTriangle& triangle, const glm::ivec3& cell, const glm::
 std::vector<glm::ivec3> cellsOf(const SnappedTriangle& triangle, const glm::ivec3& dims) {
   const std::int64_t largest = largestCoordinate(triangle);
   if (largest > kMaxLattice) throw std::out_of_range("lattice coordinate beyond the oracle's range");
-  if (isDegenerate(triangle)) {
-    const std::optional<glm::ivec3> cell = centroidCell(triangle, dims);
-    return cell ? std::vector<glm::ivec3>{*cell} : std::vector<glm::ivec3>{};
-  }
+  if (isDegenerate(triangle)) return cellsOfSegment(triangle, dims);
   return largest <= kMaxLatticeOf64Bits ? cellsWith<std::int64_t>(triangle, dims) : cellsWith<Int128>(triangle, dims);
 }
 

@@ -4,8 +4,14 @@
 // A pair is an intersection of positive area. A triangle T (not in a face plane) and the open box B of a cell meet iff
 // the origin is inside B - T, whose facets are normal to one of 13 axes: 3 of the box, the triangle's, 9 products of
 // their edges. So strict overlap on those axes, zero ones skipped, is exact. A triangle within a plane x = i is tested
-// in that plane against the upper cell, or the last one when the plane is the grid's outer upper face. A triangle
-// without area on the lattice belongs to the one cell of its centroid.
+// in that plane against the upper cell, or the last one when the plane is the grid's outer upper face.
+//
+// A triangle without area on the lattice is the segment between those two of its corners that are farthest apart. It
+// makes a pair with every cell in which a piece of it has a length, decided by comparing fractions of integers; on an
+// axis along which it does not extend, a coordinate on a face belongs to the upper cell, or to the last one when the
+// face is the grid's outer upper one. Where all corners are one point, that is the cell of the point by the same rule.
+// The pair's share is that of the triangle's area which snapping puts on the piece (polygon.h): corners keep their
+// places along the segment, and the area between two places is the triangle's between them.
 
 #include <glm/glm.hpp>
 #include <vector>

@@ -1,7 +1,5 @@
 #include "reference/polygon.h"
 
-#include "reference/pairs.h"
-
 namespace lpv::reference {
 
 Polygon wholeTriangle() { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}; }
@@ -19,7 +17,6 @@ Polygon clipToSlab(const Polygon& in, const SnappedTriangle& t, int axis, int ce
 
 Polygon partInCell(const SnappedTriangle& t, const glm::ivec3& cell) {
   Polygon part = wholeTriangle();
-  if (isDegenerate(t)) return part;
   for (int axis = 0; axis < 3; ++axis) part = clipToSlab(part, t, axis, cell[axis]);
   return part;
 }

@@ -38,7 +38,8 @@ double coordinate(const SnappedTriangle& triangle, const glm::dvec3& b, int axis
 /// The part within the cell's slab [i, i+1] of one axis.
 Polygon clipToSlab(const Polygon& in, const SnappedTriangle& triangle, int axis, int cell);
 
-/// The part within a cell that makes a pair with the triangle. A triangle without area on the lattice is whole.
+/// The part within a cell that makes a pair with the triangle: what snapping puts into the (closed) cell, whether it
+/// has an area on the lattice or not.
 Polygon partInCell(const SnappedTriangle& triangle, const glm::ivec3& cell);
 
 /// Share of the triangle's area and barycentric centroid of a polygon. Barycentric coordinates are affine in the

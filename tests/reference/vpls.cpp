@@ -86,8 +86,10 @@ int projectionAxis(const SnappedTriangle& t) {
 }
 
 Footprint footprintOf(const SnappedTriangle& triangle, const glm::ivec3& cell) {
-  const glm::dvec3 centroid(1.0 / 3.0);
-  if (isDegenerate(triangle)) return {{centroid, centroid, centroid, centroid}, centroid};
+  if (isDegenerate(triangle)) {
+    const glm::dvec3 centroid = measure(partInCell(triangle, cell)).centroid;
+    return {{centroid, centroid, centroid, centroid}, centroid};
+  }
   const Projection projection(triangle, cell);
   const int u = (projection.axis() + 1) % 3;
   const int v = (projection.axis() + 2) % 3;

@@ -6,7 +6,7 @@
 // |ny|; else y if |ny| >= |nx|; else x). The box is the AABB of (projected snapped triangle) within (the square of the
 // cell's column), closed. It is the same for all cells of a column, and so is all that follows. Points of the box have
 // barycentric coordinates in the projected snapped triangle, negative and above 1 where they lie outside. A triangle
-// without area on the lattice has no box: its four corners and its centre are the centroid.
+// without area on the lattice has no box: its four corners and its centre are the centroid of its part in the cell.
 //
 // Directions. At each corner of the box: Emitter::directionAt of its barycentric coordinates. Along each axis of the
 // box, `angle` is the larger of the angles between the corner directions at the ends of its two sides, and

@@ -59,13 +59,24 @@ Picture halved(const Picture& from) {
   return out;
 }
 
+/// Some rows' integrals.
+struct Integrals {
+  std::vector<double> colours, moments;
+};
+
 /// One row's integrals from texel centre 0 to every other one and, last, all the way round.
-void appendIntegrals(const Picture& picture, int row, std::vector<double>& out) {
+void appendIntegrals(const Picture& picture, int row, Integrals& out) {
   glm::dvec3 sum(0.0);
+  glm::dvec2 moments(0.0);
   for (int x = 0; x <= picture.size.x; ++x) {
-    out.insert(out.end(), {sum.r, sum.g, sum.b});
-    const int here = x % picture.size.x, next = (x + 1) % picture.size.x;
-    sum += 0.5 * (glm::dvec3(picture.at(here, row)) + glm::dvec3(picture.at(next, row)));
+    out.colours.insert(out.colours.end(), {sum.r, sum.g, sum.b});
+    out.moments.insert(out.moments.end(), {moments.x, moments.y});
+    const glm::dvec3 here(picture.at(x % picture.size.x, row)), next(picture.at((x + 1) % picture.size.x, row));
+    sum += 0.5 * (here + next);
+    // Brightness rises evenly from l to r: its integrals times 1, f and f^2, f the distance from x.
+    const double l = here.r + here.g + here.b, r = next.r + next.g + next.b;
+    const double even = (l + r) / 2.0, first = (l + 2.0 * r) / 6.0, second = (l + 3.0 * r) / 12.0;
+    moments += glm::dvec2(x * even + first, x * (x * even + 2.0 * first) + second);
   }
 }
 
@@ -91,15 +102,19 @@ GpuTask uploadLevels(Picture picture, const GpuLightTexture& out) {
 }
 
 GpuTask uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
-  const std::size_t rowBytes = (std::size_t(picture.size.x) + 1) * 3 * sizeof(double);
-  out.rowIntegrals = gpu::Buffer("row integrals", rowBytes * std::size_t(picture.size.y), gpu::BufferUse::kDynamic);
+  const std::size_t rowDoubles = std::size_t(picture.size.x) + 1, rows = std::size_t(picture.size.y);
+  const std::size_t rowBytes = rowDoubles * 3 * sizeof(double), rowMomentBytes = rowDoubles * 2 * sizeof(double);
+  out.rowIntegrals = gpu::Buffer("row integrals", rowBytes * rows, gpu::BufferUse::kDynamic);
+  out.rowMoments = gpu::Buffer("row moments", rowMomentBytes * rows, gpu::BufferUse::kDynamic);
   const int step = rowsAtOnce(picture);
-  std::vector<double> integrals;
+  Integrals integrals;
   for (int row = 0; row < picture.size.y; row += step) {
-    integrals.clear();
+    integrals.colours.clear();
+    integrals.moments.clear();
     for (int y = row; y < std::min(row + step, picture.size.y); ++y) appendIntegrals(picture, y, integrals);
-    out.rowIntegrals.update(rowBytes * std::size_t(row), gpu::bytesOf(std::span<const double>(integrals)));
-    co_yield submitted(Stage::kUpload, double(rowBytes) * step);
+    out.rowIntegrals.update(rowBytes * std::size_t(row), gpu::bytesOf(std::span<const double>(integrals.colours)));
+    out.rowMoments.update(rowMomentBytes * std::size_t(row), gpu::bytesOf(std::span<const double>(integrals.moments)));
+    co_yield submitted(Stage::kUpload, double(rowBytes + rowMomentBytes) * step);
   }
 }
 

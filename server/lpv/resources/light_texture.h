@@ -17,8 +17,9 @@ struct GpuLightTexture {
   glm::ivec2 size{0};
   int levels = 0;             ///< of the mip chain
   gpu::Texture radiance;      ///< RGBA32F with mip levels
+  // shaders/voxelize/texture_integral.glsl
   gpu::Buffer rowIntegrals;  ///< double x 3: integral along the row from texel centre 0
- ///< (shaders/voxelize/texture_integral.glsl)
+  gpu::Buffer rowMoments;  ///< double x 2: of brightness times the distance from there and its square
   double radianceScale = 1.0;  ///< largest component of any texel; 1 for an all-black texture
   glm::dvec3 mean{0.0};
 };

@@ -37,6 +37,12 @@ struct VoxelizeInputs {
   bool operator==(const VoxelizeInputs&) const = default;
   bool textured() const { return texture != nullptr; }
   bool directed() const { return !mesh->directions.empty(); }
+  /// FLUX of what is the same all over a flat patch: however it was cut up. COUNT counts the mesh's own triangles.
+  bool merges() const {
+    return method.injection == Injection::kFlux && method.method != InjectionMethod::kDense && !textured() &&
+           !directed() && !mesh->merged.empty();
+  }
+  const std::vector<glm::uvec3>& triangles() const { return merges() ? mesh->merged : mesh->triangles; }
 };
 
 struct LightVoxels {

@@ -43,13 +43,13 @@ double cellsAcross(const EmittingLight& light) {
 bool isConstant(const EmittingLight& light) { return light.texture == nullptr && light.mesh->directions.empty(); }
 
 bool fewPolygons(const EmittingLight& light) {
-  return isConstant(light) && light.mesh->triangles.size() <= kFewPolygons;
+  return isConstant(light) && light.mesh->evenTriangles().size() <= kFewPolygons;
 }
 
 bool lookedAtEverywhere(const std::vector<EmittingLight>& lights) {
   std::size_t triangles = 0;
   for (const EmittingLight& light : lights) {
-    triangles += light.mesh->triangles.size();
+    triangles += light.mesh->evenTriangles().size();
     if (!fewPolygons(light) || triangles > kFewPolygons || cellsAcross(light) >= kSmallBesideACell) return false;
   }
   return !lights.empty();

@@ -112,6 +112,10 @@ GpuTask SceneCache::uploadMesh(const MeshPtr& mesh, GpuMeshPtr previous, GpuMesh
   }
   made->positionTexels = std::make_shared<gpu::BufferTexture>("positions", *made->positions, gpu::BufferTexel::kVec3);
   made->triangleTexels = std::make_shared<gpu::BufferTexture>("triangles", *made->triangles, gpu::BufferTexel::kUvec3);
+  if (!mesh->merged.empty()) {
+    co_await sendArray("merged triangles", mesh->merged, made->merged);
+    made->mergedTexels = std::make_shared<gpu::BufferTexture>("merged", *made->merged, gpu::BufferTexel::kUvec3);
+  }
   meshes_[mesh.get()] = made;
   out = std::move(made);
 }

@@ -23,7 +23,8 @@ struct GpuMesh {
   std::shared_ptr<gpu::Buffer> uvs;        ///< float x 2 per vertex, or null
   std::shared_ptr<gpu::Buffer> directions; ///< float x 3 per vertex, object space, or null
   std::shared_ptr<gpu::Buffer> triangles;  ///< uint x 3 per triangle
-  std::shared_ptr<gpu::BufferTexture> positionTexels, triangleTexels;  ///< the same, as voxelization reads them
+  std::shared_ptr<gpu::Buffer> merged;     ///< the same of Mesh::merged, or null
+  std::shared_ptr<gpu::BufferTexture> positionTexels, triangleTexels, mergedTexels;  ///< as voxelization reads them
   std::uint32_t triangleCount = 0;
 };
 using GpuMeshPtr = std::shared_ptr<const GpuMesh>;

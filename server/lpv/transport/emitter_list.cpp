@@ -17,7 +17,7 @@ namespace {
 /// Corners in grid space, counter-clockwise seen from the front: a mirrored transform keeps the object-space outer
 /// side.
 void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
-  for (glm::uvec3 t : light.mesh->triangles) {
+  for (glm::uvec3 t : light.mesh->evenTriangles()) {
     if (light.mirrored) std::swap(t.y, t.z);
     for (int i = 0; i < 3; ++i) {
       const glm::dvec4 object(glm::dvec3(light.mesh->positions[t[i]]), 1.0);
@@ -43,12 +43,12 @@ void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, dou
   std::vector<EmittingLight*> candidates;
   for (EmittingLight& light : lights) {
     light.polygons = false;
-    if (isConstant(light) && light.mesh->triangles.size() <= most) candidates.push_back(&light);
+    if (isConstant(light) && light.mesh->evenTriangles().size() <= most) candidates.push_back(&light);
   }
-  std::ranges::stable_sort(candidates, {}, [](const EmittingLight* l) { return l->mesh->triangles.size(); });
+  std::ranges::stable_sort(candidates, {}, [](const EmittingLight* l) { return l->mesh->evenTriangles().size(); });
   std::size_t all = 0;
   for (EmittingLight* light : candidates) {
-    all += light->mesh->triangles.size();
+    all += light->mesh->evenTriangles().size();
     light->polygons = all <= kMostPolygonsOfAll;
   }
 }
@@ -63,7 +63,8 @@ void EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std
     const std::size_t first = head.size();
     addPolygons(lights[i], head);
     head[1 + 2 * i] = glm::vec4(lights[i].radiance, 0.0);
-    head[2 + 2 * i] = {float(first), float(lights[i].mesh->triangles.size()), lights[i].twoSided ? 2.0F : 1.0F, 0.0F};
+    head[2 + 2 * i] = {float(first), float(lights[i].mesh->evenTriangles().size()), lights[i].twoSided ? 2.0F : 1.0F,
+                       0.0F};
   }
   count = head.size();
   for (std::size_t i = 0; i < lights.size(); ++i) {

@@ -29,7 +29,7 @@ glm::dmat4 outwardFromObject(const glm::dmat4& gridFromObject) {
 /// Whether cells keep which triangles came to them instead of sums.
 bool keepsSets(const VoxelizeInputs& source) {
   return source.method.injection == Injection::kCount && source.method.method != InjectionMethod::kDense &&
-         !source.textured() && !source.directed() && source.mesh->triangles.size() <= layout::kSetTriangles;
+         !source.textured() && !source.directed() && source.triangles().size() <= layout::kSetTriangles;
 }
 
 /// Words of a cell's accumulators.
@@ -46,28 +46,48 @@ std::uint64_t lobesPerTriangle(const VoxelizeInputs& source) {
   return source.directed() ? 9 : 1;
 }
 
+/// Edge of what fills cells, cells: a light that is narrower along two of its mesh's axes has mostly strips and slivers
+/// in them.
+constexpr double kThinLight = 2.0;
+
+/// Whether VPLs keep second moments of where they emit. By the light's extent, so that its tessellation and its pose do
+/// not matter.
+bool keepsSquares(const VoxelizeInputs& source) {
+  if (!source.method.vpls || source.textured()) return source.method.vpls;
+  glm::dvec3 extent = source.mesh->bounds.extent();
+  for (int k = 0; k < 3; ++k) extent[k] *= glm::length(glm::dvec3(source.gridFromObject[k]));
+  const double most = glm::compMax(extent), least = glm::compMin(extent);
+  return extent.x + extent.y + extent.z - most - least < kThinLight;
+}
+
 gpu::Defines variantOf(const VoxelizeInputs& source) {
   const bool flux = source.method.injection == Injection::kFlux;
   gpu::Defines variant = {{"LPV_FLUX", flux ? "1" : "0"},
                           {"LPV_TEXTURED", source.textured() ? "1" : "0"},
                           {"LPV_DIRECTIONS", source.directed() ? "1" : "0"}};
-  if (source.method.vpls) variant.emplace_back("LPV_VPLS", "1");
+  if (source.method.vpls) {
+    variant.emplace_back("LPV_VPLS", "1");
+    variant.emplace_back("LPV_SQUARES", keepsSquares(source) ? "1" : "0");
+  }
   if (keepsSets(source)) variant.emplace_back("LPV_SETS", "1");
   return variant;
 }
 
-gpu::Defines treeVariantOf(const VoxelizeInputs& source) { return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}}; }
+gpu::Defines treeVariantOf(const VoxelizeInputs& source) {
+  return {{"LPV_TEXTURED", source.textured() ? "1" : "0"}, {"LPV_SQUARES", keepsSquares(source) ? "1" : "0"}};
+}
 
 /// Words of an entry of the table of VPLs.
 std::size_t vplWords(const VoxelizeInputs& source) {
-  return source.textured() ? layout::kTexturedVplWords : layout::kPlainVplWords;
+  const int words = source.textured() ? layout::kTexturedVplWords : layout::kPlainVplWords;
+  return std::size_t(words + (keepsSquares(source) ? layout::kSquareWords : 0));
 }
 
 constexpr double kMostEntries = 1 << 23;
 
 /// Entries of the table: twice the VPLs there were last time, or that there may be. A power of two.
 std::uint32_t entriesFor(const LightVoxels& voxels, double area) {
-  const double triangles = double(voxels.source.mesh->triangles.size());
+  const double triangles = double(voxels.source.triangles().size());
   const double guess = voxels.tree->vplCount > 0 ? voxels.tree->vplCount : 3.0 * triangles + 3.0 * area;
   return std::bit_ceil(std::uint32_t(std::clamp(2.0 * guess, 256.0, kMostEntries)));
 }
@@ -111,15 +131,16 @@ glm::dvec3 areaNormal(const Mesh& mesh, const glm::uvec3& t, const glm::dmat3& a
 /// Triangles whose costs are added up, and between whose areas others may work.
 constexpr std::size_t kTrianglesPerCost = 64, kTrianglesPerPause = 1 << 16;
 
-GpuTask estimateCosts(const Mesh& mesh, const glm::dmat4& areaFromObject, const glm::ivec3& dims, TriangleCosts& out) {
+GpuTask estimateCosts(const VoxelizeInputs& source, const glm::dmat4& areaFromObject, TriangleCosts& out) {
   const glm::dmat3 map(areaFromObject);
+  const glm::ivec3& dims = source.dims;
   const double face = double(glm::compMax(dims)) * glm::compMax(dims);  // most columns that one triangle meets
-  const std::size_t triangles = mesh.triangles.size();
+  const std::size_t triangles = source.triangles().size();
   for (std::size_t first = 0; first < triangles; first += kTrianglesPerCost) {
     const std::size_t end = std::min(triangles, first + kTrianglesPerCost);
     VoxelizeWork work{double(end - first), 0.0};
     for (std::size_t i = first; i < end; ++i) {
-      const double area = glm::length(areaNormal(mesh, mesh.triangles[i], map));
+      const double area = glm::length(areaNormal(*source.mesh, source.triangles()[i], map));
       out.area += area;
       work.columns += std::min(area, face);
     }
@@ -161,7 +182,7 @@ void listNormals(layout::VoxelizeParams& params, const Mesh& mesh) {
 /// Scales of a light's fixed point, into `params` and `voxels`.
 void chooseScales(layout::VoxelizeParams& params, double area, LightVoxels& voxels) {
   const VoxelizeInputs& source = voxels.source;
-  const double triangles = double(source.mesh->triangles.size());
+  const double triangles = double(source.triangles().size());
   if (source.method.injection == Injection::kFlux) {
     // A little more than the sum, for its rounding. A light without area has nothing to scale.
     voxels.areaScale = area > 0.0 ? area * (1.0 + 1e-9) : 1.0;
@@ -239,13 +260,15 @@ void Voxelizer::bind(const Run& run) {
     run.voxels.moments.bindStorage(layout::kVoxelMoments);
   }
   run.mesh.positionTexels->bind(layout::kPositions);
-  run.mesh.triangleTexels->bind(layout::kTriangles);
+  const bool merges = run.voxels.source.merges();
+  (merges ? run.mesh.mergedTexels : run.mesh.triangleTexels)->bind(layout::kTriangles);
   if (run.voxels.source.directed()) run.mesh.directions->bindStorage(layout::kDirections);
   params_.bindUniform(layout::kParams);
   if (run.texture == nullptr) return;
   run.mesh.uvs->bindStorage(layout::kUvs);
   run.texture->radiance.bind(layout::kLightTexture);
   run.texture->rowIntegrals.bindStorage(layout::kRowIntegrals);
+  run.texture->rowMoments.bindStorage(layout::kRowMoments);
 }
 
 void Voxelizer::collect(const Run& run) {
@@ -258,8 +281,9 @@ void Voxelizer::collect(const Run& run) {
 
 GpuTask Voxelizer::deposit(Run& run) {
   TriangleVoxelizer& voxelizer = voxelizerFor(run.voxels.source.method.method);
-  for (std::uint32_t first = 0; first < run.mesh.triangleCount;) {
-    const std::uint32_t end = first + std::min(voxelizer.limit(run.job), run.mesh.triangleCount - first);
+  const auto triangles = std::uint32_t(run.voxels.source.triangles().size());
+  for (std::uint32_t first = 0; first < triangles;) {
+    const std::uint32_t end = first + std::min(voxelizer.limit(run.job), triangles - first);
     const Batch batch = nextBatch(run.costs, first, end, run.pacing.unitsFor(Stage::kVoxelize));
     run.job.params.firstTriangle = first;
     run.job.params.triangleCount = batch.count;
@@ -320,7 +344,7 @@ GpuTask Voxelizer::voxelize(Run& run) {
 GpuTask Voxelizer::run(LightField& field, const GpuMesh& mesh, const GpuLightTexture* texture, LightVoxels& voxels,
                        Pacing pacing) {
   Run run{field, std::exchange(field.accumulators, {}), mesh, texture, voxels, {}, jobOf(voxels, texture), pacing};
-  co_await estimateCosts(*voxels.source.mesh, run.job.params.areaFromObject, voxels.source.dims, run.costs);
+  co_await estimateCosts(voxels.source, run.job.params.areaFromObject, run.costs);
   chooseScales(run.job.params, run.costs.area, voxels);
   co_await voxelize(run);
   field.accumulators = std::move(run.accumulators);

@@ -38,6 +38,21 @@ class TriangleVoxelizer {
   virtual void dispatch(const VoxelizeJob& job) = 0;
 };
 
+/// Triangles that snapping makes a segment over several cells, which have no columns: the injectors list them, and they
+/// are voxelized after the others.
+class ThinVoxelizer {
+ public:
+  ThinVoxelizer();
+  /// An empty list, bound.
+  void begin();
+  /// What is in it.
+  void dispatch(const VoxelizeJob& job);
+
+ private:
+  gpu::ProgramVariants programs_{{"voxelize/thin.comp"}};
+  gpu::Buffer list_;
+};
+
 /// A thread per small triangle, work items of columns for large ones.
 class ComputeVoxelizer final : public TriangleVoxelizer {
  public:
@@ -48,6 +63,7 @@ class ComputeVoxelizer final : public TriangleVoxelizer {
  private:
   gpu::ProgramVariants programs_{{"voxelize/voxelize.comp"}};
   gpu::Buffer large_;  ///< work items of the piece under way
+  ThinVoxelizer thin_;
 };
 
 /// The paper's pipeline: the rasterizer walks the columns of every triangle along its dominant axis.
@@ -62,8 +78,9 @@ class RasterVoxelizer final : public TriangleVoxelizer {
 
  private:
   gpu::ProgramVariants programs_{{"voxelize/voxelize.vert", "voxelize/voxelize.geom", "voxelize/voxelize.frag"}};
-  gpu::Framebuffer target_;        ///< no attachments; as large as the grid
-  std::uint32_t noVertices_ = 0;   ///< a vertex array without attributes
+  ThinVoxelizer thin_;
+  gpu::Framebuffer target_;  ///< no attachments; as large as the grid
+  std::uint32_t noVertices_ = 0;  ///< a vertex array without attributes
 };
 
 /// Random points on every triangle (paper 4.1), for comparison.

@@ -4,8 +4,6 @@ namespace lpv {
 
 namespace {
 
-constexpr layout::ListHeader kNoWork{.groupsX = 0, .groupsY = 1, .groupsZ = 1, .count = 0};
-
 std::uint32_t groups(std::uint32_t threads, int perGroup) {
   return (threads + std::uint32_t(perGroup) - 1) / std::uint32_t(perGroup);
 }
@@ -29,7 +27,8 @@ std::uint32_t ComputeVoxelizer::limit(const VoxelizeJob& job) const {
 }
 
 void ComputeVoxelizer::dispatch(const VoxelizeJob& job) {
-  large_.update(0, gpu::bytesOfValue(kNoWork));
+  thin_.begin();
+  large_.update(0, gpu::bytesOfValue(layout::kEmptyListHeader));
   large_.bindStorage(layout::kLargeTriangles);
   large_.bindAsDispatchArguments();
   programs_.get(compiledFor(job.variant, "LPV_SMALL"))
@@ -37,6 +36,7 @@ void ComputeVoxelizer::dispatch(const VoxelizeJob& job) {
   gpu::memoryBarrier();
   programs_.get(compiledFor(job.variant, "LPV_LARGE")).dispatchIndirect(0);
   gpu::memoryBarrier();
+  thin_.dispatch(job);
 }
 
 }  // namespace lpv

@@ -7,8 +7,8 @@ namespace lpv {
 
 namespace {
 
-/// Draws may be of any length; pacing keeps them short.
-constexpr std::uint32_t kMostTriangles = 1u << 20;
+/// Pacing keeps draws shorter.
+constexpr auto kMostTriangles = std::uint32_t(layout::kMaxThinTriangles);
 
 }  // namespace
 
@@ -22,6 +22,7 @@ void RasterVoxelizer::dispatch(const VoxelizeJob& job) {
   const glm::ivec3& dims = job.params.dims;
   const int edge = std::max({dims.x, dims.y, dims.z});
   if (target_.size().x < edge) target_ = gpu::Framebuffer::withoutAttachments("columns", glm::ivec2(edge));
+  thin_.begin();
   target_.bind();
   glViewport(0, 0, edge, edge);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -33,6 +34,7 @@ void RasterVoxelizer::dispatch(const VoxelizeJob& job) {
   programs_.get(job.variant).use();
   glDrawArrays(GL_TRIANGLES, 0, GLsizei(3 * job.params.triangleCount));
   gpu::memoryBarrier();
+  thin_.dispatch(job);
 }
 
 }  // namespace lpv

@@ -78,8 +78,19 @@ std::map<std::array<int, 3>, std::vector<int>> binsOf(const VplTree& tree) {
   return bins;
 }
 
+/// The light as it is voxelized: its flat patches merged (tests/unit/scene/flat_patches_test.cpp), where snapping would
+/// see how they were cut up.
+std::vector<reference::Emitter> voxelizedEmittersOf(const Grid& grid, EmittingLight light) {
+  if (light.texture == nullptr && light.mesh->directions.empty() && !light.mesh->merged.empty()) {
+    auto mesh = std::make_shared<Mesh>(*light.mesh);
+    mesh->triangles = mesh->merged;
+    light.mesh = mesh;
+  }
+  return emittersOf(grid, {light});
+}
+
 void addIncident(reference::Field& field, const Grid& grid, const EmittingLight& light, double k) {
-  const reference::VplTree tree(reference::cellVpls(grid, emittersOf(grid, {light})));
+  const reference::VplTree tree(reference::cellVpls(grid, voxelizedEmittersOf(grid, light)));
   reference::forEachCell((grid.dims + kBlock - 1) / kBlock, [&](const glm::ivec3& block) {
     const glm::ivec3 low = block * kBlock, high = glm::min(low + kBlock, grid.dims) - 1;
     const std::vector<reference::Vpl> vpls = tree.seenFrom(low, high, k);
@@ -223,7 +234,7 @@ VplMap expectedVpls(const Grid& grid, const EmittingLight& light, double radianc
   EmittingLight front = light;
   front.twoSided = false;
   VplMap vpls;
-  for (const reference::CellVpls& cell : reference::cellVpls(grid, emittersOf(grid, {front}))) {
+  for (const reference::CellVpls& cell : reference::cellVpls(grid, voxelizedEmittersOf(grid, front))) {
     for (const auto& [bin, vpl] : cell.bins) {
       const double face = grid.cell * grid.cell;
       vpls[{keyOf(cell.cell), bin}] = {(vpl.position() - grid.origin) / grid.cell,

@@ -12,8 +12,8 @@ namespace {
 constexpr std::size_t kMostPairs = std::size_t(1) << 22;  // of one piece
 constexpr auto kPiece = std::size_t(layout::kMaxPieceTriangles);
 
-gpu::Program programOf(const char* pass) {
-  return {{"voxelize/voxelize.comp"},
+gpu::Program programOf(const char* source, const char* pass) {
+  return {{source},
           {{"LPV_FLUX", "0"}, {"LPV_TEXTURED", "0"}, {"LPV_DIRECTIONS", "0"}, {"LPV_RECORD_PAIRS", "1"}, {pass, "1"}}};
 }
 
@@ -103,8 +103,9 @@ PairVerdict& PairVerdict::operator+=(const PairVerdict& other) {
 }
 
 PairRig::PairRig()
-    : small_(programOf("LPV_SMALL")),
-      large_(programOf("LPV_LARGE")),
+    : small_(programOf("voxelize/voxelize.comp", "LPV_SMALL")),
+      large_(programOf("voxelize/voxelize.comp", "LPV_LARGE")),
+      thin_(programOf("voxelize/thin.comp", "LPV_THIN")),
       recorded_(bufferOfWords(2 + 2 * kMostPairs)),
       cells_(bufferOfWords(16)),
       positions_(bufferOfWords(9 * kPiece)),
@@ -113,6 +114,7 @@ PairRig::PairRig()
       orderTexels_("triangles", order_, gpu::BufferTexel::kUvec3),
       items_(
           bufferOfWords(sizeof(layout::ListHeader) / sizeof(std::uint32_t) + kPiece * std::size_t(layout::kMaxSlices))),
+      segments_(bufferOfWords(sizeof(layout::ListHeader) / sizeof(std::uint32_t) + kPiece)),
       params_("params", sizeof(layout::VoxelizeParams), gpu::BufferUse::kDynamic) {}
 
 std::vector<PairRig::Pair> PairRig::gpuPairs(std::span<const Triangle> triangles, const glm::ivec3& dims,
@@ -120,18 +122,23 @@ std::vector<PairRig::Pair> PairRig::gpuPairs(std::span<const Triangle> triangles
   const layout::VoxelizeParams params = paramsOf(dims, triangles.size(), gridFromObject);
   positions_.update(0, std::as_bytes(triangles));
   params_.update(0, gpu::bytesOfValue(params));
-  items_.update(0, gpu::bytesOfValue(glm::uvec4(0, 1, 1, 0)));
+  items_.update(0, gpu::bytesOfValue(layout::kEmptyListHeader));
+  segments_.update(0, gpu::bytesOfValue(layout::kEmptyListHeader));
   recorded_.update(0, gpu::bytesOfValue(glm::uvec2(0)));
   positionTexels_.bind(layout::kPositions);
   orderTexels_.bind(layout::kTriangles);
   recorded_.bindStorage(layout::kRecordedPairs);
   cells_.bindStorage(layout::kVoxelCells);
   items_.bindStorage(layout::kLargeTriangles);
+  segments_.bindStorage(layout::kThinTriangles);
   params_.bindUniform(layout::kParams);
   items_.bindAsDispatchArguments();
   small_.dispatch(std::uint32_t(triangles.size() + 63) / 64);
   gpu::memoryBarrier();
   large_.dispatchIndirect(0);
+  gpu::memoryBarrier();
+  segments_.bindAsDispatchArguments();
+  thin_.dispatchIndirect(0);
   gpu::memoryBarrier();
   glFinish();
   std::uint32_t count = 0;

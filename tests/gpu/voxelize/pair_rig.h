@@ -38,10 +38,10 @@ class PairRig {
   std::vector<Pair> gpuPairs(std::span<const Triangle> triangles, const glm::ivec3& dims,
                              const glm::dmat4& gridFromObject);
 
-  gpu::Program small_, large_;
+  gpu::Program small_, large_, thin_;
   gpu::Buffer recorded_, cells_, positions_, order_;
   gpu::BufferTexture positionTexels_, orderTexels_;
-  gpu::Buffer items_, params_;
+  gpu::Buffer items_, segments_, params_;
 };
 
 }  // namespace lpv::test
