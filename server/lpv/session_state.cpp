@@ -18,7 +18,7 @@ LightsInputs inputsOf(const Scene& scene, const std::vector<EmittingLight>& ligh
   inputs.transport = options.transport;
   inputs.method = {options.injection, options.method, options.denseSamples, options.transport != Transport::kPropagate};
   const glm::ivec3& dims = scene.grid.dims;
-  if (groupsItself(options)) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
+  if (options.groupsItself()) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
   return inputs;
 }
 
@@ -46,7 +46,9 @@ void SessionState::adopt(const Scene& scene) {
   } else {
     keepVoxels(inputs);
     LightArrangement made{choosePalette(lights), cellsAround(lights, scene.grid.dims), {}};
-    made.groups = groupLights(scene, lights, groupsOf(lights, before));
+    Grouped grouped = groupLights(scene, lights, {groupsOf(lights, before), sectors});
+    made.groups = std::move(grouped.names);
+    sectors = grouped.sectors;
     arranged.set(std::move(inputs), std::move(made));
   }
   choosePolygons(lights, scene.options.transport, scene.options.openingRatio());

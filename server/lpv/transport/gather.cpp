@@ -20,8 +20,14 @@ layout::GatherParams paramsOf(const LightField& field, const EmittingLight& ligh
   params.weight = glm::vec3(weight * voxels.radianceScale);
   params.openingRatio = std::min(float(k), kFarthest);
   params.entryCount = int(voxels.tree->entryCount);
-  params.firstChannel = light.group * field.channels;
+  params.firstChannel = light.group * field.channels;  // group 0 where layers are by direction
   return params;
+}
+
+/// Sectors that one dispatch may walk for: all, unless their loops would take too many rounds.
+int sectorsPerDispatch(const VplTree& tree, Sectors sectors) {
+  if (sectors == Sectors::kNone) return 1;
+  return int(tree.entryCount) * layout::kSectors <= layout::kMaxRounds ? layout::kSectors : 1;
 }
 
 /// Walks that one dispatch may have to leave unfinished.
@@ -31,7 +37,7 @@ int dispatchesFor(const VplTree& tree) { return int(tree.entryCount) / layout::k
 
 gpu::Defines Gatherer::Variant::defines() const {
   return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured),
-          gpu::define("LPV_TWO_SIDED", twoSided)};
+          gpu::define("LPV_TWO_SIDED", twoSided), gpu::define("LPV_SECTORS", int(sectors))};
 }
 
 Gatherer::Gatherer() : params_("gather params", sizeof(layout::GatherParams), gpu::BufferUse::kDynamic) {}
@@ -52,7 +58,9 @@ GpuTask Gatherer::clear(LightField& field) {
 
 GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k,
-                      const ReceiverBlocks& blocks, Pacing pacing) {
+                      Sectors sectors, const ReceiverBlocks& blocks, Pacing pacing) {
+  const bool byDirection = sectors != Sectors::kNone;
+  const int allSectors = byDirection ? layout::kSectors : 1;
   const auto blockCount = std::uint32_t(blocks.size());
   field.receivers = gpu::Buffer("receiver blocks", gpu::bytesOf(std::span(blocks)));
   field.cursors = gpu::Buffer("cursors", blocks.size() * sizeof(glm::uvec2));
@@ -62,15 +70,18 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
     if (light.tree->entryCount == 0) continue;
     layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
     gpu::Program& program = programs_.get(
-        {.channels = field.channels, .textured = light.momentsPerCell > 1, .twoSided = lights[i].twoSided});
-    const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount))}.units();
+        {.channels = field.channels, .textured = light.momentsPerCell > 1, .twoSided = lights[i].twoSided, .sectors = sectors});
+    const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount)), byDirection}.units();
+    const int step = sectorsPerDispatch(*light.tree, sectors);
     for (std::uint32_t first = 0; first < blockCount;) {
       const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
       const std::uint32_t count =
           std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
       params.firstBlock = first;
-      for (int turn = 0; turn < dispatchesFor(*light.tree); ++turn) {
-        params.turn = turn;
+      for (int dispatch = 0; dispatch < allSectors / step * dispatchesFor(*light.tree); ++dispatch) {
+        params.turn = dispatch % dispatchesFor(*light.tree);
+        params.firstSector = dispatch / dispatchesFor(*light.tree) * step;
+        params.sectorsEnd = params.firstSector + step;
         params_.update(0, gpu::bytesOfValue(params));
         bind(field, light);
         program.dispatch(count);

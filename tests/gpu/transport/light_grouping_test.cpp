@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+
 #include "gpu/engine/engine_rig.h"
 #include "reference/emitter.h"
 #include "reference/ground_truth.h"
@@ -41,14 +43,17 @@ std::vector<int> groupsOf(const std::vector<EmittingLight>& lights) {
   return groups;
 }
 
-struct Grouped {
-  explicit Grouped(const Scene& scene, const std::vector<int>& previous = {})
-      : lights(emittingLights(scene, {})),
-        names(groupLights(scene, lights, previous)),
-        groups(groupsOf(lights)),
-        error(groupingError(lights, scene.grid, groups)) {}
+struct GroupedScene {
+  explicit GroupedScene(const Scene& scene, const Grouping& previous = {}) : lights(emittingLights(scene, {})) {
+    const Grouped grouped = groupLights(scene, lights, previous);
+    names = grouped.names;
+    sectors = grouped.sectors;
+    groups = groupsOf(lights);
+    error = groupingError(lights, scene.grid, {groups, sectors});
+  }
   std::vector<EmittingLight> lights;
   std::vector<std::string> names;
+  Sectors sectors;
   std::vector<int> groups;
   double error;
 };
@@ -58,17 +63,21 @@ const std::vector<glm::dvec3> kBeside = {{-1.7, -1.7, -1.7}, {-1.7, -1.7, -1.66}
 
 // Broken by: one group more or fewer; the radianceScale last.
 TEST(Grouping, LightsOnTwoSidesGetAGroupEach) {
-  const Grouped grouped(sceneWith(kOpposite));
+  const GroupedScene grouped(sceneWith(kOpposite));
   EXPECT_THAT(grouped.names, ElementsAre("", "auto 2"));
   EXPECT_THAT(grouped.groups, ElementsAre(0, 1));
   EXPECT_LE(grouped.error, kGroupingError);
-  EXPECT_GE(groupingError(grouped.lights, sceneWith(kOpposite).grid, {0, 0}), 0.05);
+  EXPECT_GE(groupingError(grouped.lights, sceneWith(kOpposite).grid, {{0, 0}}), 0.05);
 }
 
-TEST(Grouping, LightsOnOneSideShareOne) { EXPECT_THAT(Grouped(sceneWith(kBeside)).names, ElementsAre("")); }
+TEST(Grouping, LightsOnOneSideShareOne) { EXPECT_THAT(GroupedScene(sceneWith(kBeside)).names, ElementsAre("")); }
 
-TEST(Grouping, FastSessionsHaveOneGroup) {
-  EXPECT_THAT(Grouped(sceneWith(kOpposite, Quality::kFast)).groups, ElementsAre(0, 0));
+// Broken by: groups for quality ACCURATE alone; groups for every lookup.
+TEST(Grouping, IsForEveryQualityThatLooksUpCaps) {
+  EXPECT_THAT(GroupedScene(sceneWith(kOpposite, Quality::kFast)).groups, ElementsAre(0, 1));
+  Scene bands = sceneWith(kOpposite);
+  bands.options.lookup = Lookup::kSh2;
+  EXPECT_THAT(GroupedScene(bands).groups, ElementsAre(0, 0));
 }
 
 TEST(Grouping, WhatTheSceneSaysStands) {
@@ -76,7 +85,7 @@ TEST(Grouping, WhatTheSceneSaysStands) {
   auto named = std::make_shared<Light>(*scene.lights.begin()->second);
   named->group = "key";
   scene.lights[named->name] = named;
-  const Grouped grouped(scene);
+  const GroupedScene grouped(scene);
   EXPECT_THAT(grouped.names, ElementsAre("", "key"));
   EXPECT_THAT(grouped.groups, ElementsAre(1, 0));
 }
@@ -88,15 +97,15 @@ TEST(Grouping, ManyLightsShareEightGroupsAsWellAsTheyCan) {
     places.emplace_back(1.6 * std::cos(a), 0.8 * std::sin(3.0 * a), 1.6 * std::sin(a));
   }
   const Scene scene = sceneWith(places);
-  const Grouped grouped(scene);
+  const GroupedScene grouped(scene);
   EXPECT_THAT(grouped.names.size(), Le(std::size_t(kMaxGroups)));
-  EXPECT_LT(grouped.error, 0.5 * groupingError(grouped.lights, scene.grid, std::vector<int>(24, 0)));
+  EXPECT_LT(grouped.error, 0.5 * groupingError(grouped.lights, scene.grid, {std::vector<int>(24, 0)}));
 }
 
 // Broken by: previous groups forgotten; previous groups whatever they cost.
 TEST(Grouping, StandsWhileItIsGoodEnough) {
-  EXPECT_THAT(Grouped(sceneWith(kBeside), {0, 1}).groups, ElementsAre(0, 1));
-  EXPECT_THAT(Grouped(sceneWith(kOpposite), {0, 0}).groups, ElementsAre(0, 1));
+  EXPECT_THAT(GroupedScene(sceneWith(kBeside), {{0, 1}}).groups, ElementsAre(0, 1));
+  EXPECT_THAT(GroupedScene(sceneWith(kOpposite), {{0, 0}}).groups, ElementsAre(0, 1));
 }
 
 class GroupingEngineTest : public test::EngineTest {};
@@ -126,6 +135,48 @@ TEST_F(GroupingEngineTest, AccurateSessionsAreRightBetweenTwoLights) {
   EXPECT_LT(accurate, 0.015);
   ++scene.revision;
   EXPECT_EQ(errorOf(), std::pair(two, accurate));
+}
+
+/// `n` panes of .2 m under the ceiling of a room of 4 m, in rows.
+Scene ceilingOf(int n, int cells) {
+  Scene scene;
+  scene.revision = 1;
+  scene.grid = {glm::dvec3(-2.0), 4.0 / cells, glm::ivec3(cells)};
+  const int across = int(std::ceil(std::sqrt(double(n)))), along = (n + across - 1) / across;
+  for (int i = 0; i < n; ++i) {
+    auto light = std::make_shared<Light>();
+    light->name = "light " + std::to_string(100 + i);
+    light->mesh = reference::quad();
+    const double x = (i % across + 0.5) / across, z = (i / across + 0.5) / along;
+    light->transform.translation = {2.8 * x - 1.4, 1.55, 2.8 * z - 1.4};
+    light->transform.rotation = glm::angleAxis(0.5 * 3.14159265358979, glm::dvec3(1.0, 0.0, 0.0));  // faces down
+    light->transform.scale = glm::dvec3(0.2);
+    scene.lights[light->name] = light;
+  }
+  return scene;
+}
+
+TEST_F(GroupingEngineTest, Probe) {
+  for (const int n : {1, 2, 4, 8, 20, 50}) {
+    Scene scene = ceilingOf(n, 64);
+    const auto emitters = reference::emittersOf(scene).triangles;
+    std::vector<reference::Receiver> points;
+    for (const auto& r : reference::objectReceivers(scene.grid, emitters, 600))
+      if (r.position.y < 1.0) points.push_back(r);
+    const auto truth = reference::irradiances(emitters, points);
+    const GroupedScene grouped(scene);
+    for (int s = 0; s < 5; ++s) printf(" %.4f", groupingError(grouped.lights, scene.grid, {std::vector<int>(std::size_t(n), 0), Sectors(s)}));
+    TickRequest request = test::requestOf(scene);
+    request.transported = true;
+    const auto t0 = std::chrono::steady_clock::now();
+    const TickResult result = run(std::move(request));
+    const double dt = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
+    std::vector<glm::dvec3> seen;
+    for (const auto& r : points)
+      seen.push_back(irradianceAt(*result.transported, Lookup::kCap, r.position, r.normal).rgb);
+    const auto e = reference::errors(seen, truth);
+    printf("\n%d lights: %zu layers, sectors %d, expected %.4f, error %.4f worst %.4f, %.2f s\n", n, result.transported->layers.size(), int(grouped.sectors), grouped.error, e.raw, e.worst, dt);
+  }
 }
 
 }  // namespace
