@@ -47,7 +47,7 @@ class Workload {
   void countMesh(const Mesh& mesh);
 
   double gridFromWorld_ = 1.0;  ///< cells per metre
-  double face_ = 1.0;           ///< cells of the grid's longest edge, squared
+  double face_ = 1.0;  ///< cells of the grid's longest edge, squared
   std::vector<glm::dvec3> colours_;
   std::set<std::string> groups_;
   bool groupsItself_ = false;

@@ -33,8 +33,10 @@ const int kSums = kColours;
 #else
 const int kSums = 1;
 #endif
+const float kBeyondNode = 0.015625;  // cells that a VPL may lie outside its node: what snapping leaves
 Arriving sums[kSums];      // one number per cell of the column (kBlockZ is 4)
 vec4 closest = vec4(0.0);  // 1 / distance of the nearest VPL
+bool lit;                  // whether the sums hold anything; the same in all threads
 
 void add(inout Arriving to, Arriving from, vec4 factor) {
   to.fluence += factor * from.fluence;
@@ -64,13 +66,12 @@ void addVpl(int at, int sector, vec2 receiver, vec4 depth) {
 #endif
 }
 
-/// Whether light from the node may be in a sector for some receiver of the block.
-bool mayBeIn(int sector, vec4 node, vec3 lower, vec3 upper) {
+/// Whether light from within `reach` of a place along each axis may be in a sector for some receiver of the block.
+bool mayBeIn(int sector, vec3 place, float reach, vec3 lower, vec3 upper) {
 #if LPV_SECTORS == LPV_SECTORS_NONE
   return true;
 #else
-  const float reach = 0.5 * node.w + kBeyondNode;
-  return sectorReached(sector, node.xyz - upper - reach, node.xyz - lower + reach);
+  return sectorReached(sector, place - upper - reach, place - lower + reach);
 #endif
 }
 
@@ -81,7 +82,7 @@ int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) 
   for (int rounds = 0; at < end && rounds < kMaxRounds;) {
     const vec4 node = texelFetch(tree, at * kEntryTexels), next = texelFetch(tree, at * kEntryTexels + 1);
     const int vpls = int(next.x), after = int(next.y);
-    if (!mayBeIn(sector, node, lower, upper)) {
+    if (!mayBeIn(sector, node.xyz, 0.5 * node.w + kBeyondNode, lower, upper)) {
       at = after;
       ++rounds;
       continue;
@@ -90,7 +91,13 @@ int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) 
     const bool leaf = after == at + 1 + vpls;
     const bool whole = leaf || dot(gap, gap) > reach * node.w * node.w;
     const int last = whole ? at + vpls : at;
-    for (int i = at + 1; i <= last; ++i) addVpl(i * kEntryTexels, sector, receiver, depth);
+    for (int i = at + 1; i <= last; ++i) {
+#if LPV_SECTORS != LPV_SECTORS_NONE
+      if (!mayBeIn(sector, texelFetch(tree, i * kEntryTexels).xyz, 0.0, lower, upper)) continue;
+#endif
+      lit = true;
+      addVpl(i * kEntryTexels, sector, receiver, depth);
+    }
     rounds += 1 + last - at;
     at = whole ? after : at + 1 + vpls;
   }
@@ -128,8 +135,9 @@ void main() {
   int to = from;
   for (int sector = params.firstSector; sector < params.sectorsEnd; ++sector) {
     for (int k = 0; k < kSums; ++k) sums[k] = Arriving(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    lit = false;
     to = walk(from, sector, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
-    if (!inside) continue;
+    if (!inside || !lit) continue;
     for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) store(cell + ivec3(0, 0, z), z, sector);
   }
   // Not where the group's other threads may still be about to read.

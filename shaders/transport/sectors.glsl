@@ -14,7 +14,6 @@
 #endif
 
 const float kRootHalf = 0.70710678;
-const float kBeyondNode = 0.015625;  // cells that a VPL may lie outside its node: what snapping leaves
 
 bool isUpper(int sector, int side) { return (sector >> side & 1) != 0; }
 

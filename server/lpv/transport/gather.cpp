@@ -57,8 +57,8 @@ GpuTask Gatherer::clear(LightField& field) {
 }
 
 GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
-                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k,
-                      Sectors sectors, const ReceiverBlocks& blocks, Pacing pacing) {
+                      const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k, Sectors sectors,
+                      const ReceiverBlocks& blocks, Pacing pacing) {
   const bool byDirection = sectors != Sectors::kNone;
   const int allSectors = byDirection ? layout::kSectors : 1;
   const auto blockCount = std::uint32_t(blocks.size());
@@ -69,8 +69,10 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
     const LightVoxels& light = *voxels[i];
     if (light.tree->entryCount == 0) continue;
     layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
-    gpu::Program& program = programs_.get(
-        {.channels = field.channels, .textured = light.momentsPerCell > 1, .twoSided = lights[i].twoSided, .sectors = sectors});
+    gpu::Program& program = programs_.get({.channels = field.channels,
+                                           .textured = light.momentsPerCell > 1,
+                                           .twoSided = lights[i].twoSided,
+                                           .sectors = sectors});
     const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount)), byDirection}.units();
     const int step = sectorsPerDispatch(*light.tree, sectors);
     for (std::uint32_t first = 0; first < blockCount;) {

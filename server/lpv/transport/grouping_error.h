@@ -17,9 +17,10 @@ class GroupingError {
 
   std::size_t lights() const { return fields_.size(); }
 
-  /// Relative L2 over the receivers, group per light; points that are brighter than most count as most.
+  /// Of a group per light: the larger of relative L2 over the receivers, where points that are brighter than most count
+  /// as most do, and eight times the worst receiver's error as a share of the brightest's irradiance.
   double of(const std::vector<int>& groups, int count) const;
-  /// The same with layers by direction.
+  /// Of layers by direction: relative L2 alone.
   double of(Sectors sectors) const;
 
   /// Lights dealt into `count` groups: the brightest first, each into the group where it does the least harm.
@@ -27,16 +28,17 @@ class GroupingError {
 
  private:
   using Field = std::vector<sh::Coefficients>;  ///< per point
-  using Irradiances = std::vector<double>;      ///< per receiver
+  using Irradiances = std::vector<double>;  ///< per receiver
 
   Irradiances lookedUp(const Field& field) const;
-  double errorOf(const std::vector<Field>& layers) const;
+  Irradiances differences(const std::vector<Field>& layers) const;
+  double relative(const Irradiances& differences) const;
 
   std::vector<glm::dvec3> points_;
   std::vector<glm::dvec3> normals_;  ///< kNormals per point
-  std::vector<double> weights_;      ///< per point
+  std::vector<double> weights_;  ///< per point
   std::vector<glm::dvec3> centres_;  ///< per light
-  std::vector<Field> fields_;        ///< per light
+  std::vector<Field> fields_;  ///< per light
   Irradiances truth_;
 };
 

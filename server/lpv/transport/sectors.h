@@ -1,6 +1,7 @@
 #pragma once
 // Layers by the direction that light comes from, for scenes with more lights than groups: each layer holds what comes
-// to a cell from an eighth of all directions, whichever light sends it. The GLSL twin is shaders/transport/sectors.glsl.
+// to a cell from an eighth of all directions, whichever light sends it. The GLSL twin is
+// shaders/transport/sectors.glsl.
 
 #include <array>
 #include <glm/glm.hpp>

@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
 
 #include "gpu/engine/engine_rig.h"
 #include "reference/emitter.h"
@@ -16,8 +18,11 @@
 namespace lpv {
 namespace {
 
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::Le;
+
+constexpr double kPi = 3.14159265358979323846;
 
 /// Spheres of half a metre in a cube of 4 m about the origin.
 Scene sceneWith(const std::vector<glm::dvec3>& places, Quality quality = Quality::kAccurate) {
@@ -108,36 +113,7 @@ TEST(Grouping, StandsWhileItIsGoodEnough) {
   EXPECT_THAT(GroupedScene(sceneWith(kOpposite), {{0, 0}}).groups, ElementsAre(0, 1));
 }
 
-class GroupingEngineTest : public test::EngineTest {};
-
-// Random points between and around two lights, against the truth, for a session that turns accurate.
-TEST_F(GroupingEngineTest, AccurateSessionsAreRightBetweenTwoLights) {
-  Scene scene = sceneWith({{-0.8, 0.0, 0.0}, {0.8, 0.0, 0.0}}, Quality::kFast);
-  const auto emitters = reference::emittersOf(scene).triangles;
-  const auto points = reference::objectReceivers(scene.grid, emitters, 300);
-  const auto truth = reference::irradiances(emitters, points);
-  const auto errorOf = [&] {
-    TickRequest request = test::requestOf(scene);
-    request.transported = true;
-    const TickResult result = run(std::move(request));
-    std::vector<glm::dvec3> seen;
-    for (const auto& r : points)
-      seen.push_back(irradianceAt(*result.transported, Lookup::kCap, r.position, r.normal).rgb);
-    return std::pair(result.transported->layers.size(), reference::errors(seen, truth).raw);
-  };
-  const auto [one, fast] = errorOf();
-  EXPECT_EQ(one, 1U);
-  EXPECT_GT(fast, 0.04);
-  scene.options.quality = Quality::kAccurate;
-  ++scene.revision;
-  const auto [two, accurate] = errorOf();
-  EXPECT_EQ(two, 2U);
-  EXPECT_LT(accurate, 0.015);
-  ++scene.revision;
-  EXPECT_EQ(errorOf(), std::pair(two, accurate));
-}
-
-/// `n` panes of .2 m under the ceiling of a room of 4 m, in rows.
+/// `n` panes of .2 m under the ceiling of a room of 4 m, in rows; they face down.
 Scene ceilingOf(int n, int cells) {
   Scene scene;
   scene.revision = 1;
@@ -145,37 +121,175 @@ Scene ceilingOf(int n, int cells) {
   const int across = int(std::ceil(std::sqrt(double(n)))), along = (n + across - 1) / across;
   for (int i = 0; i < n; ++i) {
     auto light = std::make_shared<Light>();
-    light->name = "light " + std::to_string(100 + i);
+    light->name = "light " + std::to_string(1000 + i);
     light->mesh = reference::quad();
-    const double x = (i % across + 0.5) / across, z = (i / across + 0.5) / along;
+    const double x = (i % across + 0.5) / across, z = (double(i / across) + 0.5) / along;
     light->transform.translation = {2.8 * x - 1.4, 1.55, 2.8 * z - 1.4};
-    light->transform.rotation = glm::angleAxis(0.5 * 3.14159265358979, glm::dvec3(1.0, 0.0, 0.0));  // faces down
+    light->transform.rotation = glm::angleAxis(0.5 * kPi, glm::dvec3(1.0, 0.0, 0.0));
     light->transform.scale = glm::dvec3(0.2);
     scene.lights[light->name] = light;
   }
   return scene;
 }
 
-TEST_F(GroupingEngineTest, Probe) {
-  for (const int n : {1, 2, 4, 8, 20, 50}) {
-    Scene scene = ceilingOf(n, 64);
-    const auto emitters = reference::emittersOf(scene).triangles;
-    std::vector<reference::Receiver> points;
-    for (const auto& r : reference::objectReceivers(scene.grid, emitters, 600))
-      if (r.position.y < 1.0) points.push_back(r);
-    const auto truth = reference::irradiances(emitters, points);
-    const GroupedScene grouped(scene);
-    for (int s = 0; s < 5; ++s) printf(" %.4f", groupingError(grouped.lights, scene.grid, {std::vector<int>(std::size_t(n), 0), Sectors(s)}));
-    TickRequest request = test::requestOf(scene);
+// Broken by: layers by direction for few lights; groups for 1,024 lights.
+TEST(Grouping, ManyLightsAreInLayersByDirection) {
+  EXPECT_EQ(GroupedScene(ceilingOf(8, 64)).sectors, Sectors::kNone);
+  for (const int lights : {20, 1024}) {
+    const GroupedScene grouped(ceilingOf(lights, 64));
+    EXPECT_EQ(grouped.sectors, Sectors::kAroundY) << "all lights are above";
+    EXPECT_EQ(grouped.names.size(), 8U);
+    EXPECT_EQ(grouped.names.front(), "direction 1");
+    EXPECT_THAT(grouped.groups, Each(0));
+    EXPECT_LE(grouped.error, 0.02);
+  }
+}
+
+// Broken by: the best way each time; lights of another number as if nothing were known.
+TEST(Grouping, DirectionsStandWhileTheyAreNearlyAsGood) {
+  const Scene scene = ceilingOf(20, 64);
+  const GroupedScene octants(scene, {std::vector<int>(20, 0), Sectors::kOctants});
+  EXPECT_EQ(octants.sectors, Sectors::kOctants) << octants.error;
+  EXPECT_EQ(GroupedScene(ceilingOf(21, 64), {std::vector<int>(20, 0), Sectors::kOctants}).sectors, Sectors::kOctants);
+  EXPECT_EQ(GroupedScene(scene, {std::vector<int>(20, 0), Sectors::kAroundX}).sectors, Sectors::kAroundY);
+  EXPECT_EQ(GroupedScene(ceilingOf(3, 64), {std::vector<int>(3, 0), Sectors::kAroundY}).names.size(), 3U);
+}
+
+std::vector<glm::dvec3> lookedUp(const Volume& volume, const std::vector<reference::Receiver>& points) {
+  std::vector<glm::dvec3> seen;
+  for (const auto& r : points) seen.push_back(irradianceAt(volume, Lookup::kCap, r.position, r.normal).rgb);
+  return seen;
+}
+
+class GroupingEngineTest : public test::EngineTest {
+ protected:
+  VolumePtr volumeOf(const Scene& scene, SessionKey session = 1) {
+    TickRequest request = test::requestOf(scene, session);
     request.transported = true;
-    const auto t0 = std::chrono::steady_clock::now();
-    const TickResult result = run(std::move(request));
-    const double dt = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
-    std::vector<glm::dvec3> seen;
-    for (const auto& r : points)
-      seen.push_back(irradianceAt(*result.transported, Lookup::kCap, r.position, r.normal).rgb);
-    const auto e = reference::errors(seen, truth);
-    printf("\n%d lights: %zu layers, sectors %d, expected %.4f, error %.4f worst %.4f, %.2f s\n", n, result.transported->layers.size(), int(grouped.sectors), grouped.error, e.raw, e.worst, dt);
+    return run(std::move(request)).transported;
+  }
+};
+
+// Random points between and around two lights, against the truth; what one group gives is ten times as wrong.
+TEST_F(GroupingEngineTest, SessionsAreRightBetweenTwoLights) {
+  Scene scene = sceneWith({{-0.8, 0.0, 0.0}, {0.8, 0.0, 0.0}}, Quality::kFast);
+  const auto emitters = reference::emittersOf(scene).triangles;
+  const auto points = reference::objectReceivers(scene.grid, emitters, 300);
+  const auto truth = reference::irradiances(emitters, points);
+  for (const Quality quality : {Quality::kFast, Quality::kAccurate}) {
+    scene.options.quality = quality;
+    ++scene.revision;
+    const VolumePtr volume = volumeOf(scene);
+    EXPECT_EQ(volume->layers.size(), 2U);
+    EXPECT_LT(reference::errors(lookedUp(*volume, points), truth).raw, 0.015);
+  }
+  for (auto& [name, light] : scene.lights) {
+    auto named = std::make_shared<Light>(*light);
+    named->group = "all";
+    light = named;
+  }
+  ++scene.revision;
+  const VolumePtr shared = volumeOf(scene);
+  EXPECT_EQ(shared->layers.size(), 1U);
+  EXPECT_GT(reference::errors(lookedUp(*shared, points), truth).raw, 0.04);
+}
+
+// Object points with spread normals under panes, full gather and lookup against the closed form. Seen: .10, .25, .11,
+// .09 % with a layer for each light, 1.2 and .9 % for 20 and 50 in layers by direction (one layer: 8 and 7 %). Broken
+// by: 20 lights in eight groups; octants instead of what all lights above want.
+TEST_F(GroupingEngineTest, ObjectsUnderManyLightsAreNearTheTruth) {
+  for (const auto& [lights, layers, bound] :
+       {std::tuple(1, 1U, 0.005), {2, 2U, 0.005}, {4, 4U, 0.005}, {8, 8U, 0.005}, {20, 8U, 0.02}, {50, 8U, 0.02}}) {
+    const Scene scene = ceilingOf(lights, 64);
+    const auto emitters = reference::emittersOf(scene).triangles;
+    auto points = reference::objectReceivers(scene.grid, emitters, 600);
+    std::erase_if(points, [](const reference::Receiver& r) { return r.position.y > 1.0; });  // what stands in the room
+    const VolumePtr volume = volumeOf(scene, SessionKey(lights));
+    EXPECT_EQ(volume->layers.size(), layers) << lights;
+    EXPECT_LE(reference::errors(lookedUp(*volume, points), reference::irradiances(emitters, points)).raw, bound)
+        << lights;
+  }
+}
+
+// A light slides over two cells and so over borders of sectors of all receivers: beside what changes in truth, no
+// receiver changes from step to step by more than .5 % of the largest. Seen: .1 %. Broken by: borders without a width.
+TEST_F(GroupingEngineTest, ALightThatCrossesBordersDoesNotJump) {
+  constexpr int kSteps = 16;
+  Scene scene = ceilingOf(20, 32);
+  const auto move = [&scene](double cells) {
+    LightPtr& moving = std::next(scene.lights.begin(), 7)->second;
+    auto moved = std::make_shared<Light>(*moving);
+    moved->transform.translation += glm::dvec3(1.0, 0.0, 0.7) * cells * scene.grid.cell;
+    moving = moved;
+    ++scene.revision;
+  };
+  auto everywhere = reference::emittersOf(scene).triangles;
+  move(2.0);
+  for (const auto& e : reference::emittersOf(scene).triangles) everywhere.push_back(e);
+  const auto points = reference::objectReceivers(scene.grid, everywhere, 600);
+  std::vector<glm::dvec3> errors;
+  for (int step = 0; step <= kSteps; ++step, move(-2.0 / kSteps)) {
+    const auto truth = reference::irradiances(reference::emittersOf(scene).triangles, points);
+    const VolumePtr volume = volumeOf(scene);
+    ASSERT_EQ(volume->layers.front().group, "direction 1");
+    const auto seen = lookedUp(*volume, points);
+    double largest = 0.0, jump = 0.0;
+    std::vector<glm::dvec3> now;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      now.push_back(seen[i] - truth[i]);
+      largest = std::max(largest, truth[i].x);
+      if (step > 0) jump = std::max(jump, std::abs(now[i].x - errors[i].x));
+    }
+    EXPECT_LE(jump, 0.005 * largest) << step;
+    errors = now;
+  }
+}
+
+// Two lights part until one group does not do for them. What the groups of before and after give differs by 3.2, 1.5
+// and .8 % of the largest at the worst of 1,000 points for three pairs: the goal of 1 % allows that. Broken by: points
+// of the grid alone, where .1 .. .2 of the largest are not seen.
+TEST_F(GroupingEngineTest, ARegroupingChangesLittle) {
+  for (const glm::dvec3& place : {glm::dvec3(-1.2, 1.2, 0.0), glm::dvec3(0.0, 1.5, 0.0)}) {
+    Grouping previous;
+    for (double by = 0.0; previous.groups.empty() || previous.groups.back() == 0; by += 0.01) {
+      ASSERT_LT(by, 1.0);
+      Scene scene = sceneWith({place + glm::dvec3(0.0, 0.0, by), place - glm::dvec3(0.0, 0.0, by)});
+      scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
+      for (auto& [name, light] : scene.lights) {
+        auto smaller = std::make_shared<Light>(*light);
+        smaller->transform.scale = glm::dvec3(0.2);
+        light = smaller;
+      }
+      const Grouping before = previous;
+      const GroupedScene now(scene, before);
+      previous = {now.groups, now.sectors};
+      if (before.groups.empty() || previous == before) continue;
+      const auto points = reference::objectReceivers(scene.grid, reference::emittersOf(scene).triangles, 1000);
+      std::vector<std::vector<glm::dvec3>> seen;
+      for (const std::vector<int>& groups : {before.groups, now.groups}) {
+        std::size_t i = 0;
+        for (auto& [name, light] : scene.lights) {
+          auto named = std::make_shared<Light>(*light);
+          named->group = "group " + std::to_string(groups[i++]);
+          light = named;
+        }
+        ++scene.revision;
+        seen.push_back(lookedUp(*volumeOf(scene), points));
+      }
+      const double worst = reference::errors(seen[0], seen[1]).worst;
+      RecordProperty(place.x < 0.0 ? "corner" : "middle", std::to_string(worst));
+      EXPECT_LE(worst, 0.04);
+    }
+  }
+}
+
+// Broken by: an order that depends on addresses.
+TEST_F(GroupingEngineTest, TheSameLightsGiveTheSameBytes) {
+  const VolumePtr one = volumeOf(ceilingOf(20, 32), 1), other = volumeOf(ceilingOf(20, 32), 2);
+  ASSERT_EQ(one->layers.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_EQ(one->layers[i].group, other->layers[i].group);
+    EXPECT_EQ(one->layers[i].coefficients, other->layers[i].coefficients);
   }
 }
 
