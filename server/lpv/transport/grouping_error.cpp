@@ -17,7 +17,7 @@ constexpr std::size_t kDealingPoints = 64;  ///< a choice by all points would ma
 constexpr std::size_t kEvaluations = 8192, kTriangles = 16384;
 constexpr std::size_t kLeastTriangles = 16;
 constexpr double kNear = 2.0;   ///< cells from a light: nearer ones are the near field
-constexpr double kWorst = 8.0;  ///< a receiver may change by an eighth of what the mean may
+constexpr double kWorst = 4.0;  ///< a receiver may change by a quarter of what the mean may
 
 /// Points spread evenly over the grid: the additive recurrence of the plastic number's sibling (Roberts 2018).
 glm::dvec3 pointOf(std::size_t i, const Grid& grid) {

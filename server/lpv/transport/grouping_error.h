@@ -18,7 +18,7 @@ class GroupingError {
   std::size_t lights() const { return fields_.size(); }
 
   /// Of a group per light: the larger of relative L2 over the receivers, where points that are brighter than most count
-  /// as most do, and eight times the worst receiver's error as a share of the brightest's irradiance.
+  /// as most do, and four times the worst receiver's error as a share of the brightest's irradiance.
   double of(const std::vector<int>& groups, int count) const;
   /// Of layers by direction: relative L2 alone.
   double of(Sectors sectors) const;
