@@ -34,7 +34,7 @@ struct Grouped {
 Grouped groupLights(const Scene& scene, std::vector<EmittingLight>& lights, const Grouping& previous);
 
 /// By so many lights the time is bounded.
-inline constexpr std::size_t kMostDealt = 32;
+inline constexpr std::size_t kMostDealt = 24;
 
 /// The error of a grouping by that measure: lights stand in as spheres of their size that emit as their area and
 /// normals say.
