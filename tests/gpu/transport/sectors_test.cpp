@@ -124,6 +124,27 @@ TEST_F(SectorsTest, SumToTheWhole) {
   }
 }
 
+// A tree of more entries than one dispatch walks through for one sector, let alone for all. Broken by: all sectors in
+// one dispatch; turns that begin where another sector's walk stopped.
+TEST_F(SectorsTest, OfLargeTreesAreWalkedOneByOne) {
+  const Grid grid = test::unitGrid({72, 72, 72});
+  const EmittingLight light =
+      test::placed(reference::bumpySphere(8000), test::poseOf(glm::dvec3(36.1), glm::dvec3(66.0)), glm::dvec3(1.0));
+  const ReceiverBlocks blocks = {0, 3U | 7U << 8 | 8U << 16, 8U | 17U << 8 | 17U << 16};
+  test::GatherRig& whole = planted(grid, {light});
+  ASSERT_GT(whole.voxels[0]->tree->entryCount, 2U * layout::kMaxRounds);
+  whole.gatherBlocks(test::kNoMerging, blocks);
+  const reference::Field want = whole.incident();
+  rig().sectors = Sectors::kAroundY;
+  test::GatherRig& r = planted(grid, {light});
+  r.gatherBlocks(test::kNoMerging, blocks);
+  for (const glm::ivec3 cell : {glm::ivec3(0), glm::ivec3(7, 3, 3), glm::ivec3(29, 30, 33), glm::ivec3(71)}) {
+    double fluence = 0.0;
+    for (int sector = 0; sector < kSectors; ++sector) fluence += r.incident(sector).at(cell)[0].x;
+    EXPECT_NEAR(fluence, want.at(cell)[0].x, 1e-4 * want.at(cell)[0].x) << cell.x;
+  }
+}
+
 // Broken by: the third side of a turned one taken for that of octants; shares cut where they are small.
 TEST(SectorShares, AreTheDefinition) {
   for (const Sectors how : kAllSectors) {
