@@ -141,6 +141,7 @@ LPV_CONST int kTexturedVplWords = kVplWeight + kWideWords;
 LPV_CONST int kCoefficients = 4;  // 2-band SH
 LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][coefficient]
 LPV_CONST int kSectors = 8;  // layers where light is in layers by the direction that it comes from
+LPV_CONST int kSectorRounds = 4;  // of loops per entry of a tree, at most, where what is in no sector is passed over
 LPV_CONST float kSectorBorder = 0.1f;  // sine of the angle up to which two of them share the light beside a border
 
 // --- values of defines that choose a mode

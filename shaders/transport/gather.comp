@@ -33,6 +33,11 @@ const int kSums = kColours;
 #else
 const int kSums = 1;
 #endif
+#if LPV_SECTORS == LPV_SECTORS_NONE
+const int kRoundsPerEntry = 1;
+#else
+const int kRoundsPerEntry = kSectorRounds;
+#endif
 const float kBeyondNode = 0.015625;  // cells that a VPL may lie outside its node: what snapping leaves
 Arriving sums[kSums];      // one number per cell of the column (kBlockZ is 4)
 vec4 closest = vec4(0.0);  // 1 / distance of the nearest VPL
@@ -75,6 +80,15 @@ bool mayBeIn(int sector, vec3 place, float reach, vec3 lower, vec3 upper) {
 #endif
 }
 
+/// The first of a node's VPLs from `i` on that may be in the sector; beyond `last`: none. A loop of its own: llvmpipe
+/// goes through what a branch leaves out, so a VPL passed over there takes as long as one that is summed.
+int nextIn(int sector, int i, int last, vec3 lower, vec3 upper) {
+#if LPV_SECTORS != LPV_SECTORS_NONE
+  while (i <= last && !mayBeIn(sector, texelFetch(tree, i * kEntryTexels).xyz, 0.0, lower, upper)) ++i;
+#endif
+  return i;
+}
+
 /// From entry `at` on; returns where the walk stands when it has done its share.
 int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
   const int end = params.entryCount;
@@ -82,23 +96,17 @@ int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) 
   for (int rounds = 0; at < end && rounds < kMaxRounds;) {
     const vec4 node = texelFetch(tree, at * kEntryTexels), next = texelFetch(tree, at * kEntryTexels + 1);
     const int vpls = int(next.x), after = int(next.y);
-    if (!mayBeIn(sector, node.xyz, 0.5 * node.w + kBeyondNode, lower, upper)) {
-      at = after;
-      ++rounds;
-      continue;
-    }
     const vec3 gap = max(max(lower - node.xyz, node.xyz - upper), 0.0);
     const bool leaf = after == at + 1 + vpls;
-    const bool whole = leaf || dot(gap, gap) > reach * node.w * node.w;
-    const int last = whole ? at + vpls : at;
-    for (int i = at + 1; i <= last; ++i) {
-#if LPV_SECTORS != LPV_SECTORS_NONE
-      if (!mayBeIn(sector, texelFetch(tree, i * kEntryTexels).xyz, 0.0, lower, upper)) continue;
-#endif
+    const bool outside = !mayBeIn(sector, node.xyz, 0.5 * node.w + kBeyondNode, lower, upper);
+    const bool whole = leaf || outside || dot(gap, gap) > reach * node.w * node.w;
+    const int last = whole && !outside ? at + vpls : at;
+    for (int i = nextIn(sector, at + 1, last, lower, upper); i <= last;
+         i = nextIn(sector, i + 1, last, lower, upper)) {
       lit = true;
       addVpl(i * kEntryTexels, sector, receiver, depth);
     }
-    rounds += 1 + last - at;
+    rounds += kRoundsPerEntry * (1 + last - at);
     at = whole ? after : at + 1 + vpls;
   }
   return at;
@@ -141,7 +149,7 @@ void main() {
     for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) store(cell + ivec3(0, 0, z), z, sector);
   }
   // Not where the group's other threads may still be about to read.
-  if (params.entryCount > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
+  if (params.entryCount > kMaxRounds / kRoundsPerEntry && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
   if (!inside) return;
   for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
     const int i = cellIndex(cell + ivec3(0, 0, z), params.dims);

@@ -24,14 +24,18 @@ layout::GatherParams paramsOf(const LightField& field, const EmittingLight& ligh
   return params;
 }
 
+int roundsFor(const VplTree& tree, Sectors sectors) {
+  return int(tree.entryCount) * (sectors == Sectors::kNone ? 1 : layout::kSectorRounds);
+}
+
 /// Sectors that one dispatch may walk for: all, unless their loops would take too many rounds.
 int sectorsPerDispatch(const VplTree& tree, Sectors sectors) {
   if (sectors == Sectors::kNone) return 1;
-  return int(tree.entryCount) * layout::kSectors <= layout::kMaxRounds ? layout::kSectors : 1;
+  return roundsFor(tree, sectors) * kSectors <= layout::kMaxRounds ? kSectors : 1;
 }
 
 /// Walks that one dispatch may have to leave unfinished.
-int dispatchesFor(const VplTree& tree) { return int(tree.entryCount) / layout::kMaxRounds + 1; }
+int dispatchesFor(const VplTree& tree, Sectors sectors) { return roundsFor(tree, sectors) / layout::kMaxRounds + 1; }
 
 }  // namespace
 
@@ -74,15 +78,15 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
                                            .twoSided = lights[i].twoSided,
                                            .sectors = sectors});
     const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount)), byDirection}.units();
-    const int step = sectorsPerDispatch(*light.tree, sectors);
+    const int step = sectorsPerDispatch(*light.tree, sectors), turns = dispatchesFor(*light.tree, sectors);
     for (std::uint32_t first = 0; first < blockCount;) {
       const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
       const std::uint32_t count =
           std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
       params.firstBlock = first;
-      for (int dispatch = 0; dispatch < allSectors / step * dispatchesFor(*light.tree); ++dispatch) {
-        params.turn = dispatch % dispatchesFor(*light.tree);
-        params.firstSector = dispatch / dispatchesFor(*light.tree) * step;
+      for (int dispatch = 0; dispatch < allSectors / step * turns; ++dispatch) {
+        params.turn = dispatch % turns;
+        params.firstSector = dispatch / turns * step;
         params.sectorsEnd = params.firstSector + step;
         params_.update(0, gpu::bytesOfValue(params));
         bind(field, light);

@@ -75,6 +75,15 @@ TEST(Grouping, LightsOnTwoSidesGetAGroupEach) {
   EXPECT_GE(groupingError(grouped.lights, sceneWith(kOpposite).grid, {{0, 0}}), 0.05);
 }
 
+// Broken by: a group more than reaches the goal; the largest number of groups that is tried.
+TEST(Grouping, HasNoMoreGroupsThanTheGoalWants) {
+  const Scene scene = sceneWith({kBeside[0], {1.4, 1.4, 1.4}, kBeside[1]});
+  const GroupedScene grouped(scene);
+  EXPECT_THAT(grouped.groups, ElementsAre(0, 1, 0));
+  EXPECT_LE(grouped.error, kGroupingError);
+  EXPECT_GT(groupingError(grouped.lights, scene.grid, {{0, 0, 0}}), kGroupingError);
+}
+
 TEST(Grouping, LightsOnOneSideShareOne) { EXPECT_THAT(GroupedScene(sceneWith(kBeside)).names, ElementsAre("")); }
 
 // Broken by: groups for quality ACCURATE alone; groups for every lookup.
@@ -213,9 +222,9 @@ TEST_F(GroupingEngineTest, ObjectsUnderManyLightsAreNearTheTruth) {
 }
 
 // A light slides over two cells and so over borders of sectors of all receivers: beside what changes in truth, no
-// receiver changes from step to step by more than .5 % of the largest. Seen: .1 %. Broken by: borders without a width.
+// receiver changes from step to step by more than .5 % of the largest. Seen: .3 %. Broken by: borders without a width.
 TEST_F(GroupingEngineTest, ALightThatCrossesBordersDoesNotJump) {
-  constexpr int kSteps = 16;
+  constexpr int kSteps = 24;
   Scene scene = ceilingOf(20, 32);
   const auto move = [&scene](double cells) {
     LightPtr& moving = std::next(scene.lights.begin(), 7)->second;
