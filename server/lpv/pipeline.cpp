@@ -250,8 +250,7 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
   if (missing.empty()) co_return;
   std::set_union(had.begin(), had.end(), missing.begin(), missing.end(), std::back_inserter(all));
   made.gathered.forget();  // while light is added to some blocks
-  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, missing,
-                        pacing(s));
+  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, missing, pacing(s));
   made.gathered.set(inputs, std::move(all));
 }
 

@@ -204,8 +204,7 @@ TEST_F(GroupingEngineTest, SessionsAreRightBetweenTwoLights) {
 }
 
 // Object points with spread normals under panes, full gather and lookup against the closed form. Seen: .10, .25, .11,
-// .09 % with a layer for each light, 1.2 and .9 % for 20 and 50 in layers by direction (one layer: 8 and 7 %). Broken
-// by: 20 lights in eight groups; octants instead of what all lights above want.
+// .09 % with a layer for each light, 1.2 and .9 % for 20 and 50 in layers by direction. Broken by: one layer for all.
 TEST_F(GroupingEngineTest, ObjectsUnderManyLightsAreNearTheTruth) {
   for (const auto& [lights, layers, bound] :
        {std::tuple(1, 1U, 0.005), {2, 2U, 0.005}, {4, 4U, 0.005}, {8, 8U, 0.005}, {20, 8U, 0.02}, {50, 8U, 0.02}}) {
