@@ -146,12 +146,21 @@ LPV_CONST int kSquareWords = 6 * kWideWords;  // at the end, with LPV_SQUARES: w
 // --- the volume
 LPV_CONST int kCoefficients = 4;  // 2-band SH
 LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][coefficient]
+LPV_CONST int kSectors = 8;  // layers where light is in layers by the direction that it comes from
+LPV_CONST int kSectorRounds = 4;  // of loops per entry of a tree, at most, where what is in no sector is passed over
+LPV_CONST float kSectorBorder = 0.1f;  // sine of the angle up to which two of them share the light beside a border
 
 // --- values of defines that choose a mode
 // LPV_LOOKUP: lpv::Lookup
 #define LPV_LOOKUP_SH2 0  // trilinear, SH2
 #define LPV_LOOKUP_CAP 1  // trilinear, CAP
 #define LPV_LOOKUP_NEAREST 2  // nearest cell, SH2
+// LPV_SECTORS: lpv::Sectors, how directions are told apart
+#define LPV_SECTORS_NONE 0  // a light is in the layer of its group
+#define LPV_SECTORS_OCTANTS 1
+#define LPV_SECTORS_AROUND_X 2  // 45 degrees each about the x axis
+#define LPV_SECTORS_AROUND_Y 3
+#define LPV_SECTORS_AROUND_Z 4
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves
 #define LPV_NEAR_FIELD_NOWHERE 0
 #define LPV_NEAR_FIELD_OUTSIDE 1  // outside the grid
@@ -242,6 +251,8 @@ struct GatherParams {
   int entryCount;  // of the light's tree
   int firstChannel;  // of the light's group
   int turn;  // of a walk through a large tree: dispatches of this piece before this one
+  int firstSector;  // LPV_SECTORS: of this dispatch
+  int sectorsEnd;  // one past its last
 };
 
 struct InjectParams {
@@ -321,7 +332,7 @@ static_assert(offsetof(TreeParams, nodesBefore) == 32 && offsetof(TreeParams, sh
 static_assert(offsetof(TreeParams, firstThread) == 92 && offsetof(TreeParams, cell) == 108);
 static_assert(sizeof(TreeParams) == 112);
 static_assert(offsetof(GatherParams, firstBlock) == 12 && offsetof(GatherParams, openingRatio) == 28);
-static_assert(offsetof(GatherParams, turn) == 40 && sizeof(GatherParams) == 48);
+static_assert(offsetof(GatherParams, sectorsEnd) == 48 && sizeof(GatherParams) == 64);
 static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4
 static_assert(offsetof(InjectParams, group) == 12 && offsetof(InjectParams, sides) == 28);
 static_assert(offsetof(InjectParams, band1Factor) == 32 && offsetof(InjectParams, boxLower) == 48);

@@ -125,7 +125,7 @@ std::array<double, kStages> unitsOf(const Workload& w) {
     of(Stage::kInject) = InjectWork{w.lights, w.litCells}.units();
     of(Stage::kPropagate) = PropagateWork{w.iterations * w.cells, channels}.units();
   } else {
-    of(Stage::kGather) = GatherWork{blocks, w.lights, w.rootsOfEntries}.units();
+    of(Stage::kGather) = GatherWork{blocks, w.lights, w.rootsOfEntries, w.byDirection()}.units();
   }
   of(Stage::kVolume) = VolumeWork{w.cells, double(w.groups())}.units();
   return units;
@@ -249,7 +249,7 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
   if (missing.empty()) co_return;
   std::set_union(had.begin(), had.end(), missing.begin(), missing.end(), std::back_inserter(all));
   made.gathered.forget();  // while light is added to some blocks
-  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, missing, pacing(s));
+  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, missing, pacing(s));
   made.gathered.set(inputs, std::move(all));
 }
 

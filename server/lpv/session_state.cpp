@@ -19,7 +19,7 @@ LightsInputs inputsOf(const Scene& scene, const Grid& grid, const std::vector<Em
   inputs.transport = options.transport;
   inputs.method = {options.injection, options.method, options.denseSamples, options.transport != Transport::kPropagate};
   const glm::ivec3& dims = scene.grid.dims;
-  if (groupsItself(options)) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
+  if (options.groupsItself()) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
   return inputs;
 }
 
@@ -54,7 +54,9 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   } else {
     keepVoxels(inputs);
     LightArrangement made{choosePalette(lights), cellsAround(lights, grid.cells.dims), {}};
-    made.groups = groupLights(scene, lights, groupsOf(lights, before));
+    Grouped grouped = groupLights(scene, grid.inner(), lights, {groupsOf(lights, before), sectors});
+    made.groups = std::move(grouped.names);
+    sectors = grouped.sectors;
     arranged.set(std::move(inputs), std::move(made));
   }
   const Transport transport = scene.options.transport;

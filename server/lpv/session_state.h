@@ -17,6 +17,7 @@
 #include "lpv/resources/lights.h"
 #include "lpv/resources/palette.h"
 #include "lpv/resources/scene_cache.h"
+#include "lpv/transport/sectors.h"
 
 namespace lpv {
 
@@ -42,7 +43,7 @@ struct LightsInputs {
 struct LightArrangement {
   Palette palette;
   CellBox box;                      ///< holds every cell that emits
-  std::vector<std::string> groups;  ///< of lights, by name, in the order of the field's
+  std::vector<std::string> groups;  ///< of lights, or of directions, by name, in the order of the field's
 };
 
 /// What each stage has made (pipeline.cpp).
@@ -51,7 +52,8 @@ struct StageProducts;
 struct SessionState {
   std::shared_ptr<StageClock> clock = std::make_shared<StageClock>();
   SceneResources resources;
-  std::vector<EmittingLight> lights;   ///< their groups stand while they are good enough
+  std::vector<EmittingLight> lights;   ///< their groups, and the sectors, stand while they are good enough
+  Sectors sectors = Sectors::kNone;    ///< of layers by direction
   std::vector<LightVoxelsPtr> voxels;  ///< per light
   bool guarded = false;                ///< guard cells were asked for
   bool looksAtLights = false;          ///< frames look at the lights everywhere and read no volume

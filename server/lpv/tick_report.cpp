@@ -48,7 +48,11 @@ std::vector<std::string> featuresOf(const SessionState& session, const LightingS
                                        methodName(options.method), transportName(options.transport),
                                        session.palette().channels == 1 ? "monochrome" : "colour"};
   const std::size_t groups = session.arranged.product().groups.size();
-  if (groups > 1) features.push_back(std::to_string(groups) + " groups");
+  if (session.sectors != Sectors::kNone) {
+    features.emplace_back("layers by direction");
+  } else if (groups > 1) {
+    features.push_back(std::to_string(groups) + " groups");
+  }
   if (options.clampFaces) features.emplace_back("clamp-faces");
   for (const std::string& feature : lightFeatures(session)) features.push_back(feature);
   return features;

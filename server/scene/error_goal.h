@@ -30,7 +30,7 @@ Status checkErrorGoal(const LightingSettings& options);
 /// leaves.
 double groupingGoal(const LightingSettings& options, int longestCells);
 
-/// Relative L2 of irradiance over points of the grid and the six axis normals.
+/// Error by the measure of MATHS.md 4.4.
 inline constexpr double kGroupingError = 0.01;
 
 }  // namespace lpv

@@ -46,6 +46,8 @@ struct LightingSettings {
   void followTransport();
 
   int iterationsFor(const Grid& g) const;
+  /// Whether the server groups lights where the scene names no groups: GATHER with CAP.
+  bool groupsItself() const { return transport == Transport::kGather && lookup == Lookup::kCap; }
   /// The opening ratio of resolved settings.
   double openingRatio() const;
 };

@@ -26,7 +26,16 @@ Workload::Workload(const LightingSettings& options, const Grid& grid)
       iterations(options.iterationsFor(grid)),
       cells(double(grid.cells())),
       gridFromWorld_(1.0 / grid.cell),
-      face_(double(glm::compMax(grid.dims)) * glm::compMax(grid.dims)) {}
+      face_(double(glm::compMax(grid.dims)) * glm::compMax(grid.dims)),
+      groupsItself_(options.groupsItself()) {}
+
+bool Workload::automatic() const {
+  return groupsItself_ && groups_.size() < 2 && (groups_.empty() || groups_.begin()->empty());
+}
+
+int Workload::groups() const {
+  return automatic() ? std::clamp(int(lights), 1, kMaxGroups) : std::max(1, int(groups_.size()));
+}
 
 void Workload::countMesh(const Mesh& mesh) { bytes += double(mesh.bytes()); }
 

@@ -35,16 +35,22 @@ class Workload {
 
   /// Channels of the field, 1..3.
   int channels() const { return std::max(1, int(colours_.size())); }
-  int groups() const { return std::max(1, int(groups_.size())); }
+  /// Layers of the field: the scene's groups; where it names none and the server groups, one per light while they are
+  /// few, which may be more than are needed, else the sectors' of directions.
+  int groups() const;
+  /// Whether layers are by the direction that light comes from.
+  bool byDirection() const { return automatic() && lights > kMaxGroups; }
 
  private:
+  bool automatic() const;
   void countColour(const glm::dvec3& radiance);
   void countMesh(const Mesh& mesh);
 
   double gridFromWorld_ = 1.0;  ///< cells per metre
-  double face_ = 1.0;           ///< cells of the grid's longest edge, squared
+  double face_ = 1.0;  ///< cells of the grid's longest edge, squared
   std::vector<glm::dvec3> colours_;
   std::set<std::string> groups_;
+  bool groupsItself_ = false;
 };
 
 }  // namespace lpv

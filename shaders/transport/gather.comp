@@ -1,7 +1,8 @@
 // GATHER (MATHS.md 3b.3-4): what one light sends to a block of cells. The work-group walks the light's tree depth first;
 // a node that is far enough for its size is taken whole, else its children are. Each thread sums for a column of cells.
 //
-// LPV_TWO_SIDED: the light emits from both sides. LPV_TEXTURED: each VPL has a colour.
+// LPV_TWO_SIDED: the light emits from both sides. LPV_TEXTURED: each VPL has a colour. LPV_SECTORS: where light is in
+// layers by direction, the walk is repeated for each, and leaves out what cannot be in it.
 #include "layout.h"
 #include "common/field.glsl"
 #include "common/sh.glsl"
@@ -9,6 +10,11 @@
 #define LPV_RECEIVERS 4
 #include "transport/vpl_kernel.glsl"
 
+#ifndef LPV_SECTORS
+#error "LPV_SECTORS: LPV_SECTORS_.. (shaders/layout.h)"
+#elif LPV_SECTORS != LPV_SECTORS_NONE
+#include "transport/sectors.glsl"
+#endif
 #ifndef LPV_TWO_SIDED
 #error "LPV_TWO_SIDED: 0 or 1"
 #endif
@@ -27,32 +33,64 @@ const int kSums = kColours;
 #else
 const int kSums = 1;
 #endif
+#if LPV_SECTORS == LPV_SECTORS_NONE
+const int kRoundsPerEntry = 1;
+#else
+const int kRoundsPerEntry = kSectorRounds;
+#endif
+const float kBeyondNode = 0.015625;  // cells that a VPL may lie outside its node: what snapping leaves
 Arriving sums[kSums];      // one number per cell of the column (kBlockZ is 4)
 vec4 closest = vec4(0.0);  // 1 / distance of the nearest VPL
+bool lit;                  // whether the sums hold anything; the same in all threads
 
-void add(inout Arriving to, Arriving from, float factor) {
+void add(inout Arriving to, Arriving from, vec4 factor) {
   to.fluence += factor * from.fluence;
   to.x += factor * from.x;
   to.y += factor * from.y;
   to.z += factor * from.z;
 }
 
-void addVpl(int at, vec2 receiver, vec4 depth) {
+void addVpl(int at, int sector, vec2 receiver, vec4 depth) {
   const VplEntry v =
       vplEntry(texelFetch(tree, at), texelFetch(tree, at + 1), texelFetch(tree, at + 2), texelFetch(tree, at + 3));
   const vec2 d = v.position.xy - receiver;
-  const Arriving light = arrivingFrom(v, d.x, d.y, v.position.z - depth, LPV_TWO_SIDED == 1);
+  const vec4 dz = v.position.z - depth;
+  const Arriving light = arrivingFrom(v, d.x, d.y, dz, LPV_TWO_SIDED == 1);
   closest = max(closest, light.inverseDistance);
+#if LPV_SECTORS == LPV_SECTORS_NONE
+  const vec4 share = vec4(1.0);
+#else
+  const vec4 inverse = light.inverseDistance;
+  const vec4 share = sectorShare(sector, d.x * inverse, d.y * inverse, dz * inverse);
+#endif
 #if LPV_TEXTURED
   const vec3 colour = texelFetch(tree, at + 4).rgb;
-  for (int k = 0; k < kColours; ++k) add(sums[k], light, colour[k]);
+  for (int k = 0; k < kColours; ++k) add(sums[k], light, share * colour[k]);
 #else
-  add(sums[0], light, 1.0);
+  add(sums[0], light, share);
 #endif
 }
 
+/// Whether light from within `reach` of a place along each axis may be in a sector for some receiver of the block.
+bool mayBeIn(int sector, vec3 place, float reach, vec3 lower, vec3 upper) {
+#if LPV_SECTORS == LPV_SECTORS_NONE
+  return true;
+#else
+  return sectorReached(sector, place - upper - reach, place - lower + reach);
+#endif
+}
+
+/// The first of a node's VPLs from `i` on that may be in the sector; beyond `last`: none. A loop of its own: llvmpipe
+/// goes through what a branch leaves out, so a VPL passed over there takes as long as one that is summed.
+int nextIn(int sector, int i, int last, vec3 lower, vec3 upper) {
+#if LPV_SECTORS != LPV_SECTORS_NONE
+  while (i <= last && !mayBeIn(sector, texelFetch(tree, i * kEntryTexels).xyz, 0.0, lower, upper)) ++i;
+#endif
+  return i;
+}
+
 /// From entry `at` on; returns where the walk stands when it has done its share.
-int walk(int at, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
+int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
   const int end = params.entryCount;
   const float reach = params.openingRatio * params.openingRatio;
   for (int rounds = 0; at < end && rounds < kMaxRounds;) {
@@ -60,23 +98,28 @@ int walk(int at, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
     const int vpls = int(next.x), after = int(next.y);
     const vec3 gap = max(max(lower - node.xyz, node.xyz - upper), 0.0);
     const bool leaf = after == at + 1 + vpls;
-    const bool whole = leaf || dot(gap, gap) > reach * node.w * node.w;
-    const int last = whole ? at + vpls : at;
-    for (int i = at + 1; i <= last; ++i) addVpl(i * kEntryTexels, receiver, depth);
-    rounds += 1 + last - at;
+    const bool outside = !mayBeIn(sector, node.xyz, 0.5 * node.w + kBeyondNode, lower, upper);
+    const bool whole = leaf || outside || dot(gap, gap) > reach * node.w * node.w;
+    const int last = whole && !outside ? at + vpls : at;
+    for (int i = nextIn(sector, at + 1, last, lower, upper); i <= last;
+         i = nextIn(sector, i + 1, last, lower, upper)) {
+      lit = true;
+      addVpl(i * kEntryTexels, sector, receiver, depth);
+    }
+    rounds += kRoundsPerEntry * (1 + last - at);
     at = whole ? after : at + 1 + vpls;
   }
   return at;
 }
 
-void store(ivec3 cell, int z) {
+void store(ivec3 cell, int z, int layer) {
   for (int k = 0; k < LPV_CHANNELS; ++k) {
     if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
     const int s = min(k, kSums - 1);
     const vec3 flux = vec3(sums[s].x[z], sums[s].y[z], sums[s].z[z]);
     // A series cut off can give what no light does; only beside nodes taken from too near.
     const float fluence = max(sums[s].fluence[z], 0.0), possible = fluence / max(length(flux), 1e-30);
-    field[haloIndex(cell, params.dims, params.firstChannel + k)] +=
+    field[haloIndex(cell, params.dims, params.firstChannel + layer * LPV_CHANNELS + k)] +=
         params.weight[k] * vec4(kY0 * fluence, kY1 * min(possible, 1.0) * flux.yzx);
   }
 }
@@ -94,15 +137,21 @@ void main() {
   const ivec3 cell = first + ivec3(gl_LocalInvocationID.xy, 0);
   const vec3 lower = vec3(first) + 0.5;
   const vec3 upper = min(lower + vec3(kBlockX, kBlockY, kBlockZ) - 1.0, vec3(params.dims) - 0.5);
-  for (int k = 0; k < kSums; ++k) sums[k] = Arriving(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
   const int turn = params.turn;
   const int from = turn > 0 ? int(cursors[block][turn & 1]) : 0;
-  const int to = walk(from, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
+  const bool inside = cell.x < params.dims.x && cell.y < params.dims.y;
+  int to = from;
+  for (int sector = params.firstSector; sector < params.sectorsEnd; ++sector) {
+    for (int k = 0; k < kSums; ++k) sums[k] = Arriving(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    lit = false;
+    to = walk(from, sector, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
+    if (!inside || !lit) continue;
+    for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) store(cell + ivec3(0, 0, z), z, sector);
+  }
   // Not where the group's other threads may still be about to read.
-  if (params.entryCount > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
-  if (cell.x >= params.dims.x || cell.y >= params.dims.y) return;
+  if (params.entryCount > kMaxRounds / kRoundsPerEntry && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
+  if (!inside) return;
   for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
-    store(cell + ivec3(0, 0, z), z);
     const int i = cellIndex(cell + ivec3(0, 0, z), params.dims);
     if (closest[z] > 0.0) emitterDistance[i] = min(emitterDistance[i], 1.0 / closest[z]);
   }

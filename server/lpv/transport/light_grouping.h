@@ -1,28 +1,44 @@
 #pragma once
-// Which lights share a volume. One lookup takes all light of a group at a point for one cap (MATHS.md 4): lights on two
-// sides of a receiver want a group each, lights on one side do not.
+// Which light shares a layer of the volume. One lookup takes all light of a layer at a point for one cap (MATHS.md 4):
+// lights on two sides of a receiver want a layer each, lights on one side do not.
 
 #include <string>
 #include <vector>
 
 #include "lpv/resources/lights.h"
+#include "lpv/transport/sectors.h"
 
 namespace lpv {
 
-/// Whether groups are chosen where the scene names none: quality ACCURATE or an error goal, transport GATHER, lookup
-/// CAP.
-bool groupsItself(const LightingSettings& options);
+/// Layers in use.
+struct Grouping {
+  std::vector<int> groups;             ///< per light
+  Sectors sectors = Sectors::kNone;    ///< layers by direction: all lights are in group 0
 
-/// Puts each light into a group by what the scene says: by hand, where any light names a group; by itself, where
-/// groupsItself; else into one. Sets `group` of each light and returns the groups' names in order: one at least.
+  bool operator==(const Grouping&) const = default;
+};
+
+/// Layers as the field has them.
+struct Grouped {
+  std::vector<std::string> names;      ///< in order: one at least
+  Sectors sectors = Sectors::kNone;
+};
+
+/// Puts each light into a layer by what the scene says: by hand, where any light names a group; by itself, where
+/// LightingSettings::groupsItself; else into one. Sets `group` of each light.
 /// By itself: the fewest groups, up to kMaxGroups, whose lookups differ from a lookup per light by no more than
-/// groupingGoal (scene/error_goal.h); `previous`, the groups of the same lights in the last tick, stand while they are
-/// within twice that, so that lights that move do not change groups all the time.
-std::vector<std::string> groupLights(const Scene& scene, std::vector<EmittingLight>& lights,
-                                     const std::vector<int>& previous);
+/// groupingGoal (scene/error_goal.h). Where no such groups are found, which more than kMostDealt lights are not looked
+/// through for, layers are by direction, in the way that differs least. `previous`, the grouping of the same lights in
+/// the last tick, stands while it differs by no more than twice the goal, or half as much again as what is found, so
+/// that lights that move do not change groups all the time.
+Grouped groupLights(const Scene& scene, const CellBox& cells, std::vector<EmittingLight>& lights,
+                    const Grouping& previous);
 
-/// The error of a grouping, group per light, by that measure: lights stand in as spheres of their size that emit as
-/// their area and normals say.
-double groupingError(const std::vector<EmittingLight>& lights, const Grid& grid, const std::vector<int>& groups);
+/// By so many lights the time is bounded.
+inline constexpr std::size_t kMostDealt = 24;
+
+/// The error of a grouping by that measure: lights stand in as spheres of their size that emit as their area and
+/// normals say.
+double groupingError(const std::vector<EmittingLight>& lights, const CellBox& cells, const Grouping& grouping);
 
 }  // namespace lpv

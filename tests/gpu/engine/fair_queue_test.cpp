@@ -154,6 +154,28 @@ TEST(Predict, DearerThingsCostMore) {
   EXPECT_EQ(secondsOf(grouped), before) << "a light that is switched off costs nothing";
 }
 
+// Broken by: layers for a grouping that the scene names, or that another lookup has none of; one layer for many lights.
+TEST(Predict, LayersThatTheServerMakesAreExpected) {
+  const auto layersOf = [](const LightingSettings& options, int lights) {
+    const Workload workload = workloadOf(options, 32, 1.0, lights);
+    return std::pair(workload.groups(), workload.byDirection());
+  };
+  EXPECT_EQ(layersOf({}, 1), std::pair(1, false));
+  EXPECT_EQ(layersOf({}, 3), std::pair(3, false));
+  EXPECT_EQ(layersOf({}, 20), std::pair(8, true));
+  EXPECT_EQ(layersOf(propagating(32), 20), std::pair(1, false));
+  LightingSettings bands;
+  bands.lookup = Lookup::kSh2;
+  EXPECT_EQ(layersOf(bands, 20), std::pair(1, false));
+  Workload named = workloadOf({}, 32, 1.0, 20);
+  Light light;
+  light.mesh = reference::quad();
+  light.group = "key";
+  named.add(light);
+  EXPECT_EQ(named.groups(), 2);
+  EXPECT_FALSE(named.byDirection());
+}
+
 // Broken by: counting area that lies outside of the grid.
 TEST(Predict, AHugeLightCostsNoMoreThanTheGridHolds) {
   EXPECT_LT(secondsOf(workloadOf(LightingSettings(), 32, 1e6)), 30.0);

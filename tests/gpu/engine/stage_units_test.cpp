@@ -19,7 +19,7 @@ using Units = std::array<double, kStages>;
 
 class StageUnitsTest : public test::GlTest {
  protected:
-  /// A ball, a pane of another colour, and a floor.
+  /// A ball, a pane of another colour that takes a group of its own where the server groups, and a floor.
   static Scene sceneOf(Transport transport, int cells) {
     Scene scene;
     scene.options = LightingSettings::paper();
@@ -31,7 +31,7 @@ class StageUnitsTest : public test::GlTest {
       light->name = name;
       light->mesh = name[0] == 'b' ? reference::sphere() : reference::quad();
       light->radiance = name[0] == 'b' ? glm::dvec3(4.0, 2.0, 1.0) : glm::dvec3(1.0, 3.0, 1.0);
-      light->transform.translation = {0.1, 0.2, 0.3};
+      light->transform.translation = {name[0] == 'b' ? 0.7 : -1.1, 0.2, 0.3};
       scene.lights[name] = light;
     }
     auto floor = std::make_shared<Surface>();

@@ -109,6 +109,7 @@ void GatherRig::plant(const Grid& grid, std::vector<EmittingLight> l, InjectionM
   palette = choosePalette(lights);
   int groups = 1;
   for (const EmittingLight& light : lights) groups = std::max(groups, light.group + 1);
+  if (sectors != Sectors::kNone) groups = layout::kSectors;
   const bool same = field && field->grid == grid && field->channels == palette.channels && field->groups == groups;
   if (!same) field = std::make_unique<LightField>(grid, palette.channels, groups, Transport::kGather);
   const SceneResources resources = upload(cache_, lights);
@@ -148,7 +149,7 @@ void GatherRig::clear() {
 }
 
 void GatherRig::gatherBlocks(double k, const ReceiverBlocks& blocks) {
-  finish(gatherer_.run(*field, lights, voxels, palette, k, blocks, {&clock}));
+  finish(gatherer_.run(*field, lights, voxels, palette, k, sectors, blocks, {&clock}));
 }
 
 reference::Field GatherRig::gather(double k) {

@@ -40,6 +40,7 @@ class GatherRig {
   std::vector<std::uint32_t> bits() const;
 
   std::vector<EmittingLight> lights;
+  Sectors sectors = Sectors::kNone;  ///< set before plant()
   Palette palette;
   std::vector<LightVoxelsPtr> voxels;
   std::unique_ptr<LightField> field;
