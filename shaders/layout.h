@@ -53,10 +53,12 @@ LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
 LPV_CONST int kCursors =
     21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
+LPV_CONST int kNearFieldTiles = 23;  // uint per tile of a picture: 1 where a pixel needs the near field
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
 LPV_CONST int kDrawParams = 1;  // DrawParams of one object
+LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
 
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
@@ -75,9 +77,11 @@ LPV_CONST int kTree = 14;  // samplerBuffer over the entries of a light's tree
 LPV_CONST int kDirect =
     15;  // samplerBuffer: the lights as receivers look at them (shaders/transport/emitter_list.glsl)
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
+LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
+LPV_CONST int kNearFieldOut = 4;  // as kNearField
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
@@ -90,6 +94,10 @@ LPV_CONST int kNodeGroup = 64;  // nodes of a tree: a thread each
 LPV_CONST int kBlockX = 8;  // a block of receivers: cells along x, y and z; a work-group each
 LPV_CONST int kBlockY = 4;
 LPV_CONST int kBlockZ = 4;  // all of a column by one thread: what it reads of the tree serves them all
+LPV_CONST int kNearFieldGroup = 256;  // a tile of a picture each; four points a thread
+LPV_CONST int kNearFieldTileX = 64;  // pixels
+LPV_CONST int kNearFieldTileY = 32;
+LPV_CONST int kNearFieldSpacing = 8;  // pixels between the points that are evaluated whatever is around them
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
 
@@ -148,9 +156,9 @@ LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][
 #define LPV_LOOKUP_NEAREST 2  // nearest cell, SH2
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves
 #define LPV_NEAR_FIELD_NOWHERE 0
-#define LPV_NEAR_FIELD_OUTSIDE 1  // outside the grid
-#define LPV_NEAR_FIELD_EMITTERS 2  // and near emitters
-#define LPV_NEAR_FIELD_EVERYWHERE 3
+#define LPV_NEAR_FIELD_EMITTERS 1  // near emitters and outside the grid
+#define LPV_NEAR_FIELD_EVERYWHERE 2
+#define LPV_NEAR_FIELD_SAMPLED 3  // at some pixels, before shading (shaders/frame/near_field.comp)
 
 /// A block of receivers as kReceiverBlocks lists it; numbers of blocks along x, y and z below 2^kBlockBits.
 LPV_CONST int kBlockBits = 8;
@@ -281,6 +289,12 @@ struct FrameParams {
   LPV_VEC3 ExposureParams exposure;
 };
 
+struct NearFieldParams {
+  ivec2 stride;  // pixels from a point to those before and after it that are known; 0 for the first points
+  int firstRow;  // of tiles, of this dispatch
+  int pad0;
+};
+
 struct DrawParams {
   mat4 eyeFromObject;
   mat4 normalFromObject;  // inverse transpose of the linear part
@@ -316,6 +330,8 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
+static_assert(sizeof(NearFieldParams) == 16);
+static_assert(kNearFieldTileX * kNearFieldTileY == 8 * kNearFieldGroup);  // near_field.comp: half of them at once
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(sizeof(DrawParams) == 160);
 }  // namespace lpv::layout

@@ -1,0 +1,55 @@
+#pragma once
+// Stage: the near field of a picture, evaluated at some of its pixels and interpolated between (GATHER; MATHS.md 3c).
+
+#include "gpu/buffer.h"
+#include "gpu/program.h"
+#include "gpu/texture.h"
+#include "lpv/frame/emitters.h"
+#include "lpv/frame/gbuffer.h"
+#include "lpv/pacing/gpu_task.h"
+#include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/incident_textures.h"
+#include "lpv/transport/emitter_list.h"
+
+namespace lpv {
+
+/// Irradiance from the lights themselves in every pixel near them.
+struct NearFieldBuffer {
+  explicit NearFieldBuffer(const glm::ivec2& size);
+
+  glm::ivec2 size;
+  gpu::Texture irradiance;  ///< RGBA32F: E in W/m^2, and its weight beside the volume's: 0 far from lights
+  gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
+};
+
+/// Where lights are, as receivers look at them.
+struct NearLights {
+  const EmitterBufferList* emitters = nullptr;
+  const gpu::Texture* emitterDistance = nullptr;
+};
+
+struct NearFieldWork {
+  double points = 0.0;  ///< that are looked at: evaluated, interpolated, or far from lights
+  double units() const { return points; }
+};
+
+class NearFieldPass {
+ public:
+  NearFieldPass();
+  /// `frameParams` holds the view's FrameParams.
+  GpuTask run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
+              const NearLights& lights, const gpu::Buffer& frameParams, Pacing pacing);
+
+ private:
+  struct Inputs;
+  GpuTask dispatch(const Inputs& inputs, const glm::ivec2& stride, Pacing pacing);
+
+  struct Variant {
+    bool first = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_FIRST", first)}; }
+  };
+  gpu::Programs<Variant> programs_{{"frame/near_field.comp"}};
+  gpu::Buffer params_;
+};
+
+}  // namespace lpv
