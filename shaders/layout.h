@@ -54,6 +54,7 @@ LPV_CONST int kCursors =
     21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 LPV_CONST int kNearFieldTiles = 23;  // uint per tile of a picture: 1 where a pixel needs the near field
+LPV_CONST int kNearFieldPoints = 24;  // ListHeader, then uvec4 per four points that are to be evaluated
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
@@ -94,9 +95,10 @@ LPV_CONST int kNodeGroup = 64;  // nodes of a tree: a thread each
 LPV_CONST int kBlockX = 8;  // a block of receivers: cells along x, y and z; a work-group each
 LPV_CONST int kBlockY = 4;
 LPV_CONST int kBlockZ = 4;  // all of a column by one thread: what it reads of the tree serves them all
-LPV_CONST int kNearFieldGroup = 256;  // a tile of a picture each; four points a thread
-LPV_CONST int kNearFieldTileX = 64;  // pixels
-LPV_CONST int kNearFieldTileY = 32;
+LPV_CONST int kNearFieldGroup = 32;  // tiles of a picture, blocks of points, or points in fours: a thread each
+LPV_CONST int kNearFieldTile = 8;  // pixels across and down
+LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bit each of a uint
+LPV_CONST int kNearFieldBlockY = 4;
 LPV_CONST int kNearFieldSpacing = 8;  // pixels between the points that are evaluated whatever is around them
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
@@ -159,6 +161,11 @@ LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][
 #define LPV_NEAR_FIELD_EMITTERS 1  // near emitters and outside the grid
 #define LPV_NEAR_FIELD_EVERYWHERE 2
 #define LPV_NEAR_FIELD_SAMPLED 3  // at some pixels, before shading (shaders/frame/near_field.comp)
+
+// LPV_PASS: of shaders/frame/near_field.comp
+#define LPV_PASS_WEIGHTS 0
+#define LPV_PASS_FIRST 1
+#define LPV_PASS_BETWEEN 2
 
 /// A block of receivers as kReceiverBlocks lists it; numbers of blocks along x, y and z below 2^kBlockBits.
 LPV_CONST int kBlockBits = 8;
@@ -291,7 +298,7 @@ struct FrameParams {
 
 struct NearFieldParams {
   ivec2 stride;  // pixels from a point to those before and after it that are known; 0 for the first points
-  int firstRow;  // of tiles, of this dispatch
+  int first;  // of the tiles or blocks of points of this dispatch
   int pad0;
 };
 
@@ -331,7 +338,6 @@ static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dim
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(sizeof(NearFieldParams) == 16);
-static_assert(kNearFieldTileX * kNearFieldTileY == 8 * kNearFieldGroup);  // near_field.comp: half of them at once
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(sizeof(DrawParams) == 160);
 }  // namespace lpv::layout

@@ -4,17 +4,17 @@
 // and where two more points on the line say that E bends little; else the lights are evaluated there.
 // So edges, small objects and what is close to a light get E of their own.
 //
-// LPV_FIRST 1: the first points, and which tiles have a near field at all. 0: the points between, params.stride from
-// those before and after.
+// LPV_PASS: weights, and which tiles have a near field at all; the first points; those between, params.stride from what
+// is known. A thread has a tile, or a block of points, and lists those to be evaluated (near_field_evaluate.comp).
 #include "layout.h"
-#include "common/sh.glsl"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
-#include "transport/emitter_distance.glsl"
-#include "transport/emitter_list_four.glsl"
 
-#ifndef LPV_FIRST
-#error "LPV_FIRST: 0 or 1"
+#if !defined LPV_PASS || LPV_PASS < LPV_PASS_WEIGHTS || LPV_PASS > LPV_PASS_BETWEEN
+#error "LPV_PASS: LPV_PASS_WEIGHTS, _FIRST or _BETWEEN (shaders/layout.h)"
+#endif
+#if LPV_PASS == LPV_PASS_WEIGHTS
+#include "transport/emitter_distance.glsl"
 #endif
 
 layout(local_size_x = kNearFieldGroup) in;
@@ -27,28 +27,25 @@ layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 /// rgb: E in W/m^2; a: its weight beside the volume's, 0 where E is not known.
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;
 layout(std430, binding = kNearFieldTiles) buffer Tiles { uint tiles[]; };
+layout(std430, binding = kNearFieldPoints) buffer Points {
+  ListHeader list;    // one thread per four points
+  uvec4 points[];     // packedPixel()
+};
 
-const int kMaxPoints = 4 * kNearFieldGroup;  // of a tile in one dispatch; four to a thread
-const int kWords = kMaxPoints / 32;
-const float kTolerance = 0.01;        // by how much E may bend, as a share of it
+const float kTolerance = 0.02;        // by how much E may bend, as a share of it
 const float kUnbent = 4.0;            // with two points: of kTolerance, by how much they may differ
 const float kLeastWeight = 0.02;      // below, the volume alone is near enough
 const float kDepthTolerance = 0.1;    // off the line between two points, as a share of their distance
 const float kNormalTolerance = 0.03;  // off the mean of their normals
 const float kLeastCosine = 0.7;       // between these
 
-shared uint evaluated[kWords];  // a bit per point of the tile
-
-ivec2 tileCorner() {
-  return ivec2(gl_WorkGroupID.x, params.firstRow + int(gl_WorkGroupID.y)) * ivec2(kNearFieldTileX, kNearFieldTileY);
-}
-
 ivec2 pictureSize() { return textureSize(surfaceDepth, 0); }
+
+ivec2 tilesOfPicture() { return (pictureSize() + kNearFieldTile - 1) / kNearFieldTile; }
 
 vec3 positionAt(ivec2 pixel, float depth) { return gridPosition(frame, vec2(pixel) + 0.5, depth); }
 
-vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
-
+#if LPV_PASS == LPV_PASS_WEIGHTS
 /// Of E by the lights themselves; 0 where no surface is seen.
 float weightAt(ivec2 pixel) {
   const float depth = texelFetch(surfaceDepth, pixel, 0).x, emitter = texelFetch(emitterDepth, pixel, 0).x;
@@ -56,50 +53,39 @@ float weightAt(ivec2 pixel) {
   return 1.0 - farFromEmitters(positionAt(pixel, depth), frame.dims);
 }
 
-#if LPV_FIRST
-const int kPointsX = kNearFieldTileX / kNearFieldSpacing, kPoints = kPointsX * kNearFieldTileY / kNearFieldSpacing;
-
-int pointsOfTile() { return kPoints; }
-
-ivec2 pixelOf(int point) {
-  return tileCorner() + kNearFieldSpacing * ivec2(point % kPointsX, point / kPointsX);
-}
-
-bool toEvaluate(ivec2 pixel) { return weightAt(pixel) > 0.0; }
-
-/// Weights of all of the tile's pixels; says that there are any.
-void weigh() {
-  const ivec2 size = pictureSize();
-  for (int i = int(gl_LocalInvocationIndex); i < kNearFieldTileX * kNearFieldTileY; i += kNearFieldGroup) {
-    const ivec2 pixel = tileCorner() + ivec2(i % kNearFieldTileX, i / kNearFieldTileX);
-    if (any(greaterThanEqual(pixel, size))) continue;
-    const float weight = weightAt(pixel);
-    const bool evaluatedBelow = weight > 0.0 && pixel % kNearFieldSpacing == ivec2(0);
-    if (!evaluatedBelow) imageStore(nearField, pixel, vec4(0.0, 0.0, 0.0, weight));
-    if (weight > 0.0) tiles[(params.firstRow + gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x] = 1u;
+void main() {
+  const ivec2 tiles2 = tilesOfPicture(), size = pictureSize();
+  const int index = params.first + int(gl_GlobalInvocationID.x);
+  if (index >= tiles2.x * tiles2.y) return;
+  const ivec2 corner = kNearFieldTile * ivec2(index % tiles2.x, index / tiles2.x);
+  const ivec2 end = min(corner + kNearFieldTile, size);
+  bool near = false;
+  for (int y = corner.y; y < end.y; ++y) {
+    for (int x = corner.x; x < end.x; ++x) {
+      const float weight = weightAt(ivec2(x, y));
+      imageStore(nearField, ivec2(x, y), vec4(0.0, 0.0, 0.0, weight));
+      near = near || weight > 0.0;
+    }
   }
+  tiles[index] = near ? 1u : 0u;
 }
 #else
-/// From a point to the next one of this pass.
+
+/// From a point of this pass to the next one, and from the picture's corner to the first.
+#if LPV_PASS == LPV_PASS_FIRST
+ivec2 pointSpacing() { return ivec2(kNearFieldSpacing); }
+bool toEvaluate(ivec2 pixel) { return imageLoad(nearField, pixel).w > 0.0; }
+#else
 ivec2 pointSpacing() {
   const int s = params.stride.x + params.stride.y;
   return params.stride.x > 0 ? ivec2(2 * s) : ivec2(s, 2 * s);
 }
 
-int pointsOfTile() {
-  const ivec2 spacing = pointSpacing();
-  return (kNearFieldTileX / spacing.x) * (kNearFieldTileY / spacing.y);
-}
-
-ivec2 pixelOf(int point) {
-  const ivec2 spacing = pointSpacing();
-  const int across = kNearFieldTileX / spacing.x;
-  return tileCorner() + params.stride + spacing * ivec2(point % across, point / across);
-}
+vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
 
 float largest(vec3 v) { return max(max(v.r, v.g), v.b); }
 
-/// Stored depth is as good as linear on a plane: what of the pixel is off the line from before to after it?
+/// Stored depth is linear on a plane: how far off the line from before to after is the pixel?
 bool onOneSurface(ivec2 pixel, ivec2 before, ivec2 after) {
   const float depth = texelFetch(surfaceDepth, pixel, 0).x;
   const float depthBefore = texelFetch(surfaceDepth, before, 0).x, depthAfter = texelFetch(surfaceDepth, after, 0).x;
@@ -110,8 +96,8 @@ bool onOneSurface(ivec2 pixel, ivec2 before, ivec2 after) {
   return dot(nBefore, nAfter) >= kLeastCosine && length(n - 0.5 * (nBefore + nAfter)) <= kNormalTolerance;
 }
 
-/// E halfway between the points before and after, by a cubic through these and the next on both sides; nothing where
-/// it cannot be trusted.
+/// E halfway between the points before and after, by a cubic through these and the next on both sides; false where it
+/// cannot be trusted.
 bool interpolated(ivec2 pixel, float weight, out vec3 e) {
   const ivec2 stride = params.stride, before = pixel - stride, after = pixel + stride;
   e = vec3(0.0);
@@ -143,60 +129,49 @@ bool toEvaluate(ivec2 pixel) {
 }
 #endif
 
-void chooseEvaluated() {
-  const ivec2 size = pictureSize();
-  const int points = pointsOfTile();
-  for (int i = int(gl_LocalInvocationIndex); i < points; i += kNearFieldGroup) {
-    const ivec2 pixel = pixelOf(i);
-    if (all(lessThan(pixel, size)) && toEvaluate(pixel)) atomicOr(evaluated[i >> 5], 1u << (i & 31));
+/// Has a part of the picture a near field at all?
+bool nearIn(ivec2 corner, ivec2 extent) {
+  const ivec2 tiles2 = tilesOfPicture(), first = corner / kNearFieldTile;
+  const ivec2 last = min((corner + extent - 1) / kNearFieldTile, tiles2 - 1);
+  uint near = 0u;
+  for (int y = first.y; y <= last.y; ++y) {
+    for (int x = first.x; x <= last.x; ++x) near |= tiles[y * tiles2.x + x];
   }
+  return near != 0u;
 }
 
-/// The k-th of the points that are evaluated, k below their number.
-int evaluatedPoint(int k) {
-  int word = 0;
-  for (; word < kWords - 1; ++word) {
-    const int here = bitCount(evaluated[word]);
-    if (k < here) break;
-    k -= here;
-  }
-  uint bits = evaluated[word];
-  for (; k > 0; --k) bits &= bits - 1u;
-  return 32 * word + findLSB(bits);
+/// The lowest bit's point of the block, which is taken off.
+uint takePoint(inout uint bits, ivec2 corner, ivec2 spacing) {
+  const int point = findLSB(bits);
+  bits &= bits - 1u;
+  return packedPixel(corner + spacing * ivec2(point % kNearFieldBlockX, point / kNearFieldBlockX));
 }
 
-/// Points [first, last) of those, four at most.
-void evaluate(int first, int last) {
-  ivec2 pixels[4];
-  FourReceivers r;
-  for (int i = 0; i < 4; ++i) {
-    pixels[i] = pixelOf(evaluatedPoint(min(first + i, last - 1)));
-    const vec3 x = positionAt(pixels[i], texelFetch(surfaceDepth, pixels[i], 0).x), n = normalAt(pixels[i]);
-    r.x[i] = x.x;
-    r.y[i] = x.y;
-    r.z[i] = x.z;
-    r.nx[i] = n.x;
-    r.ny[i] = n.y;
-    r.nz[i] = n.z;
+/// Lists the points of a block in fours; the last one may be listed more than once.
+void listPoints(uint bits, ivec2 corner, ivec2 spacing) {
+  const uint fours = uint(bitCount(bits) + 3) / 4u;
+  if (fours == 0u) return;
+  const uint first = atomicAdd(list.count, fours);
+  atomicMax(list.groupsX, (first + fours + kNearFieldGroup - 1u) / kNearFieldGroup);
+  for (uint i = 0u; i < fours; ++i) {
+    uvec4 four = uvec4(takePoint(bits, corner, spacing));
+    for (int k = 1; k < 4; ++k) four[k] = bits != 0u ? takePoint(bits, corner, spacing) : four[k - 1];
+    points[first + i] = four;
   }
-  const FourIrradiances e = directIrradiances(r);
-  for (int i = 0; i < min(4, last - first); ++i)
-    imageStore(nearField, pixels[i], vec4(e.red[i], e.green[i], e.blue[i], weightAt(pixels[i])));
 }
 
 void main() {
-#if !LPV_FIRST
-  if (tiles[(params.firstRow + gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x] == 0u) return;
-#endif
-  if (gl_LocalInvocationIndex < kWords) evaluated[gl_LocalInvocationIndex] = 0u;
-  barrier();
-#if LPV_FIRST
-  weigh();
-#endif
-  chooseEvaluated();
-  barrier();
-  int count = 0;
-  for (int i = 0; i < kWords; ++i) count += bitCount(evaluated[i]);
-  const int first = 4 * int(gl_LocalInvocationIndex);
-  if (first < count) evaluate(first, count);
+  const ivec2 size = pictureSize(), spacing = pointSpacing();
+  const ivec2 block = spacing * ivec2(kNearFieldBlockX, kNearFieldBlockY), blocks = (size + block - 1) / block;
+  const int index = params.first + int(gl_GlobalInvocationID.x);
+  if (index >= blocks.x * blocks.y) return;
+  const ivec2 begin = block * ivec2(index % blocks.x, index / blocks.x), corner = begin + params.stride;
+  const int count = nearIn(begin, block) ? kNearFieldBlockX * kNearFieldBlockY : 0;
+  uint bits = 0u;
+  for (int i = 0; i < count; ++i) {
+    const ivec2 pixel = corner + spacing * ivec2(i % kNearFieldBlockX, i / kNearFieldBlockX);
+    if (all(lessThan(pixel, size)) && toEvaluate(pixel)) bits |= 1u << i;
+  }
+  listPoints(bits, corner, spacing);
 }
+#endif

@@ -6,3 +6,7 @@ vec3 gridPosition(FrameParams frame, vec2 at, float depth) {
   const vec3 ray = frame.rayOrigin + uv.x * frame.rayRight + uv.y * frame.rayDown;
   return frame.eye + frame.depthScale / (depth + frame.depthOffset) * ray;
 }
+
+/// A pixel as lists have it.
+uint packedPixel(ivec2 pixel) { return uint(pixel.x) | uint(pixel.y) << 16; }
+ivec2 unpackedPixel(uint packed_) { return ivec2(packed_ & 0xffffu, packed_ >> 16); }

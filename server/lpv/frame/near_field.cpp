@@ -9,21 +9,22 @@ namespace lpv {
 
 namespace {
 
-constexpr glm::ivec2 kTile{layout::kNearFieldTileX, layout::kNearFieldTileY};
+constexpr glm::ivec2 kTile(layout::kNearFieldTile), kBlock(layout::kNearFieldBlockX, layout::kNearFieldBlockY);
+static_assert(layout::kNearFieldBlockX * layout::kNearFieldBlockY == 32);  // bits of a uint
 
-glm::ivec2 tilesOf(const glm::ivec2& size) { return (size + kTile - 1) / kTile; }
+glm::ivec2 partsOf(const glm::ivec2& size, const glm::ivec2& part) { return (size + part - 1) / part; }
 
-/// Points that a tile has in one dispatch: at every `spacing`-th pixel, or those between.
-double pointsPerTile(const glm::ivec2& stride) {
-  const double pixels = double(kTile.x) * kTile.y;
-  if (stride == glm::ivec2(0)) return pixels;  // of each the weight
-  return stride.x > 0 ? pixels / (4.0 * stride.x * stride.x) : pixels / (2.0 * stride.y * stride.y);
+std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::size_t(parts.y); }
+
+/// The finest pass has half of the pixels; each thread's last four may be incomplete.
+std::size_t bytesOfPoints(const glm::ivec2& size) {
+  return sizeof(layout::ListHeader) + 8 * count(partsOf(size, kBlock * glm::ivec2(1, 2))) * sizeof(glm::uvec4);
 }
 
 }  // namespace
 
 struct NearFieldPass::Inputs {
-  const NearFieldBuffer& buffer;
+  NearFieldBuffer& buffer;
   const Gbuffer& gbuffer;
   const EmitterBuffer& seenLights;
   const NearLights& lights;
@@ -38,42 +39,59 @@ struct NearFieldPass::Inputs {
     lights.emitterDistance->bind(layout::kEmitterDistance);
     buffer.irradiance.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.tiles.bindStorage(layout::kNearFieldTiles);
+    buffer.points.bindStorage(layout::kNearFieldPoints);
   }
+};
+
+struct NearFieldPass::Pass {
+  int pass = LPV_PASS_WEIGHTS;
+  glm::ivec2 part{0};     ///< pixels across and down of what a thread has
+  glm::ivec2 stride{0};   ///< of NearFieldParams
+  double points = 0.0;    ///< of a thread
 };
 
 NearFieldBuffer::NearFieldBuffer(const glm::ivec2& s)
     : size(s),
       irradiance(gpu::Texture::make2d("near field", s, GL_RGBA32F, gpu::Sampling::kNearestClamp)),
-      tiles("near field tiles", std::size_t(tilesOf(s).x) * std::size_t(tilesOf(s).y) * sizeof(std::uint32_t)) {}
+      tiles("near field tiles", count(partsOf(s, kTile)) * sizeof(std::uint32_t)),
+      points("near field points", bytesOfPoints(s), gpu::BufferUse::kDynamic, gpu::Undefined{}) {}
 
 NearFieldPass::NearFieldPass()
     : params_("near field params", sizeof(layout::NearFieldParams), gpu::BufferUse::kDynamic) {}
 
-/// Rows of tiles at a time.
-GpuTask NearFieldPass::dispatch(const Inputs& inputs, const glm::ivec2& stride, Pacing pacing) {
-  const glm::ivec2 tiles = tilesOf(inputs.buffer.size);
-  const double perRow = pointsPerTile(stride) * tiles.x;
-  for (int row = 0; row < tiles.y;) {
-    const int rows = std::clamp(int(pacing.unitsFor(Stage::kShade) / perRow), 1, tiles.y - row);
-    const layout::NearFieldParams params = {.stride = stride, .firstRow = row, .pad0 = 0};
+/// Some parts at a time: what is to be evaluated in them, and its evaluation.
+GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing) {
+  const int parts = int(count(partsOf(inputs.buffer.size, pass.part)));
+  for (int first = 0; first < parts;) {
+    const int wanted = std::clamp(int(pacing.unitsFor(Stage::kShade) / pass.points), 1, parts - first);
+    const int groups = (wanted + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup;
+    const layout::NearFieldParams params = {.stride = pass.stride, .first = first, .pad0 = 0};
+    const layout::ListHeader none = {.groupsX = 0, .groupsY = 1, .groupsZ = 1, .count = 0};
     params_.update(0, gpu::bytesOfValue(params));
+    inputs.buffer.points.update(0, gpu::bytesOfValue(none));
     params_.bindUniform(layout::kNearFieldParams);
     inputs.bind();
-    programs_.get({.first = stride == glm::ivec2(0)}).dispatch(std::uint32_t(tiles.x), std::uint32_t(rows));
+    choose_.get({.pass = pass.pass}).dispatch(std::uint32_t(groups));
     gpu::memoryBarrier();
-    row += rows;
-    co_yield submitted(Stage::kShade, NearFieldWork{perRow * rows}.units());
+    if (pass.pass != LPV_PASS_WEIGHTS) {
+      inputs.buffer.points.bindAsDispatchArguments();
+      evaluate_.get({}).dispatchIndirect(0);
+      gpu::memoryBarrier();
+    }
+    first += groups * layout::kNearFieldGroup;
+    co_yield submitted(Stage::kShade, NearFieldWork{groups * layout::kNearFieldGroup * pass.points}.units());
   }
 }
 
 GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
                            const NearLights& lights, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, lights, frameParams};
-  buffer.tiles.clear();
-  co_await dispatch(inputs, {0, 0}, pacing);
+  constexpr double kPoints = layout::kNearFieldBlockX * layout::kNearFieldBlockY;
+  co_await run(inputs, {LPV_PASS_WEIGHTS, kTile, {0, 0}, double(kTile.x) * kTile.y}, pacing);
+  co_await run(inputs, {LPV_PASS_FIRST, kBlock * layout::kNearFieldSpacing, {0, 0}, kPoints}, pacing);
   for (int stride = layout::kNearFieldSpacing / 2; stride > 0; stride /= 2) {
-    co_await dispatch(inputs, {stride, 0}, pacing);
-    co_await dispatch(inputs, {0, stride}, pacing);
+    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * 2 * stride, {stride, 0}, kPoints}, pacing);
+    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, kPoints}, pacing);
   }
 }
 

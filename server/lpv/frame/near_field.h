@@ -20,6 +20,7 @@ struct NearFieldBuffer {
   glm::ivec2 size;
   gpu::Texture irradiance;  ///< RGBA32F: E in W/m^2, and its weight beside the volume's: 0 far from lights
   gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
+  gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
 };
 
 /// Where lights are, as receivers look at them.
@@ -42,13 +43,15 @@ class NearFieldPass {
 
  private:
   struct Inputs;
-  GpuTask dispatch(const Inputs& inputs, const glm::ivec2& stride, Pacing pacing);
+  struct Pass;
+  GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
 
   struct Variant {
-    bool first = false;
-    gpu::Defines defines() const { return {gpu::define("LPV_FIRST", first)}; }
+    int pass = 0;  ///< LPV_PASS_..
+    gpu::Defines defines() const { return {gpu::define("LPV_PASS", pass)}; }
   };
-  gpu::Programs<Variant> programs_{{"frame/near_field.comp"}};
+  gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
+  gpu::ProgramVariants evaluate_{{"frame/near_field_evaluate.comp"}};
   gpu::Buffer params_;
 };
 
