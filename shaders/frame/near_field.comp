@@ -32,11 +32,11 @@ layout(std430, binding = kNearFieldPoints) buffer Points {
   uvec4 points[];     // packedPixel()
 };
 
-const float kTolerance = 0.02;        // by how much E may bend, as a share of it
+const float kTolerance = 0.03;        // by how much E may bend, as a share of it
 const float kUnbent = 4.0;            // with two points: of kTolerance, by how much they may differ
 const float kLeastWeight = 0.02;      // below, the volume alone is near enough
-const float kDepthTolerance = 0.1;    // off the line between two points, as a share of their distance
-const float kNormalTolerance = 0.03;  // off the mean of their normals
+const float kDepthTolerance = 0.15;    // off the line between two points, as a share of their distance
+const float kNormalTolerance = 0.06;  // off the mean of their normals
 const float kLeastCosine = 0.7;       // between these
 
 ivec2 pictureSize() { return textureSize(surfaceDepth, 0); }
