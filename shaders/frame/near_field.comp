@@ -33,8 +33,10 @@ layout(std430, binding = kNearFieldPoints) buffer Points {
 };
 
 const float kTolerance = 0.03;        // by how much E may bend, as a share of it
-const float kUnbent = 4.0;            // with two points: of kTolerance, by how much they may differ
+const float kSteepness[3] = float[3](0.12, 0.25, 1e9);  // by two, three or four points: by how much E may differ
+                                                        // halfway, as a share of it: kinks show by four only
 const float kLeastWeight = 0.02;      // below, the volume alone is near enough
+const float kLongestSpan = 0.5;       // cells from point to point: E may have peaks as narrow
 const float kDepthTolerance = 0.15;    // off the line between two points, as a share of their distance
 const float kNormalTolerance = 0.06;  // off the mean of their normals
 const float kLeastCosine = 0.7;       // between these
@@ -85,13 +87,14 @@ vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel,
 
 float largest(vec3 v) { return max(max(v.r, v.g), v.b); }
 
-/// Stored depth is linear on a plane: how far off the line from before to after is the pixel?
+/// Stored depth is linear on a plane: is the pixel on the line from before to after, and are these close together?
 bool onOneSurface(ivec2 pixel, ivec2 before, ivec2 after) {
   const float depth = texelFetch(surfaceDepth, pixel, 0).x;
   const float depthBefore = texelFetch(surfaceDepth, before, 0).x, depthAfter = texelFetch(surfaceDepth, after, 0).x;
   const vec3 off = positionAt(pixel, 0.5 * (depthBefore + depthAfter)) - positionAt(pixel, depth);
   const vec3 apart = positionAt(after, depthAfter) - positionAt(before, depthBefore);
-  if (dot(off, off) > kDepthTolerance * kDepthTolerance * dot(apart, apart)) return false;
+  const float span = dot(apart, apart);
+  if (span > kLongestSpan * kLongestSpan || dot(off, off) > kDepthTolerance * kDepthTolerance * span) return false;
   const vec3 n = normalAt(pixel), nBefore = normalAt(before), nAfter = normalAt(after);
   return dot(nBefore, nAfter) >= kLeastCosine && length(n - 0.5 * (nBefore + nAfter)) <= kNormalTolerance;
 }
@@ -105,17 +108,14 @@ bool interpolated(ivec2 pixel, float weight, out vec3 e) {
   const vec4 e1 = imageLoad(nearField, before), e2 = imageLoad(nearField, after);
   if (e1.w == 0.0 || e2.w == 0.0 || !onOneSurface(pixel, before, after)) return false;
   const vec4 e0 = imageLoad(nearField, before - 2 * stride), e3 = imageLoad(nearField, after + 2 * stride);
-  const vec3 line = 0.5 * (e1.rgb + e2.rgb);
-  const float allowed = kTolerance * largest(line);
-  if (e0.w == 0.0 && e3.w == 0.0) {
-    e = line;
-    return weight * largest(abs(e1.rgb - e2.rgb)) <= kUnbent * allowed;
-  }
-  const vec3 first = e0.w > 0.0 ? e0.rgb : 3.0 * (e1.rgb - e2.rgb) + e3.rgb;
-  const vec3 last = e3.w > 0.0 ? e3.rgb : 3.0 * (e2.rgb - e1.rgb) + e0.rgb;
+  const int outer = (e0.w > 0.0 ? 1 : 0) + (e3.w > 0.0 ? 1 : 0);
+  const vec3 line = 0.5 * (e1.rgb + e2.rgb), steep = e2.rgb - e1.rgb;
+  const vec3 first = e0.w > 0.0 ? e0.rgb : e1.rgb - 3.0 * steep + (e3.w > 0.0 ? e3.rgb - e1.rgb : 2.0 * steep);
+  const vec3 last = e3.w > 0.0 ? e3.rgb : e2.rgb + 3.0 * steep + (e0.w > 0.0 ? e0.rgb - e2.rgb : -2.0 * steep);
   const vec3 bend = 0.0625 * (e1.rgb + e2.rgb - first - last);
   e = max(line + bend, vec3(0.0));
-  return weight * largest(abs(bend)) <= allowed;
+  return weight * largest(abs(bend)) <= kTolerance * largest(line) &&
+         weight * largest(abs(steep)) <= kSteepness[outer] * largest(line);
 }
 
 bool toEvaluate(ivec2 pixel) {
