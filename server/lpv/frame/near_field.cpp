@@ -47,7 +47,7 @@ struct NearFieldPass::Pass {
   int pass = LPV_PASS_WEIGHTS;
   glm::ivec2 part{0};     ///< pixels across and down of what a thread has
   glm::ivec2 stride{0};   ///< of NearFieldParams
-  double points = 0.0;    ///< of a thread
+  NearFieldWork work;     ///< of a thread
 };
 
 NearFieldBuffer::NearFieldBuffer(const glm::ivec2& s)
@@ -63,7 +63,7 @@ NearFieldPass::NearFieldPass()
 GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing) {
   const int parts = int(count(partsOf(inputs.buffer.size, pass.part)));
   for (int first = 0; first < parts;) {
-    const int wanted = std::clamp(int(pacing.unitsFor(Stage::kShade) / pass.points), 1, parts - first);
+    const int wanted = std::clamp(int(pacing.unitsFor(Stage::kShade) / pass.work.units()), 1, parts - first);
     const int groups = (wanted + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup;
     const layout::NearFieldParams params = {.stride = pass.stride, .first = first, .pad0 = 0};
     const layout::ListHeader none = {.groupsX = 0, .groupsY = 1, .groupsZ = 1, .count = 0};
@@ -79,7 +79,7 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
       gpu::memoryBarrier();
     }
     first += groups * layout::kNearFieldGroup;
-    co_yield submitted(Stage::kShade, NearFieldWork{groups * layout::kNearFieldGroup * pass.points}.units());
+    co_yield submitted(Stage::kShade, groups * layout::kNearFieldGroup * pass.work.units());
   }
 }
 
@@ -87,11 +87,12 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
                            const NearLights& lights, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, lights, frameParams};
   constexpr double kPoints = layout::kNearFieldBlockX * layout::kNearFieldBlockY;
-  co_await run(inputs, {LPV_PASS_WEIGHTS, kTile, {0, 0}, double(kTile.x) * kTile.y}, pacing);
-  co_await run(inputs, {LPV_PASS_FIRST, kBlock * layout::kNearFieldSpacing, {0, 0}, kPoints}, pacing);
+  co_await run(inputs, {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}, pacing);
+  co_await run(inputs, {LPV_PASS_FIRST, kBlock * layout::kNearFieldSpacing, {0, 0}, {.evaluated = kPoints}}, pacing);
   for (int stride = layout::kNearFieldSpacing / 2; stride > 0; stride /= 2) {
-    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * 2 * stride, {stride, 0}, kPoints}, pacing);
-    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, kPoints}, pacing);
+    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * 2 * stride, {stride, 0}, {.between = kPoints}}, pacing);
+    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, {.between = kPoints}},
+                 pacing);
   }
 }
 
