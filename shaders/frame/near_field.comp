@@ -1,8 +1,8 @@
 // The near field of a picture, from fewer points than it has pixels: E by the lights themselves at every
 // kNearFieldSpacing-th pixel of every kNearFieldSpacing-th row, then halfway between known points, along rows, along
-// columns, until every pixel is known. Halfway between two points E is interpolated where depth and normal are, too,
-// and where two more points on the line say that E bends little; else the lights are evaluated there.
-// So edges, small objects and what is close to a light get E of their own.
+// columns, until every pixel is known. Halfway between two points E is interpolated where depth and normal lie between
+// theirs, and where the next two points on the line say that E bends little; else the lights are evaluated there. So
+// edges, small objects and what is close to a light get E of their own.
 //
 // LPV_PASS: weights, and which tiles have a near field at all; the first points; those between, params.stride from what
 // is known. A thread has a tile, or a block of points, and lists those to be evaluated (near_field_evaluate.comp).
@@ -28,16 +28,16 @@ layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;
 layout(std430, binding = kNearFieldTiles) buffer Tiles { uint tiles[]; };
 layout(std430, binding = kNearFieldPoints) buffer Points {
-  ListHeader list;    // one thread per four points
-  uvec4 points[];     // packedPixel()
+  ListHeader list;  // a thread per four points
+  uvec4 points[];   // packedPixel()
 };
 
 const float kTolerance = 0.03;        // by how much E may bend, as a share of it
-const float kSteepness[3] = float[3](0.12, 0.25, 1e9);  // by two, three or four points: by how much E may differ
-                                                        // halfway, as a share of it: kinks show by four only
+// By how much E may differ halfway, as a share of it, where two, three or four points know it: kinks show by four only.
+const float kSteepness[3] = float[3](0.12, 0.25, 1e9);
 const float kLeastWeight = 0.02;      // below, the volume alone is near enough
 const float kLongestSpan = 0.5;       // cells from point to point: E may have peaks as narrow
-const float kDepthTolerance = 0.15;    // off the line between two points, as a share of their distance
+const float kDepthTolerance = 0.15;   // off the line between two points, as a share of their distance
 const float kNormalTolerance = 0.06;  // off the mean of their normals
 const float kLeastCosine = 0.7;       // between these
 
@@ -73,8 +73,8 @@ void main() {
 }
 #else
 
-/// From a point of this pass to the next one, and from the picture's corner to the first.
 #if LPV_PASS == LPV_PASS_FIRST
+/// From a point of this pass to the next one.
 ivec2 pointSpacing() { return ivec2(kNearFieldSpacing); }
 bool toEvaluate(ivec2 pixel) { return imageLoad(nearField, pixel).w > 0.0; }
 #else
