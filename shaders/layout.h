@@ -55,10 +55,13 @@ LPV_CONST int kCursors =
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 LPV_CONST int kThinTriangles = 23;  // ListHeader, then uint: triangles that snapping makes a segment over several cells
 LPV_CONST int kRowMoments = 24;  // double, 2 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
+LPV_CONST int kNearFieldTiles = 25;  // uint per tile of a picture: 1 where a pixel needs the near field
+LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points that are to be evaluated
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
 LPV_CONST int kDrawParams = 1;  // DrawParams of one object
+LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
 
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
@@ -77,9 +80,11 @@ LPV_CONST int kTree = 14;  // samplerBuffer over the entries of a light's tree
 LPV_CONST int kDirect =
     15;  // samplerBuffer: the lights as receivers look at them (shaders/transport/emitter_list.glsl)
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
+LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
+LPV_CONST int kNearFieldOut = 4;  // as kNearField
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
@@ -93,6 +98,11 @@ LPV_CONST int kNodeGroup = 64;  // nodes of a tree: a thread each
 LPV_CONST int kBlockX = 8;  // a block of receivers: cells along x, y and z; a work-group each
 LPV_CONST int kBlockY = 4;
 LPV_CONST int kBlockZ = 4;  // all of a column by one thread: what it reads of the tree serves them all
+LPV_CONST int kNearFieldGroup = 32;  // tiles of a picture, blocks of points, or points in fours: a thread each
+LPV_CONST int kNearFieldTile = 8;  // pixels across and down
+LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bit each of a uint
+LPV_CONST int kNearFieldBlockY = 4;
+LPV_CONST int kNearFieldSpacing = 8;  // pixels between the points that are evaluated whatever is around them
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
 
@@ -163,9 +173,14 @@ LPV_CONST float kSectorBorder = 0.1f;  // sine of the angle up to which two of t
 #define LPV_SECTORS_AROUND_Z 4
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves
 #define LPV_NEAR_FIELD_NOWHERE 0
-#define LPV_NEAR_FIELD_OUTSIDE 1  // outside the grid
-#define LPV_NEAR_FIELD_EMITTERS 2  // and near emitters
-#define LPV_NEAR_FIELD_EVERYWHERE 3
+#define LPV_NEAR_FIELD_EMITTERS 1  // near emitters and outside the grid
+#define LPV_NEAR_FIELD_EVERYWHERE 2
+#define LPV_NEAR_FIELD_SAMPLED 3  // at some pixels, before shading (shaders/frame/near_field.comp)
+
+// LPV_PASS: of shaders/frame/near_field.comp
+#define LPV_PASS_WEIGHTS 0
+#define LPV_PASS_FIRST 1
+#define LPV_PASS_BETWEEN 2
 
 /// A block of receivers as kReceiverBlocks lists it; numbers of blocks along x, y and z below 2^kBlockBits.
 LPV_CONST int kBlockBits = 8;
@@ -309,6 +324,12 @@ struct FrameParams {
   LPV_VEC3 ExposureParams exposure;
 };
 
+struct NearFieldParams {
+  ivec2 stride;  // pixels from a point to those before and after it that are known; 0 for the first points
+  int first;  // of the tiles or blocks of points of this dispatch
+  int pad0;
+};
+
 struct DrawParams {
   mat4 eyeFromObject;
   mat4 normalFromObject;  // inverse transpose of the linear part
@@ -346,6 +367,7 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
+static_assert(sizeof(NearFieldParams) == 16);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(sizeof(DrawParams) == 160);
 }  // namespace lpv::layout

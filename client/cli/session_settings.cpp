@@ -93,7 +93,7 @@ struct SessionFlags::Given {
         {{"propagate", v1::TRANSPORT_PROPAGATE}, {"gather", v1::TRANSPORT_GATHER}, {"direct", v1::TRANSPORT_DIRECT}},
         "How light travels (default: gather)");
     addChoice<v1::Quality>(app, "--quality", quality, {{"fast", v1::QUALITY_FAST}, {"accurate", v1::QUALITY_ACCURATE}},
-                           "Quality of gathering and near field (default: fast)");
+                           "Quality of gathering (default: fast)");
     app.add_option("--iterations", iterations, "Propagation iterations (default: cells along the longest edge)")
         ->type_name("N");
     addSwitch(app, "--clamp-faces", clampFaces, "Propagation: clamp face intensities at 0 (default: off)");

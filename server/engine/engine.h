@@ -40,6 +40,7 @@ struct FrameRequest {
   glm::ivec2 size{0};  ///< pixels, each 16..4096
   Exposure exposure;
   PixelFormat format = PixelFormat::kRgb8;
+  bool reduced = false;  ///< GATHER: near lights are looked at from some pixels, not from each (streams)
 };
 
 /// Pixels, rows from top to bottom, tightly packed.

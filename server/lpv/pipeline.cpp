@@ -8,6 +8,7 @@
 #include "lpv/frame/draw.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/frame/near_field.h"
 #include "lpv/frame/shading.h"
 #include "lpv/readback.h"
 #include "lpv/resources/scene_cache.h"
@@ -98,6 +99,7 @@ struct Pipeline::Stages {
   MeshDrawer drawer;
   GbufferRenderer gbufferRenderer;
   EmitterRenderer emitterRenderer;
+  NearFieldPass nearFieldPass;
   ShadingPass shadingPass;
 
   Pacing pacing(const SessionState& s) const { return {s.clock.get(), kAim * pieceSeconds}; }
@@ -111,6 +113,7 @@ struct Pipeline::Stages {
   GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
   GpuTask finishCopies(SessionState& s, const FrameViews& views);
   GpuTask takeVolumes(SessionState& s, const VolumeCopies& copies);
+  GpuTask sampleNearField(SessionState& s, const FrameRequest& frame, View& view);
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
 };
 
@@ -322,6 +325,16 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copie
   }
 }
 
+GpuTask Pipeline::Stages::sampleNearField(SessionState& s, const FrameRequest& frame, View& view) {
+  if (view.nearField == nullptr || view.nearField->size != frame.size) {
+    view.nearField = nullptr;
+    view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
+  }
+  const NearLights lights = {&s.products->emitters, &s.field().textures->emitterDistance};
+  co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, lights, view.targets->frameParams,
+                             pacing(s));
+}
+
 GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
   if (view.targets == nullptr || !view.targets->fits(frame)) {
     view.targets = nullptr;
@@ -345,9 +358,10 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   }
   co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
   const LightField& field = s.field();
-  const bool nearField = scene.options.quality == Quality::kAccurate;
-  const IrradianceSources lit = {field.transport, scene.options.lookup, nearField,
-                                 s.looksAtLights ? nullptr : &*field.textures, &s.products->emitters};
+  const bool sampled = frame.reduced && field.transport == Transport::kGather && !s.looksAtLights;
+  if (sampled) co_await sampleNearField(s, frame, view);
+  const IrradianceSources lit = {field.transport, scene.options.lookup, s.looksAtLights ? nullptr : &*field.textures,
+                                 &s.products->emitters, sampled ? &view.nearField->irradiance : nullptr};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 

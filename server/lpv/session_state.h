@@ -10,6 +10,7 @@
 #include "engine/engine.h"
 #include "gpu/readback.h"
 #include "lpv/cached.h"
+#include "lpv/frame/near_field.h"
 #include "lpv/frame/shading.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
@@ -25,6 +26,7 @@ namespace lpv {
 struct View {
   std::unique_ptr<Gbuffer> gbuffer;
   std::unique_ptr<FrameTargets> targets;
+  std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced)
   gpu::Readback readback;
 };
 

@@ -10,6 +10,7 @@ namespace {
 namespace kernel {
 using Scalar = double;
 using Real = double;
+using Across = double;
 using Vector = glm::dvec3;
 using glm::vec4;
 using std::abs;

@@ -5,19 +5,22 @@
 #include "common/octahedral.glsl"
 #include "transport/lookup.glsl"
 #include "common/tonemap.glsl"
+#include "frame/position.glsl"
 
 #ifndef LPV_DISPLAY
 #error "LPV_DISPLAY: 0 or 1"
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
-#error "LPV_NEAR_FIELD: LPV_NEAR_FIELD_NOWHERE, _OUTSIDE, _EMITTERS or _EVERYWHERE (shaders/layout.h)"
+#error "LPV_NEAR_FIELD: LPV_NEAR_FIELD_NOWHERE, _EMITTERS, _EVERYWHERE or _SAMPLED (shaders/layout.h)"
 #endif
-#if LPV_NEAR_FIELD != LPV_NEAR_FIELD_NOWHERE
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
 #include "transport/emitter_list.glsl"
 #endif
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
-layout(binding = kEmitterDistance) uniform sampler3D emitterDistance;
+#include "transport/emitter_distance.glsl"
+#elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_SAMPLED
+layout(binding = kNearField) uniform sampler2D nearField;
 #endif
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
@@ -29,42 +32,27 @@ layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 
 layout(location = 0) out vec4 colour;
 
-/// Grid position of what is seen in this pixel at a stored depth.
-vec3 gridPosition(float depth) {
-  const vec2 uv = gl_FragCoord.xy * frame.pixelSize;
-  const vec3 ray = frame.rayOrigin + uv.x * frame.rayRight + uv.y * frame.rayDown;
-  return frame.eye + frame.depthScale / (depth + frame.depthOffset) * ray;
-}
-
-#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
-/// As in server/scene/emitter_list.h.
-float farFromEmitters(vec3 p) {
-  const vec3 dims = vec3(frame.dims);
-  if (any(lessThan(p, vec3(0.5))) || any(greaterThan(p, dims - 0.5))) return 0.0;
-#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE
-  return 1.0;
-#else
-  return smoothstep(kNearFieldBegin, kNearFieldEnd, textureLod(emitterDistance, p / dims, 0.0).x);
-#endif
-}
-#endif
-
-vec3 irradiance(vec3 p, vec3 n) {
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
-  return directIrradiance(p, n);
+vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) { return directIrradiance(p, n); }
+#elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_SAMPLED
+vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) {
+  const vec4 near = texelFetch(nearField, pixel, 0);
+  return near.w < 1.0 ? mix(irradianceAt(p, n, frame.dims, frame.palette), near.rgb, near.w) : near.rgb;
+}
 #else
+vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) {
   const vec3 e = irradianceAt(p, n, frame.dims, frame.palette);
-#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_OUTSIDE || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
-  const float far = farFromEmitters(p);
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
+  const float far = farFromEmitters(p, frame.dims);
   if (far < 1.0) return mix(directIrradiance(p, n), e, far);
 #endif
   return e;
-#endif
 }
+#endif
 
 vec3 reflected(ivec2 pixel, float depth) {
   const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
-  const vec3 e = irradiance(gridPosition(depth), n);
+  const vec3 e = irradiance(pixel, gridPosition(frame, gl_FragCoord.xy, depth), n);
   return texelFetch(albedo, pixel, 0).rgb * e / kPi;
 }
 

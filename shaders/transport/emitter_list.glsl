@@ -6,39 +6,11 @@
 // entries, sides that emit, texels of an entry); then triangles of three corners each, counter-clockwise seen from the
 // front, and the entries of shaders/transport/vpls.glsl. Grid space.
 #include "layout.h"
-#include "common/angles.glsl"
+#include "transport/polygons.glsl"
 #define LPV_RECEIVERS 1
 #include "transport/vpl_kernel.glsl"
 
 layout(binding = kDirect) uniform samplerBuffer direct;
-
-/// The part of E that an edge from p to q of a light's outline gives: the angle it takes times the cosine of its plane.
-float edgeIrradiance(vec3 p, vec3 q, vec3 n) {
-  const vec3 normal = cross(p, q);
-  const float size = length(normal);
-  return size > 0.0 ? angleBetween(size, dot(p, q)) * dot(normal, n) / size : 0.0;
-}
-
-/// E of unit radiance; corners seen from the receiver. The triangle is cut at the horizon of n: edge by edge, and where
-/// the outline goes below and comes up again, one edge along the horizon.
-float triangleIrradiance(vec3 a, vec3 b, vec3 c, vec3 n, float sides) {
-  const float side = dot(cross(b - a, c - a), a);
-  if (side == 0.0 || (side > 0.0 && sides < 1.5)) return 0.0;
-  const vec3 corners[3] = vec3[3](a, b, c);
-  vec3 leaves = vec3(0.0), returns = vec3(0.0);
-  float sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const vec3 p = corners[i], q = corners[(i + 1) % 3];
-    const float hp = dot(p, n), hq = dot(q, n);
-    if (hp <= 0.0 && hq <= 0.0) continue;
-    const vec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
-    if (hp > 0.0 && hq <= 0.0) leaves = cut;
-    if (hp <= 0.0 && hq > 0.0) returns = cut;
-    sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
-  }
-  sum += edgeIrradiance(leaves, returns, n);
-  return 0.5 * abs(sum);
-}
 
 float polygonIrradiance(int first, int triangles, vec3 x, vec3 n, float sides) {
   float sum = 0.0;

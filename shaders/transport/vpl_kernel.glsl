@@ -3,8 +3,8 @@
 // tests/gpu/transport/vpl_kernel_test.cpp compares all three with the derivation in tests/reference/gather.cpp.
 //
 // Written in what GLSL and C++ have in common: no swizzles, no in and out parameters. Scalar is one number, Vector three,
-// Real one number per receiver: LPV_RECEIVERS is 1, or 4 for receivers that differ in z only. Names with a formula are
-// those of MATHS.md. Grid space: cell units.
+// Real one number per receiver: LPV_RECEIVERS is 1, or 4. Across is Scalar for four receivers that differ in z only, Real
+// with LPV_RECEIVERS_APART. Names with a formula are those of MATHS.md. Grid space: cell units.
 #ifndef LPV_RECEIVERS
 #error "LPV_RECEIVERS: 1 or 4"
 #endif
@@ -15,6 +15,11 @@
 #define Real float
 #else
 #define Real vec4
+#endif
+#ifdef LPV_RECEIVERS_APART
+#define Across Real
+#else
+#define Across Scalar
 #endif
 #endif
 
@@ -80,7 +85,7 @@ Scalar leastDistanceInverse(VplEntry v) {
 }
 
 /// At a receiver from which the VPL's position is at d: the kernel of a flat emitter and g times its second order.
-Arriving arrivingFrom(VplEntry v, Scalar dx, Scalar dy, Real dz, bool twoSided) {
+Arriving arrivingFrom(VplEntry v, Across dx, Across dy, Real dz, bool twoSided) {
   const Real inverse = inversesqrt(max(dx * dx + dy * dy + dz * dz, kNearest * kNearest));
   const Real nd = v.direction.x * dx + v.direction.y * dy + v.direction.z * dz;  // N.d
   const Emission emission = emissionTowards(-nd * inverse, v.spread, twoSided);
@@ -111,5 +116,18 @@ Scalar irradianceFrom(VplEntry v, Vector d, Vector n, bool twoSided) {
   const Scalar heights = max(sqrt(max(3.0 * dot(n, covarianceTimes(v, n)), 0.0)), kLeastHeights);
   const Scalar above = emissionTowards(height, heights, false).intensity;
   return max(0.0, dot(n, flux) + length(flux) * light.inverseDistance * (above - height));
+}
+#elif defined LPV_RECEIVERS_APART
+/// The same for four receivers with a normal each.
+Real irradianceFrom(VplEntry v, Real dx, Real dy, Real dz, Real nx, Real ny, Real nz, bool twoSided) {
+  const Arriving light = arrivingFrom(v, dx, dy, dz, twoSided);
+  const Real height = nx * dx + ny * dy + nz * dz;
+  const Real variance = v.variances.x * nx * nx + v.variances.y * ny * ny + v.variances.z * nz * nz +
+                        2.0 * (v.covariances.x * nx * ny + v.covariances.y * nx * nz + v.covariances.z * ny * nz);
+  const Real heights = max(sqrt(max(3.0 * variance, 0.0)), kLeastHeights);
+  const Real within = clamp(height, -heights, heights) + heights;
+  const Real above = within * within / (4.0 * heights) + max(height - heights, 0.0);
+  const Real size = sqrt(light.x * light.x + light.y * light.y + light.z * light.z);
+  return max(nx * light.x + ny * light.y + nz * light.z + size * light.inverseDistance * (above - height), 0.0);
 }
 #endif

@@ -1,6 +1,6 @@
 // The lighting core's stages, as the engine times them: a light of 33,446 triangles that moves every tick, at 32^3 and
 // 64^3 with as many iterations as the grid is long. "transport" reads the volume back, "frames" renders 640 x 360 from
-// a still camera. Times are from submit to done; the counters are milliseconds per stage.
+// a still camera, "nearField" with GATHER. Times are from submit to done; the counters are milliseconds per stage.
 
 #include <benchmark/benchmark.h>
 
@@ -61,9 +61,25 @@ void frames(benchmark::State& state) {
   }
 }
 
+/// GATHER with the statue near walls: the near field at some pixels, as streams have it, or at each.
+void nearField(benchmark::State& state) {
+  Scene scene = bench::roomWith(bench::statue(), position(0), 32);
+  scene.options.transport = Transport::kGather;
+  scene.options.followTransport();
+  int step = 0;
+  for (auto _ : state) {
+    TickRequest r = request(scene, step++);
+    r.transported = false;
+    r.frames = {frame(true)};
+    r.frames[0].reduced = state.range(0) != 0;
+    countStages(state, bench::tick(std::move(r)).report);
+  }
+}
+
 constexpr auto kUnit = benchmark::kMillisecond;
 BENCHMARK(transport)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
 BENCHMARK(frames)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
+BENCHMARK(nearField)->ArgName("reduced")->Arg(0)->Arg(1)->UseRealTime()->Unit(kUnit);
 
 }  // namespace
 

@@ -34,6 +34,7 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
     return;
   }
   if (lit->transport != Transport::kPropagate) lit->emitters->view.bind(layout::kDirect);
+  if (lit->nearField != nullptr) lit->nearField->bind(layout::kNearField);
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
@@ -46,15 +47,15 @@ static_assert(int(Lookup::kSh2) == LPV_LOOKUP_SH2 && int(Lookup::kCap) == LPV_LO
 /// Where receivers evaluate the lights themselves.
 enum class NearFieldMode {
   kNowhere = LPV_NEAR_FIELD_NOWHERE,
-  kOutside = LPV_NEAR_FIELD_OUTSIDE,
   kEmitters = LPV_NEAR_FIELD_EMITTERS,
-  kEverywhere = LPV_NEAR_FIELD_EVERYWHERE
+  kEverywhere = LPV_NEAR_FIELD_EVERYWHERE,
+  kSampled = LPV_NEAR_FIELD_SAMPLED
 };
 
 NearFieldMode nearFieldMode(const IrradianceSources& lit) {
   if (lit.volume == nullptr) return NearFieldMode::kEverywhere;
   if (lit.transport != Transport::kGather) return NearFieldMode::kNowhere;
-  return lit.nearField ? NearFieldMode::kEmitters : NearFieldMode::kOutside;
+  return lit.nearField != nullptr ? NearFieldMode::kSampled : NearFieldMode::kEmitters;
 }
 
 void prepareFullScreen() {

@@ -40,9 +40,9 @@ layout::ExposureParams exposureParams(const Exposure& exposure);
 struct IrradianceSources {
   Transport transport = Transport::kPropagate;
   Lookup lookup = Lookup::kSh2;
-  bool nearField = false;  ///< GATHER: near emitters receivers look at the lights; else the volume is all they see
   const IncidentTextures* volume = nullptr;  ///< null with DIRECT
   const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
+  const gpu::Texture* nearField = nullptr;  ///< GATHER: of NearFieldBuffer; null: pixels look at the lights themselves
 };
 
 class ShadingPass {

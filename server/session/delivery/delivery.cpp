@@ -296,6 +296,7 @@ TickRequest Delivery::requestOf(const TickPlan& plan) const {
   request.guarded = plan.guarded;
   for (const TickPlan::FrameReader& reader : plan.frameReaders) {
     request.frames.push_back(frameRequest(reader.settings, reader.subscriber->key, *request.scene));
+    request.frames.back().reduced = true;
   }
   for (const auto& call : plan.frameCalls) request.frames.push_back(frameRequest(*call->frame, 0, *request.scene));
   return request;

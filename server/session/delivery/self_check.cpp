@@ -37,9 +37,7 @@ LitPoints litPoints(const LitSides& sides, const AreaLights& lights, Random& ran
 
 /// Irradiance as the session's frames look it up.
 Irradiance lookUp(const Scene& scene, const Volume& volume, const Receiver& at) {
-  const bool always = volume.direct != nullptr && volume.direct->always;
-  const bool nearField = always || scene.options.quality == Quality::kAccurate;
-  return (nearField ? irradianceWithNearField : irradianceAt)(volume, scene.options.lookup, at.position, at.normal);
+  return irradianceWithNearField(volume, scene.options.lookup, at.position, at.normal);
 }
 
 }  // namespace

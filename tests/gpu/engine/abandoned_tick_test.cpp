@@ -50,6 +50,7 @@ class AbandonedTickTest : public test::GlTest, public testing::WithParamInterfac
     frame.camera.target = glm::dvec3(0.0);
     frame.size = {64, 64};
     frame.format = PixelFormat::kRgb32F;
+    frame.reduced = true;
     return request;
   }
 

@@ -42,7 +42,7 @@ TEST_F(ShaderSourceTest, CompilerMessagesNameFileAndLine) {
 // Broken by: a variant whose #error is missing.
 TEST_F(ShaderSourceTest, VariantsWithoutTheirDefinesDoNotCompile) {
   for (const char* file : {"voxelize/voxelize.comp", "transport/inject.comp", "transport/propagate.comp",
-                           "transport/volume.comp", "frame/exposure.comp"})
+                           "transport/volume.comp", "frame/exposure.comp", "frame/near_field.comp"})
     EXPECT_THROW(gpu::Program({file}, {{"LPV_CHANNELS", "1"}}), gpu::Failure) << file;
 }
 

@@ -184,6 +184,24 @@ TEST_F(SessionTest, LargeFramesOfCallsAreMadeOneAfterTheOther) {
   EXPECT_EQ(rig_.engine.ticks() - before, 5);
 }
 
+// A stream's frames look at near lights from some pixels, a single frame from each.
+// Seen to fail with both, and with neither, reduced.
+TEST_F(SessionTest, FramesOfStreamsAreReduced) {
+  Subscription subscription;
+  subscription.frame = FrameSettings();
+  subscribed(inbox_, subscription);
+  ASSERT_EQ(inbox_->count(), 1U);
+  EXPECT_EQ(rig_.engine.reducedFrames(), 1);
+  int answers = 0;
+  WaitingCall call;
+  call.frame = FrameSettings();
+  call.done = [&answers](const Expected<Result>&) { ++answers; };
+  session_->delivery().ask(std::move(call));
+  rig_.settle();
+  EXPECT_EQ(answers, 1);
+  EXPECT_EQ(rig_.engine.reducedFrames(), 1);
+}
+
 TEST_F(SessionTest, ATickThatFailsEndsItsCallsAndIsTriedAgain) {
   rig_.engine.failWith(Status(Code::kInternal, "out of memory"));
   std::vector<Status> answers;

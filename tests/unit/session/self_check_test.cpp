@@ -80,6 +80,33 @@ TEST(SelfCheck, FindsTheErrorThatIsThere) {
   }
 }
 
+/// The lamp as receivers near it look at it, and the lamp near everywhere.
+EmitterListPtr nearEverywhere(const Scene& scene) {
+  auto list = std::make_shared<EmitterList>();
+  list->grid = scene.grid;
+  const std::vector<reference::Emitter> emitters = emittersOf(scene);
+  list->texels = {{1, 0, 0, 0}, glm::vec4(scene.lights.at("lamp")->radiance, 0), {3, float(emitters.size()), 1, 0}};
+  for (const reference::Emitter& e : emitters) {
+    for (const glm::dvec3& corner : e.corners)
+      list->texels.emplace_back(glm::vec3(scene.grid.gridFromWorld(corner)), 0.0F);
+  }
+  list->emitterDistance.assign(scene.grid.cells(), 0.0F);
+  return list;
+}
+
+// As frames of any quality do. Broken by: the near field with quality ACCURATE alone.
+TEST(SelfCheck, LooksAtNearLightsInEveryQuality) {
+  for (const Quality quality : {Quality::kFast, Quality::kAccurate}) {
+    Scene scene = sceneWith(true);
+    scene.options.quality = quality;
+    Volume wrong = exactVolume(scene, 1.5);
+    wrong.direct = nearEverywhere(scene);
+    const std::optional<ErrorEstimate> found = selfCheck(scene, wrong, kSeed);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_LE(found->error, 1e-5);
+  }
+}
+
 TEST(SelfCheck, IsTheSameForTheSameSeed) {
   const Scene scene = sceneWith(true);
   const Volume volume = exactVolume(scene, 1.1);

@@ -68,7 +68,10 @@ void InstantEngine::submit(TickRequest request, TickDone done) {
   result.revision = request.scene->revision;
   if (request.transported) result.transported = std::make_shared<const Volume>();
   if (request.injected) result.injected = std::make_shared<const Volume>();
-  for (std::size_t i = 0; i < request.frames.size(); ++i) result.frames.push_back(std::make_shared<const Frame>());
+  for (const FrameRequest& frame : request.frames) {
+    if (frame.reduced) ++reducedFrames_;
+    result.frames.push_back(std::make_shared<const Frame>());
+  }
   done(std::move(result));
 }
 

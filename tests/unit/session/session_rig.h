@@ -38,6 +38,7 @@ class InstantEngine final : public Engine {
   std::int64_t contextLosses() const override { return 0; }
 
   int ticks() const { return ticks_; }
+  int reducedFrames() const { return reducedFrames_; }  ///< asked for so far
   /// The ticks from now on fail with this; ok ends that.
   void failWith(const Status& status);
 
@@ -46,7 +47,7 @@ class InstantEngine final : public Engine {
 
  private:
   DeviceInfo device_;
-  std::atomic<int> ticks_{0};
+  std::atomic<int> ticks_{0}, reducedFrames_{0};
   std::mutex mutex_;
   Status failure_;
 };

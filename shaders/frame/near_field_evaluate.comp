@@ -1,0 +1,40 @@
+// The lights themselves at the points of a picture that near_field.comp has listed, four to a thread. These are close
+// together, and the same ones in every run, so results are the same, too, whatever the order of the list.
+#include "layout.h"
+#include "common/sh.glsl"
+#include "common/octahedral.glsl"
+#include "frame/position.glsl"
+#include "transport/emitter_list_four.glsl"
+
+layout(local_size_x = kNearFieldGroup) in;
+
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(binding = kNormal) uniform sampler2D normal;
+layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
+layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
+layout(std430, binding = kNearFieldPoints) readonly buffer Points {
+  ListHeader list;
+  uvec4 points[];
+};
+
+void main() {
+  if (gl_GlobalInvocationID.x >= list.count) return;
+  const uvec4 four = points[gl_GlobalInvocationID.x];
+  FourReceivers r;
+  for (int i = 0; i < 4; ++i) {
+    const ivec2 pixel = unpackedPixel(four[i]);
+    const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
+    const vec3 x = gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x);
+    r.x[i] = x.x;
+    r.y[i] = x.y;
+    r.z[i] = x.z;
+    r.nx[i] = n.x;
+    r.ny[i] = n.y;
+    r.nz[i] = n.z;
+  }
+  const FourIrradiances e = directIrradiances(r);
+  for (int i = 0; i < 4; ++i) {
+    const ivec2 pixel = unpackedPixel(four[i]);
+    imageStore(nearField, pixel, vec4(e.red[i], e.green[i], e.blue[i], imageLoad(nearField, pixel).w));
+  }
+}

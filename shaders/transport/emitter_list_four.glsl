@@ -1,0 +1,93 @@
+// What shaders/transport/emitter_list.glsl does for one receiver, for four that are close together: what is read of the
+// lights serves them all. A node is taken whole where it is far enough from each of them.
+#include "layout.h"
+#include "transport/polygons.glsl"
+#define LPV_RECEIVERS 4
+#define LPV_RECEIVERS_APART
+#include "transport/vpl_kernel.glsl"
+
+layout(binding = kDirect) uniform samplerBuffer direct;
+
+/// Grid positions, and unit normals of the surfaces that they are on.
+struct FourReceivers {
+  vec4 x, y, z;
+  vec4 nx, ny, nz;
+};
+
+/// W/m^2, per receiver.
+struct FourIrradiances {
+  vec4 red, green, blue;
+};
+
+void add(inout FourIrradiances sum, vec3 radiance, vec4 e) {
+  sum.red += radiance.r * e;
+  sum.green += radiance.g * e;
+  sum.blue += radiance.b * e;
+}
+
+float triangleAt(int at, vec3 x, vec3 n, float sides) {
+  return triangleIrradiance(texelFetch(direct, at).xyz - x, texelFetch(direct, at + 1).xyz - x,
+                            texelFetch(direct, at + 2).xyz - x, n, sides);
+}
+
+vec4 polygonIrradiance(int first, int triangles, FourReceivers r, float sides) {
+  const vec3 x0 = vec3(r.x.x, r.y.x, r.z.x), n0 = vec3(r.nx.x, r.ny.x, r.nz.x);
+  const vec3 x1 = vec3(r.x.y, r.y.y, r.z.y), n1 = vec3(r.nx.y, r.ny.y, r.nz.y);
+  const vec3 x2 = vec3(r.x.z, r.y.z, r.z.z), n2 = vec3(r.nx.z, r.ny.z, r.nz.z);
+  const vec3 x3 = vec3(r.x.w, r.y.w, r.z.w), n3 = vec3(r.nx.w, r.ny.w, r.nz.w);
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < triangles; ++i) {
+    const int at = first + 3 * i;
+    sum += vec4(triangleAt(at, x0, n0, sides), triangleAt(at, x1, n1, sides), triangleAt(at, x2, n2, sides),
+                triangleAt(at, x3, n3, sides));
+  }
+  return sum;
+}
+
+/// Of the VPL at texel `at`.
+vec4 vplIrradiance(int at, FourReceivers r, float sides) {
+  const VplEntry v = vplEntry(texelFetch(direct, at), texelFetch(direct, at + 1), texelFetch(direct, at + 2),
+                              texelFetch(direct, at + 3));
+  return irradianceFrom(v, v.position.x - r.x, v.position.y - r.y, v.position.z - r.z, r.nx, r.ny, r.nz, sides > 1.5);
+}
+
+/// Adds what a light's tree gives. From `most` rounds on nodes are taken whole.
+void addTree(inout FourIrradiances sum, vec3 radiance, vec4 where, FourReceivers r, float k, inout int rounds,
+             int most) {
+  const int first = int(where.x), entries = int(where.y), stride = int(where.w);
+  for (int at = 0; at < entries;) {
+    const vec4 node = texelFetch(direct, first + at * stride), next = texelFetch(direct, first + at * stride + 1);
+    const int vpls = int(next.x), after = int(next.y);
+    const vec4 dx = node.x - r.x, dy = node.y - r.y, dz = node.z - r.z;
+    const bool leaf = after == at + 1 + vpls;
+    const bool far = all(greaterThan(dx * dx + dy * dy + dz * dz, vec4(k * k * node.w * node.w)));
+    const bool whole = leaf || far || rounds > most;
+    const int last = whole ? at + vpls : at;
+    for (int i = at + 1; i <= last; ++i) {
+      const int texel = first + i * stride;
+      const vec3 colour = stride == kTexturedEntryTexels ? texelFetch(direct, texel + 4).rgb : vec3(1.0);
+      add(sum, radiance * colour, vplIrradiance(texel, r, where.z));
+    }
+    rounds += 1 + last - at;
+    at = whole ? after : at + 1 + vpls;
+  }
+}
+
+/// As directIrradiance.
+FourIrradiances directIrradiances(FourReceivers r) {
+  const vec4 what = texelFetch(direct, 0);
+  const int lights = int(what.x);
+  FourIrradiances sum = FourIrradiances(vec4(0.0), vec4(0.0), vec4(0.0));
+  int rounds = 0;
+  for (int i = 0; i < lights; ++i) {
+    const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
+    if (radiance.w == 0.0) {
+      add(sum, radiance.rgb, polygonIrradiance(int(where.x), int(where.y), r, where.z));
+      rounds += 4 * int(where.y);
+    } else {
+      const int most = rounds + (kMaxRounds - rounds) / (lights - i);
+      addTree(sum, radiance.rgb, where, r, what.y, rounds, most);
+    }
+  }
+  return sum;
+}
