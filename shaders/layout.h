@@ -54,7 +54,8 @@ LPV_CONST int kCursors =
     21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 LPV_CONST int kThinTriangles = 23;  // ListHeader, then uint: triangles that snapping makes a segment over several cells
-LPV_CONST int kRowMoments = 24;  // double, 2 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
+LPV_CONST int kRowMoments =
+    24;  // double, 2 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 LPV_CONST int kNearFieldTiles = 25;  // uint per tile of a picture: 1 where a pixel needs the near field
 LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points that are to be evaluated
 
@@ -150,8 +151,8 @@ LPV_CONST int kPlainVplWords = kVplOffset + 3 * kWideWords;
 LPV_CONST int kVplColour = kPlainVplWords;  // area x colour, 3 sums
 LPV_CONST int kVplWeight = kVplColour + kColours * kWideWords;  // area x brightest channel
 LPV_CONST int kTexturedVplWords = kVplWeight + kWideWords;
-LPV_CONST int kSquareWords = 6 * kWideWords;  // at the end, with LPV_SQUARES: weight x squares of where it emits (xx, yy,
-                                              // zz, xy, xz, yz), about the cell's lower corner
+LPV_CONST int kSquareWords = 6 * kWideWords;  // at the end, with LPV_SQUARES: weight x squares of where it emits (xx,
+                                              // yy, zz, xy, xz, yz), about the cell's lower corner
 
 // --- the volume
 LPV_CONST int kCoefficients = 4;  // 2-band SH

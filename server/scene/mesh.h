@@ -24,8 +24,8 @@ struct Mesh {
   std::vector<glm::vec2> uvs;          ///< empty, or one per position; (0,0) is the first texel of the first row
   std::vector<glm::vec3> directions;   ///< empty, or one emission direction per position (paper 3.2)
   std::vector<glm::uvec3> triangles;   ///< indices into positions
-  /// The same surface for what does not vary over it: flat patches with a convex outline are fans, so that an answer does
-  /// not depend on how they were cut up (scene/flat_patches.h); empty where that changes nothing.
+  /// The same surface for what does not vary over it: flat patches with a convex outline are fans, so that an answer
+  /// does not depend on how they were cut up (scene/flat_patches.h); empty where that changes nothing.
   std::vector<glm::uvec3> merged;
   BlobHash hash;                       ///< of the blob this came from; names the content
   /// The blob's bytes if serialising this mesh would give others (repaired normals, another order of fields); else

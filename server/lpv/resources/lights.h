@@ -50,7 +50,8 @@ double cellsAcross(const EmittingLight& light);
 bool isConstant(const EmittingLight& light);
 
 /// A constant light is looked at as polygons, which is exact, while it has no more triangles than this, its flat
-/// patches merged; other lights are their trees. The near field of GATHER, and DIRECT with a rule below kAccurateOpeningRatio, where time counts.
+/// patches merged; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
+/// kAccurateOpeningRatio, where time counts.
 inline constexpr std::size_t kFewPolygons = 32;
 
 /// Whether the near field takes the light for polygons, as far as it goes by this light alone.

@@ -39,7 +39,8 @@ glm::dvec3 pointNear(const Outline& light, std::size_t i, const CellBox& cells) 
   const glm::dvec3 dims(cells.upper - cells.lower);
   const double share = glm::fract(0.618033988749894848 * double(i + 1));
   const double far = kNear + share * share * std::max({dims.x, dims.y, dims.z}) / 3.0;
-  return glm::clamp(light.centre + (light.radius + far) * normalOf(i), glm::dvec3(cells.lower), glm::dvec3(cells.upper));
+  return glm::clamp(light.centre + (light.radius + far) * normalOf(i), glm::dvec3(cells.lower),
+                    glm::dvec3(cells.upper));
 }
 
 void add(std::vector<double>& to, const std::vector<double>& from, double factor = 1.0) {

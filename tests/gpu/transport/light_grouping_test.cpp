@@ -51,7 +51,8 @@ std::vector<int> groupsOf(const std::vector<EmittingLight>& lights) {
 CellBox cellsOf(const Scene& scene) { return {glm::ivec3(0), scene.grid.dims}; }
 
 struct GroupedScene {
-  explicit GroupedScene(const Scene& scene, const Grouping& previous = {}) : lights(emittingLights(scene, scene.grid, {})) {
+  explicit GroupedScene(const Scene& scene, const Grouping& previous = {})
+      : lights(emittingLights(scene, scene.grid, {})) {
     const Grouped grouped = groupLights(scene, cellsOf(scene), lights, previous);
     names = grouped.names;
     sectors = grouped.sectors;

@@ -162,8 +162,8 @@ TEST_F(Cli, SceneLoadAndRenderWithinFixedBounds) {
   EXPECT_THAT(lpvctlOut({"scene", "list", id_}), HasSubstr("lamp"));
   EXPECT_EQ(lpvctlOut({"session", "set", id_, "--bounds", "-100,-100,-100,100,100,100"}), "");
   EXPECT_EQ(lpvctl({"scene", "load", id_, room_}).err, "");
-  const Outcome render = lpvctl({"render", room_, "-o", folder_.path("far.png"), "--size", "32x32", "--bounds", far,
-                                 "--transport", "propagate"});
+  const Outcome render = lpvctl(
+      {"render", room_, "-o", folder_.path("far.png"), "--size", "32x32", "--bounds", far, "--transport", "propagate"});
   EXPECT_EQ(render.exit, 0) << render.err;
   EXPECT_THAT(render.err, HasSubstr("light 'lamp' lies outside the grid's bounds: transport PROPAGATE"));
   EXPECT_TRUE(std::filesystem::exists(folder_.path("far.png")));
