@@ -9,17 +9,9 @@
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
+#include "scene/emitter_list.h"
 
 namespace lpv {
-
-/// A light of constant radiance without directions is looked at as polygons, which is exact, while it has no more
-/// triangles than this; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
-/// kAccurateOpeningRatio, where time counts;
-inline constexpr std::size_t kFewPolygons = 32;
-/// DIRECT with kAccurateOpeningRatio or above: 720 triangles cost a receiver 2-3x the walk through their tree.
-inline constexpr std::size_t kMostPolygons = 1024;
-/// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
-inline constexpr std::size_t kMostPolygonsOfAll = 4096;
 
 /// Whether the near field takes the light for polygons, as far as it goes by this light alone.
 bool fewPolygons(const EmittingLight& light);

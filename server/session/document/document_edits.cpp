@@ -221,7 +221,7 @@ Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Rollback&
     return Status(Code::kFailedPrecondition, Reason::kFixedBounds,
                   "the grid has fixed bounds; clear settings.grid.bounds to fit it", "fit_grid");
   }
-  if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
+  if (Status s = refit(true, rollback); !s.ok()) return s.within("fit_grid");
   rollback.fitted = true;
   return std::string();
 }

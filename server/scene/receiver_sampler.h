@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <random>
+#include <string>
 #include <vector>
 
+#include "scene/emitter_list.h"
 #include "scene/scene.h"
 
 namespace lpv {
@@ -22,7 +24,9 @@ struct Receiver {
 /// Where there are none, the walls of a room a tenth smaller than the grid on each side, from within.
 class LitSides {
  public:
-  explicit LitSides(const Scene& scene);
+  explicit LitSides(const Scene& scene) : LitSides(scene, scene.grid) {}
+  /// With the walls of `grid` where there are no surfaces.
+  LitSides(const Scene& scene, const Grid& grid);
 
   /// m^2; a triangle with two sides counts twice.
   double area() const { return running_.empty() ? 0.0 : running_.back(); }
@@ -53,33 +57,61 @@ class LitSides {
   std::vector<Range> ranges_;
 };
 
-/// What emits in a scene, without textures and emission directions: where light leaves it, and the closed form of what
-/// arrives.
+/// What emits in a scene: where light leaves it, and the closed form of what arrives. Textures are taken as their mean,
+/// emission directions as normals.
 class AreaLights {
  public:
   explicit AreaLights(const Scene& scene);
 
   std::size_t triangles() const { return running_.size(); }
+  std::size_t lights() const { return lights_.size(); }
+  const glm::dvec3& radiance(std::size_t light) const { return lights_[light].radiance; }
+  const std::string& group(std::size_t light) const { return lights_[light].group; }
   /// W; the mean of red, green and blue.
   double power() const { return running_.empty() ? 0.0 : running_.back(); }
+  /// The same power from about `most` triangles: of each light that has more than its part of them, and more than a
+  /// few, triangles chosen by area (stratified), each of which stands for as much area.
+  AreaLights thinned(std::size_t most, Random& random) const;
   /// A point and direction in which a share of power() leaves that is the same for every sample.
   void emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) const;
   /// W/m^2, unoccluded (Lambert; Arvo 1995; MATHS.md 5.1).
   glm::dvec3 irradiance(const Receiver& at) const;
+  /// Adds `weight` times what each light would send to a point with unit radiance (MATHS.md 5).
+  void addMoments(const glm::dvec3& at, double weight, std::vector<Arriving>& perLight) const;
+  /// Metres to the nearest emitter, `limit` where there is none nearer.
+  double distance(const glm::dvec3& from, double limit) const;
 
  private:
+  /// Triangles that a thinned light keeps at least.
+  static constexpr std::size_t kLeastOfALight = 4;
+
   struct Triangle {
     glm::dvec3 corners[3];  ///< counter-clockwise seen from the front
     std::size_t light = 0;
+    double share = 1.0;  ///< area that it stands for, by its own
+    double reach = 0.0;  ///< metres around it that it stands for
   };
   struct Emission {
     glm::dvec3 radiance{0.0};
     int sides = 1;
+    std::string group;
   };
+
+  AreaLights() = default;
+  void add(const Triangle& triangle);
 
   std::vector<Triangle> triangles_;
   std::vector<Emission> lights_;
   std::vector<double> running_;  ///< power up to and with each triangle
 };
+
+/// Where rays from the lights cross the surfaces.
+struct LitPoints {
+  std::vector<Receiver> at;
+  double received = 0.0;  ///< W; the integral of irradiance over the surfaces, mean of the colours
+};
+
+/// About a thousand rays, fewer where that takes more than `mostTests` tests of a ray against a triangle.
+LitPoints litPoints(const LitSides& sides, const AreaLights& lights, std::size_t mostTests, Random& random);
 
 }  // namespace lpv

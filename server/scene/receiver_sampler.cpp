@@ -1,4 +1,4 @@
-#include "session/delivery/receiver_sampler.h"
+#include "scene/receiver_sampler.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,11 +52,44 @@ void forEachTriangle(const Mesh& mesh, const Transform& transform, Each each) {
   }
 }
 
+/// Mean of the texels of some rows; 1 without a texture.
+glm::dvec3 meanOf(const TexturePtr& texture) {
+  constexpr int kRows = 16;
+  if (texture == nullptr || texture->texels.empty()) return glm::dvec3(1.0);
+  std::vector<glm::vec3> texels;
+  const int rows = std::min(kRows, texture->height);
+  for (int i = 0; i < rows; ++i) appendLinearRow(*texture, int((i + 0.5) * texture->height / rows), texels);
+  glm::dvec3 sum(0.0);
+  for (const glm::vec3& texel : texels) sum += glm::dvec3(texel);
+  return sum / double(texels.size());
+}
+
+/// To the nearest point of the segment from a to b.
+double distanceToEdge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
+  const glm::dvec3 ab = b - a;
+  const double along = glm::dot(ab, ab);
+  const double t = along > 0.0 ? std::clamp(glm::dot(p - a, ab) / along, 0.0, 1.0) : 0.0;
+  return glm::distance(p, a + t * ab);
+}
+
+double distanceToTriangle(const glm::dvec3 (&c)[3], const glm::dvec3& p) {
+  const glm::dvec3 normal = glm::cross(c[1] - c[0], c[2] - c[0]);
+  bool above = true;
+  double edges = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 &a = c[i], &b = c[(i + 1) % 3];
+    above = above && glm::dot(glm::cross(normal, b - a), p - a) >= 0.0;
+    edges = std::min(edges, distanceToEdge(a, b, p));
+  }
+  const double size = glm::length(normal);
+  return above && size > 0.0 ? std::abs(glm::dot(normal, p - c[0])) / size : edges;
+}
+
 }  // namespace
 
-LitSides::LitSides(const Scene& scene) {
+LitSides::LitSides(const Scene& scene, const Grid& grid) {
   for (const auto& [name, surface] : scene.surfaces) add(*surface);
-  if (scene.surfaces.empty()) addWalls(scene.grid);
+  if (scene.surfaces.empty()) addWalls(grid);
 }
 
 void LitSides::add(const Surface& surface) {
@@ -122,15 +155,42 @@ std::size_t LitSides::cross(const glm::dvec3& origin, const glm::dvec3& directio
 AreaLights::AreaLights(const Scene& scene) {
   for (const auto& [name, light] : scene.lights) {
     if (!emits(*light)) continue;
-    lights_.push_back({emittedRadiance(*light), light->twoSided ? 2 : 1});
-    const Emission& emission = lights_.back();
-    const double exitance =
-        std::numbers::pi * emission.sides * (emission.radiance.x + emission.radiance.y + emission.radiance.z) / 3.0;
+    lights_.push_back({emittedRadiance(*light) * meanOf(light->texture), light->twoSided ? 2 : 1, light->group});
     forEachTriangle(*light->mesh, light->transform, [&](const glm::dvec3(&c)[3]) {
-      triangles_.push_back({{c[0], c[1], c[2]}, lights_.size() - 1});
-      running_.push_back(power() + exitance * areaOf(c));
+      add({{c[0], c[1], c[2]}, lights_.size() - 1});
     });
   }
+}
+
+void AreaLights::add(const Triangle& triangle) {
+  const Emission& emission = lights_[triangle.light];
+  const double mean = (emission.radiance.x + emission.radiance.y + emission.radiance.z) / 3.0;
+  const double exitance = std::numbers::pi * emission.sides * mean;
+  running_.push_back(power() + triangle.share * exitance * areaOf(triangle.corners));
+  triangles_.push_back(triangle);
+}
+
+AreaLights AreaLights::thinned(std::size_t most, Random& random) const {
+  AreaLights out;
+  out.lights_ = lights_;
+  const std::size_t each = std::max(kLeastOfALight, most / std::max<std::size_t>(lights_.size(), 1));
+  for (std::size_t begin = 0, end = 0; begin < triangles_.size(); begin = end) {
+    std::vector<double> area;
+    for (; end < triangles_.size() && triangles_[end].light == triangles_[begin].light; ++end)
+      area.push_back((area.empty() ? 0.0 : area.back()) + areaOf(triangles_[end].corners));
+    const std::size_t kept = std::min(each, area.size());
+    for (std::size_t i = 0; i < kept; ++i) {
+      Triangle triangle = triangles_[begin + i];
+      if (kept < area.size() && area.back() > 0.0) {
+        triangle = triangles_[begin + pick(area, (double(i) + uniform(random)) / double(kept))];
+        const double standsFor = area.back() / double(kept);
+        triangle.share = standsFor / areaOf(triangle.corners);
+        triangle.reach = std::sqrt(standsFor / std::numbers::pi);
+      }
+      out.add(triangle);
+    }
+  }
+  return out;
 }
 
 void AreaLights::emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) const {
@@ -146,9 +206,43 @@ glm::dvec3 AreaLights::irradiance(const Receiver& at) const {
   for (const Triangle& t : triangles_) {
     const glm::dvec3 seen[3] = {t.corners[0] - at.position, t.corners[1] - at.position, t.corners[2] - at.position};
     const Emission& emission = lights_[t.light];
-    e += triangleIrradiance(seen, at.normal, emission.sides) * emission.radiance;
+    e += t.share * triangleIrradiance(seen, at.normal, emission.sides) * emission.radiance;
   }
   return e;
+}
+
+void AreaLights::addMoments(const glm::dvec3& at, double weight, std::vector<Arriving>& perLight) const {
+  for (const Triangle& t : triangles_) {
+    const glm::dvec3 seen[3] = {t.corners[0] - at, t.corners[1] - at, t.corners[2] - at};
+    const Arriving moments = triangleMoments(seen, lights_[t.light].sides);
+    perLight[t.light].fluence += weight * t.share * moments.fluence;
+    perLight[t.light].vectorIrradiance += weight * t.share * moments.vectorIrradiance;
+  }
+}
+
+double AreaLights::distance(const glm::dvec3& from, double limit) const {
+  double nearest = limit;
+  for (const Triangle& t : triangles_) {
+    const glm::dvec3 middle = (t.corners[0] + t.corners[1] + t.corners[2]) / 3.0;
+    double radius = t.reach;
+    for (const glm::dvec3& corner : t.corners) radius = std::max(radius, glm::distance(middle, corner));
+    if (glm::distance(middle, from) - radius < nearest)
+      nearest = std::min(nearest, std::max(0.0, distanceToTriangle(t.corners, from) - t.reach));
+  }
+  return nearest;
+}
+
+LitPoints litPoints(const LitSides& sides, const AreaLights& lights, std::size_t mostTests, Random& random) {
+  constexpr int kMostRays = 1024;
+  LitPoints out;
+  int rays = 0;
+  for (std::size_t tests = 0; rays < kMostRays && tests < mostTests; ++rays) {
+    glm::dvec3 origin, direction;
+    lights.emit(random, &origin, &direction);
+    tests += sides.cross(origin, direction, &out.at);
+  }
+  out.received = lights.power() * double(out.at.size()) / rays;
+  return out;
 }
 
 }  // namespace lpv

@@ -1,0 +1,130 @@
+#include "scene/predicted_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "scene/error_goal.h"
+#include "scene/lookup.h"
+
+namespace lpv {
+
+namespace {
+
+/// Tests of rays against triangles of surfaces.
+constexpr std::size_t kMostCrossingTests = 2'000'000;
+
+AreaLights thinnedLights(const Scene& scene, std::uint32_t seed) {
+  Random random(seed);
+  const AreaLights all(scene);
+  return all.triangles() > kThinned ? all.thinned(kThinned, random) : all;
+}
+
+bool hasCentresAround(const Grid& grid, const glm::dvec3& g) {
+  return glm::all(glm::greaterThanEqual(g, glm::dvec3(0.5))) &&
+         glm::all(glm::lessThanEqual(g, glm::dvec3(grid.dims) - 0.5));
+}
+
+double smooth(double cells) {
+  const double t = std::clamp((cells - kNearFieldBegin) / (kNearFieldEnd - kNearFieldBegin), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+sh::Coefficients incident(const Arriving& light) {
+  return sh::fromBands(sh::kY0 * light.fluence, sh::kY1 * light.vectorIrradiance);
+}
+
+double lookedUp(Lookup lookup, const sh::Coefficients& c, const glm::dvec3& n) {
+  return lookup == Lookup::kCap ? irradianceCap(c, n) : irradianceSh2(c, n);
+}
+
+double squared(const glm::dvec3& v) { return glm::dot(v, v); }
+
+}  // namespace
+
+ErrorPredictor::ErrorPredictor(const Scene& scene, const LightingSettings& options, std::uint32_t seed)
+    : scene_(scene), options_(options), seed_(seed), lights_(thinnedLights(scene, seed)) {
+  std::map<std::string, std::size_t> byName;
+  for (std::size_t i = 0; i < lights_.lights(); ++i) grouped_ = grouped_ || !lights_.group(i).empty();
+  for (std::size_t i = 0; i < lights_.lights(); ++i) {
+    const std::string name = grouped_ ? lights_.group(i) : std::to_string(i);
+    groupOf_.push_back(byName.try_emplace(name, byName.size()).first->second);
+  }
+  groups_ = byName.size();
+  if (!scene.surfaces.empty()) onSurfaces_ = sampled(LitSides(scene));
+}
+
+std::vector<ErrorPredictor::Point> ErrorPredictor::sampled(const LitSides& sides) const {
+  std::vector<Point> out;
+  if (!(lights_.power() > 0.0) || !(sides.area() > 0.0)) return out;
+  const std::size_t wanted = std::min(kPredictedReceivers, kMostPredicted / lights_.triangles());
+  if (wanted < kLeastPredictedReceivers) return out;
+  Random random(seed_);
+  LitPoints lit = litPoints(sides, lights_, kMostCrossingTests, random);
+  std::shuffle(lit.at.begin(), lit.at.end(), random);
+  lit.at.resize(std::min(lit.at.size(), wanted / 2));
+  const std::size_t everywhere = wanted - lit.at.size();
+  const double perArea = double(everywhere) / sides.area();
+  const double perIrradiance = lit.at.empty() ? 0.0 : double(lit.at.size()) / lit.received;
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const Receiver at = i < everywhere ? sides.sample(random) : lit.at[i - everywhere];
+    const glm::dvec3 truth = lights_.irradiance(at);
+    out.push_back({at, truth, 1.0 / (perArea + perIrradiance * (truth.x + truth.y + truth.z) / 3.0)});
+  }
+  return out;
+}
+
+ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver& at) const {
+  const glm::dvec3 g = grid.gridFromWorld(at.position);
+  const glm::dvec3 centred = g - 0.5;
+  const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(centred)), glm::ivec3(0), glm::max(grid.dims - 2, 0));
+  const glm::dvec3 f = options_.lookup == Lookup::kNearest ? glm::floor(g) - glm::dvec3(low) : centred - glm::dvec3(low);
+  std::vector<Arriving> moments(lights_.lights());
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 offset(corner & 1, (corner >> 1) & 1, corner >> 2);
+    const glm::dvec3 axis = glm::mix(1.0 - f, f, glm::dvec3(offset));
+    const double weight = axis.x * axis.y * axis.z;
+    if (weight != 0.0) lights_.addMoments(grid.cellCentre(low + offset), weight, moments);
+  }
+  LookedUp out;
+  std::vector<glm::dmat3x4> groups(groups_, glm::dmat3x4(0.0));
+  glm::dmat3x4 all(0.0);  // a column of coefficients per colour
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const glm::dmat3x4 light = glm::outerProduct(incident(moments[i]), lights_.radiance(i));
+    groups[groupOf_[i]] += light;
+    all += light;
+  }
+  for (int colour = 0; colour < 3; ++colour) {
+    for (const glm::dmat3x4& group : groups) out.apart[colour] += lookedUp(options_.lookup, group[colour], at.normal);
+    out.together[colour] = lookedUp(options_.lookup, all[colour], at.normal);
+  }
+  return out;
+}
+
+std::optional<double> ErrorPredictor::with(const Grid& grid) const {
+  std::vector<Point> onWalls;
+  if (scene_.surfaces.empty()) onWalls = sampled(LitSides(scene_, grid));
+  double whole = 0.0, apart = 0.0, together = 0.0, byVolume = 0.0;
+  for (const Point& point : scene_.surfaces.empty() ? onWalls : onSurfaces_) {
+    whole += point.weight * squared(point.truth);
+    if (!hasCentresAround(grid, grid.gridFromWorld(point.at.position))) continue;
+    const double far = smooth(lights_.distance(point.at.position, kNearFieldEnd * grid.cell) / grid.cell);
+    if (far == 0.0) continue;
+    const LookedUp got = lookUp(grid, point.at);
+    apart += point.weight * far * far * squared(got.apart - point.truth);
+    together += point.weight * far * far * squared(got.together - got.apart);
+    byVolume += point.weight * far * far * squared(point.truth);
+  }
+  if (!(whole > 0.0)) return std::nullopt;
+  const double merging = mergingError(options_.openingRatio());
+  const double allowed = groupingGoal(options_, std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
+  const double grouping = grouped_ ? 0.0 : std::min(together / whole, allowed * allowed);
+  return std::sqrt(apart / whole + grouping + merging * merging * byVolume / whole);
+}
+
+std::optional<double> predictError(const Scene& scene, const Grid& grid, const LightingSettings& options,
+                                   std::uint32_t seed) {
+  return ErrorPredictor(scene, options, seed).with(grid);
+}
+
+}  // namespace lpv
