@@ -74,9 +74,10 @@ struct SessionFlags::Given {
   std::optional<std::string> displayName;
 
   void addGridTo(CLI::App& app) {
-    auto* size =
-        addParsed<GridSize>(app, "--grid", grid, "N|auto", parseGrid, "Cells along the longest edge; auto: 16 to 128, as few as the scene needs for --max-error (default: 32, or "
-                         "up to 64 where the scene needs them)");
+    auto* size = addParsed<GridSize>(
+        app, "--grid", grid, "N|auto", parseGrid,
+        "Cells along the longest edge; auto: 16 to 128, as few as the scene needs for --max-error (default: 32, or "
+        "up to 64 where the scene needs them)");
     addParsed<glm::ivec3>(app, "--dims", dims, "X,Y,Z", parseDims, "Cells along each axis, instead of --grid")
         ->excludes(size);
     addParsed<std::vector<double>>(app, "--bounds", bounds, "x0,y0,z0,x1,y1,z1", parseBox,

@@ -54,8 +54,8 @@ struct Arriving {
 /// Of a triangle, seen as in triangleIrradiance, by the closed forms (MATHS.md 5; Van Oosterom & Strackee 1983).
 Arriving triangleMoments(const glm::dvec3 (&corners)[3], int sides);
 
-/// Of one VPL (MATHS.md 3b.4; shaders/transport/vpl_kernel.glsl). `entry`: the first four texels of a VPL (shaders/transport/vpls.glsl), grid space, as `receiver` is. `sides` that
-/// emit: 1 or 2.
+/// Of one VPL (MATHS.md 3b.4; shaders/transport/vpl_kernel.glsl). `entry`: the first four texels of a VPL
+/// (shaders/transport/vpls.glsl), grid space, as `receiver` is. `sides` that emit: 1 or 2.
 Arriving lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides);
 
 }  // namespace lpv

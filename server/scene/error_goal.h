@@ -24,7 +24,8 @@ LightingSettings resolved(const LightingSettings& options);
 /// What merging voxels into VPLs and nodes adds with this opening ratio, where the volume is looked up.
 double mergingError(double openingRatio);
 
-/// The grid of a session with these settings, before anything of its scene is looked at: over its bounds, or fitted to `content` (makeGrid, fitGrid).
+/// The grid of a session with these settings, before anything of its scene is looked at: over its bounds, or fitted to
+/// `content` (makeGrid, fitGrid).
 Expected<Grid> gridFor(const LightingSettings& options, const Bounds& content);
 
 /// INVALID_ARGUMENT if the settings do not reach their error goal. The message has the errors expected of them and of

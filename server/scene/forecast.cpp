@@ -82,13 +82,14 @@ std::string lightsLeftOut(const Scene& scene) {
 
 /// What would help a scene whose grid misses the wanted error.
 std::string help(const Scene& scene, const LightingSettings& asked) {
-  const std::string others = asked.grid.hasBounds ? "transport DIRECT would" : "transport DIRECT, or bounds around "
-                                                                               "what is looked at, would";
+  const std::string others = asked.grid.hasBounds ? "transport DIRECT would"
+                                                  : "transport DIRECT, or bounds around "
+                                                    "what is looked at, would";
   if (asked.lookup != Lookup::kCap) return "lookup CAP would";
-  const Expected<GridChoice> finer = tryGrids(scene, asked, longestOf(scene.grid) + 1, kMaxCellsPerAxis);
+  const Expected<GridChoice> finer = tryGrids(scene, asked, 1, kMaxCellsPerAxis);
   if (finer.ok() && finer->reached) {
-    return std::to_string(finer->tried.back().cells) + " cells would (" + percentText(finer->tried.back().error) + "), or " +
-           others;
+    return std::to_string(finer->tried.back().cells) + " cells would (" + percentText(finer->tried.back().error) +
+           "), or " + others;
   }
   return others;
 }
@@ -144,8 +145,10 @@ Forecast forecast(const Scene& scene, const LightingSettings& asked) {
       const std::optional<double> predicted = predictError(scene, scene.grid, options);
       out.error = predicted.value_or(out.error);
       out.choice = predicted ? gathered(scene, asked, *predicted)
-                             : edge(cells) + ": the scene gives nothing to predict from, so the expected error is that "
-                                             "of a light in a room, " + percentText(out.error) + ".";
+                             : edge(cells) +
+                                   ": the scene gives nothing to predict from, so the expected error is that "
+                                   "of a light in a room, " +
+                                   percentText(out.error) + ".";
       break;
     }
   }

@@ -1,6 +1,6 @@
 #pragma once
-// What a session is told of the choices made for it: the error that its scene is expected to have, and a sentence or two
-// on the grid.
+// What a session is told of the choices made for it: the error that its scene is expected to have, and a sentence or
+// two on the grid.
 
 #include <string>
 

@@ -14,9 +14,12 @@ namespace {
 /// Tests of rays against triangles of surfaces.
 constexpr std::size_t kMostCrossingTests = 2'000'000;
 
+/// Triangles of a light that are looked at before it is thinned.
+constexpr std::size_t kMostLookedAt = 20'000;
+
 AreaLights thinnedLights(const Scene& scene, std::uint32_t seed) {
   Random random(seed);
-  const AreaLights all(scene);
+  const AreaLights all(scene, kMostLookedAt);
   return all.triangles() > kThinned ? all.thinned(kThinned, random) : all;
 }
 
@@ -78,7 +81,8 @@ ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver
   const glm::dvec3 g = grid.gridFromWorld(at.position);
   const glm::dvec3 centred = g - 0.5;
   const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(centred)), glm::ivec3(0), glm::max(grid.dims - 2, 0));
-  const glm::dvec3 f = options_.lookup == Lookup::kNearest ? glm::floor(g) - glm::dvec3(low) : centred - glm::dvec3(low);
+  const glm::dvec3 f =
+      options_.lookup == Lookup::kNearest ? glm::floor(g) - glm::dvec3(low) : centred - glm::dvec3(low);
   std::vector<Arriving> moments(lights_.lights());
   for (int corner = 0; corner < 8; ++corner) {
     const glm::ivec3 offset(corner & 1, (corner >> 1) & 1, corner >> 2);

@@ -39,12 +39,13 @@ glm::dvec3 cosineDirection(const glm::dvec3& n, Random& random) {
 
 bool emits(const Light& light) { return light.enabled && emittedRadiance(light) != glm::dvec3(0.0); }
 
-/// A mesh's triangles in world space, counter-clockwise seen from the front.
+/// Every `every`th of a mesh's triangles in world space, counter-clockwise seen from the front.
 template <typename Each>
-void forEachTriangle(const Mesh& mesh, const Transform& transform, Each each) {
+void forEachTriangle(const Mesh& mesh, const Transform& transform, std::size_t every, Each each) {
   const glm::dmat4 world = transform.worldFromObject();
   const bool mirrored = transform.mirrors();
-  for (glm::uvec3 t : mesh.triangles) {
+  for (std::size_t at = 0; at < mesh.triangles.size(); at += every) {
+    glm::uvec3 t = mesh.triangles[at];
     if (mirrored) std::swap(t.y, t.z);
     glm::dvec3 corners[3];
     for (int i = 0; i < 3; ++i) corners[i] = world * glm::dvec4(glm::dvec3(mesh.positions[t[i]]), 1.0);
@@ -94,7 +95,7 @@ LitSides::LitSides(const Scene& scene, const Grid& grid) {
 
 void LitSides::add(const Surface& surface) {
   Range range{triangles_.size(), 0, {}};
-  forEachTriangle(*surface.mesh, surface.transform,
+  forEachTriangle(*surface.mesh, surface.transform, 1,
                   [&](const glm::dvec3(&corners)[3]) { add(corners, surface.twoSided, &range); });
   range.end = triangles_.size();
   ranges_.push_back(range);
@@ -152,12 +153,13 @@ std::size_t LitSides::cross(const glm::dvec3& origin, const glm::dvec3& directio
   return looked;
 }
 
-AreaLights::AreaLights(const Scene& scene) {
+AreaLights::AreaLights(const Scene& scene, std::size_t most) {
   for (const auto& [name, light] : scene.lights) {
     if (!emits(*light)) continue;
     lights_.push_back({emittedRadiance(*light) * meanOf(light->texture), light->twoSided ? 2 : 1, light->group});
-    forEachTriangle(*light->mesh, light->transform, [&](const glm::dvec3(&c)[3]) {
-      add({{c[0], c[1], c[2]}, lights_.size() - 1});
+    const std::size_t every = std::max<std::size_t>(1, light->mesh->triangles.size() / most);
+    forEachTriangle(*light->mesh, light->transform, every, [&](const glm::dvec3(&c)[3]) {
+      add({{c[0], c[1], c[2]}, lights_.size() - 1, double(every)});
     });
   }
 }
@@ -177,7 +179,7 @@ AreaLights AreaLights::thinned(std::size_t most, Random& random) const {
   for (std::size_t begin = 0, end = 0; begin < triangles_.size(); begin = end) {
     std::vector<double> area;
     for (; end < triangles_.size() && triangles_[end].light == triangles_[begin].light; ++end)
-      area.push_back((area.empty() ? 0.0 : area.back()) + areaOf(triangles_[end].corners));
+      area.push_back((area.empty() ? 0.0 : area.back()) + triangles_[end].share * areaOf(triangles_[end].corners));
     const std::size_t kept = std::min(each, area.size());
     for (std::size_t i = 0; i < kept; ++i) {
       Triangle triangle = triangles_[begin + i];

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -61,7 +62,8 @@ class LitSides {
 /// emission directions as normals.
 class AreaLights {
  public:
-  explicit AreaLights(const Scene& scene);
+  /// Of a light with many more triangles than `most` every second, third, .., which stand for those left out.
+  explicit AreaLights(const Scene& scene, std::size_t most = std::numeric_limits<std::size_t>::max());
 
   std::size_t triangles() const { return running_.size(); }
   std::size_t lights() const { return lights_.size(); }

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "base/text.h"
+#include "scene/grid_choice.h"
 #include "session/document/document.h"
 
 namespace lpv {
@@ -217,7 +218,7 @@ Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, R
 }
 
 Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Rollback& rollback) {
-  if (options_.grid.hasBounds) {
+  if (options_.grid.hasBounds && !choosesCells(options_.grid)) {
     return Status(Code::kFailedPrecondition, Reason::kFixedBounds,
                   "the grid has fixed bounds; clear settings.grid.bounds to fit it", "fit_grid");
   }
