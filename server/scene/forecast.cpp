@@ -1,6 +1,7 @@
 #include "scene/forecast.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <vector>
@@ -41,8 +42,9 @@ double directError(const Scene& scene, const LightingSettings& options) {
     polygons = polygons && light->texture == nullptr && light->mesh->directions.empty() &&
                light->mesh->triangles.size() <= most;
   }
-  return polygons && all > 0 && all <= kMostPolygonsOfAll ? kRounding
-                                                          : expectedError(options, kDefaultCellsOfLongestEdge);
+  if (polygons && all > 0 && all <= kMostPolygonsOfAll) return kRounding;
+  return std::hypot(expectedError(options, kDefaultCellsOfLongestEdge),
+                    ErrorPredictor(scene, options).ofTouching(scene.grid));
 }
 
 using Names = std::vector<std::string>;
@@ -86,6 +88,8 @@ std::string help(const Scene& scene, const LightingSettings& asked) {
                                                   : "transport DIRECT, or bounds around "
                                                     "what is looked at, would";
   if (asked.lookup != Lookup::kCap) return "lookup CAP would";
+  if (ErrorPredictor(scene, resolved(asked)).ofTouching(scene.grid) > wantedError(asked))
+    return "lights of many triangles farther from what they nearly touch would";
   const Expected<GridChoice> finer = tryGrids(scene, asked, 1, kMaxCellsPerAxis);
   if (finer.ok() && finer->reached) {
     return std::to_string(finer->tried.back().cells) + " cells would (" + percentText(finer->tried.back().error) +

@@ -17,9 +17,22 @@ constexpr std::size_t kMostCrossingTests = 2'000'000;
 /// Triangles of a light that are looked at before it is thinned.
 constexpr std::size_t kMostLookedAt = 20'000;
 
-AreaLights thinnedLights(const Scene& scene, std::uint32_t seed) {
+/// Share of the irradiance by which light from VPLs is wrong where a receiver touches the mesh: the distance to a VPL
+/// is taken for half a cell at least, and its cell for flat.
+constexpr double kTouching = 0.65;
+/// As lpv/resources/voxel_grid.h has it: a light of few cells across is voxelized in smaller ones.
+constexpr double kLeastCellsAcross = 4.0;
+constexpr double kSmallestCell = 1.0 / 1024;
+
+/// Edge of the cells of a light's VPLs.
+double cellOfVpls(double across, double cell) {
+  double edge = cell;
+  while (across < kLeastCellsAcross * edge && edge > kSmallestCell * cell) edge *= 0.5;
+  return edge;
+}
+
+AreaLights thinnedLights(const AreaLights& all, std::uint32_t seed) {
   Random random(seed);
-  const AreaLights all(scene, kMostLookedAt);
   return all.triangles() > kThinned ? all.thinned(kThinned, random) : all;
 }
 
@@ -46,7 +59,7 @@ double squared(const glm::dvec3& v) { return glm::dot(v, v); }
 }  // namespace
 
 ErrorPredictor::ErrorPredictor(const Scene& scene, const LightingSettings& options, std::uint32_t seed)
-    : scene_(scene), options_(options), seed_(seed), lights_(thinnedLights(scene, seed)) {
+    : scene_(scene), options_(options), seed_(seed), all_(scene, kMostLookedAt), lights_(thinnedLights(all_, seed)) {
   std::map<std::string, std::size_t> byName;
   for (std::size_t i = 0; i < lights_.lights(); ++i) grouped_ = grouped_ || !lights_.group(i).empty();
   for (std::size_t i = 0; i < lights_.lights(); ++i) {
@@ -72,9 +85,20 @@ std::vector<ErrorPredictor::Point> ErrorPredictor::sampled(const LitSides& sides
   for (std::size_t i = 0; i < wanted; ++i) {
     const Receiver at = i < everywhere ? sides.sample(random) : lit.at[i - everywhere];
     const glm::dvec3 truth = lights_.irradiance(at);
-    out.push_back({at, truth, 1.0 / (perArea + perIrradiance * (truth.x + truth.y + truth.z) / 3.0)});
+    const double weight = 1.0 / (perArea + perIrradiance * (truth.x + truth.y + truth.z) / 3.0);
+    out.push_back({at, truth, weight, all_.distancesToTrees(at.position)});
   }
   return out;
+}
+
+/// Share of the point's irradiance by which it is wrong for VPLs that it nearly touches.
+double ErrorPredictor::touching(const Grid& grid, const Point& point) const {
+  double share = 0.0;
+  for (std::size_t i = 0; i < point.toTrees.size(); ++i) {
+    const double near = 1.0 - point.toTrees[i] / cellOfVpls(lights_.across(i), grid.cell);
+    if (near > 0.0) share = std::max(share, kTouching * near * near);
+  }
+  return share;
 }
 
 ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver& at) const {
@@ -105,12 +129,26 @@ ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver
   return out;
 }
 
-std::optional<double> ErrorPredictor::with(const Grid& grid) const {
-  std::vector<Point> onWalls;
-  if (scene_.surfaces.empty()) onWalls = sampled(LitSides(scene_, grid));
-  double whole = 0.0, apart = 0.0, together = 0.0, byVolume = 0.0;
-  for (const Point& point : scene_.surfaces.empty() ? onWalls : onSurfaces_) {
+std::vector<ErrorPredictor::Point> ErrorPredictor::pointsFor(const Grid& grid) const {
+  return scene_.surfaces.empty() ? sampled(LitSides(scene_, grid)) : onSurfaces_;
+}
+
+double ErrorPredictor::ofTouching(const Grid& grid) const {
+  double whole = 0.0, apart = 0.0;
+  for (const Point& point : pointsFor(grid)) {
+    const double share = touching(grid, point);
     whole += point.weight * squared(point.truth);
+    apart += point.weight * share * share * squared(point.truth);
+  }
+  return whole > 0.0 ? std::sqrt(apart / whole) : 0.0;
+}
+
+std::optional<double> ErrorPredictor::with(const Grid& grid) const {
+  double whole = 0.0, apart = 0.0, together = 0.0, byVolume = 0.0;
+  for (const Point& point : pointsFor(grid)) {
+    whole += point.weight * squared(point.truth);
+    const double touched = touching(grid, point);
+    apart += point.weight * touched * touched * squared(point.truth);
     if (!hasCentresAround(grid, grid.gridFromWorld(point.at.position))) continue;
     const double far = smooth(lights_.distance(point.at.position, kNearFieldEnd * grid.cell) / grid.cell);
     if (far == 0.0) continue;
@@ -122,7 +160,8 @@ std::optional<double> ErrorPredictor::with(const Grid& grid) const {
   if (!(whole > 0.0)) return std::nullopt;
   const double merging = mergingError(options_.openingRatio());
   const double allowed = groupingGoal(options_, std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
-  const double grouping = grouped_ ? 0.0 : std::min(together / whole, allowed * allowed);
+  const bool apartWhereTooMuch = grouped_ || (groups_ == 2 && together > allowed * allowed * whole);
+  const double grouping = apartWhereTooMuch ? 0.0 : std::min(together / whole, allowed * allowed);
   return std::sqrt(apart / whole + grouping + merging * merging * byVolume / whole);
 }
 

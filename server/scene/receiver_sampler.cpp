@@ -156,7 +156,11 @@ std::size_t LitSides::cross(const glm::dvec3& origin, const glm::dvec3& directio
 AreaLights::AreaLights(const Scene& scene, std::size_t most) {
   for (const auto& [name, light] : scene.lights) {
     if (!emits(*light)) continue;
-    lights_.push_back({emittedRadiance(*light) * meanOf(light->texture), light->twoSided ? 2 : 1, light->group});
+    const bool tree =
+        light->mesh->triangles.size() > kFewPolygons || light->texture || !light->mesh->directions.empty();
+    const double across = glm::length(glm::dmat3(light->transform.worldFromObject()) * light->mesh->bounds.extent());
+    lights_.push_back(
+        {emittedRadiance(*light) * meanOf(light->texture), light->twoSided ? 2 : 1, light->group, tree, across, false});
     const std::size_t every = std::max<std::size_t>(1, light->mesh->triangles.size() / most);
     forEachTriangle(*light->mesh, light->transform, every, [&](const glm::dvec3(&c)[3]) {
       add({{c[0], c[1], c[2]}, lights_.size() - 1, double(every)});
@@ -181,6 +185,7 @@ AreaLights AreaLights::thinned(std::size_t most, Random& random) const {
     for (; end < triangles_.size() && triangles_[end].light == triangles_[begin].light; ++end)
       area.push_back((area.empty() ? 0.0 : area.back()) + triangles_[end].share * areaOf(triangles_[end].corners));
     const std::size_t kept = std::min(each, area.size());
+    out.lights_[triangles_[begin].light].thinned = kept < area.size();
     for (std::size_t i = 0; i < kept; ++i) {
       Triangle triangle = triangles_[begin + i];
       if (kept < area.size() && area.back() > 0.0) {
@@ -205,10 +210,17 @@ void AreaLights::emit(Random& random, glm::dvec3* origin, glm::dvec3* direction)
 
 glm::dvec3 AreaLights::irradiance(const Receiver& at) const {
   glm::dvec3 e(0.0);
-  for (const Triangle& t : triangles_) {
-    const glm::dvec3 seen[3] = {t.corners[0] - at.position, t.corners[1] - at.position, t.corners[2] - at.position};
-    const Emission& emission = lights_[t.light];
-    e += t.share * triangleIrradiance(seen, at.normal, emission.sides) * emission.radiance;
+  for (std::size_t i = 0; i < triangles_.size();) {
+    const std::size_t light = triangles_[i].light;
+    const Emission& emission = lights_[light];
+    double received = 0.0;
+    for (; i < triangles_.size() && triangles_[i].light == light; ++i) {
+      const auto& c = triangles_[i].corners;
+      const glm::dvec3 seen[3] = {c[0] - at.position, c[1] - at.position, c[2] - at.position};
+      received += triangles_[i].share * triangleIrradiance(seen, at.normal, emission.sides);
+    }
+    // Few triangles that stand for many are too bright for what nearly touches them.
+    e += (emission.thinned ? std::min(received, std::numbers::pi) : received) * emission.radiance;
   }
   return e;
 }
@@ -222,16 +234,25 @@ void AreaLights::addMoments(const glm::dvec3& at, double weight, std::vector<Arr
   }
 }
 
+double AreaLights::distanceTo(const Triangle& t, const glm::dvec3& from, double limit) {
+  const glm::dvec3 middle = (t.corners[0] + t.corners[1] + t.corners[2]) / 3.0;
+  double radius = t.reach;
+  for (const glm::dvec3& corner : t.corners) radius = std::max(radius, glm::distance(middle, corner));
+  if (glm::distance(middle, from) - radius >= limit) return limit;
+  return std::min(limit, std::max(0.0, distanceToTriangle(t.corners, from) - t.reach));
+}
+
 double AreaLights::distance(const glm::dvec3& from, double limit) const {
-  double nearest = limit;
+  for (const Triangle& t : triangles_) limit = distanceTo(t, from, limit);
+  return limit;
+}
+
+std::vector<double> AreaLights::distancesToTrees(const glm::dvec3& from) const {
+  std::vector<double> out(lights_.size(), std::numeric_limits<double>::infinity());
   for (const Triangle& t : triangles_) {
-    const glm::dvec3 middle = (t.corners[0] + t.corners[1] + t.corners[2]) / 3.0;
-    double radius = t.reach;
-    for (const glm::dvec3& corner : t.corners) radius = std::max(radius, glm::distance(middle, corner));
-    if (glm::distance(middle, from) - radius < nearest)
-      nearest = std::min(nearest, std::max(0.0, distanceToTriangle(t.corners, from) - t.reach));
+    if (lights_[t.light].tree) out[t.light] = distanceTo(t, from, out[t.light]);
   }
-  return nearest;
+  return out;
 }
 
 LitPoints litPoints(const LitSides& sides, const AreaLights& lights, std::size_t mostTests, Random& random) {

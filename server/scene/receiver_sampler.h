@@ -69,6 +69,10 @@ class AreaLights {
   std::size_t lights() const { return lights_.size(); }
   const glm::dvec3& radiance(std::size_t light) const { return lights_[light].radiance; }
   const std::string& group(std::size_t light) const { return lights_[light].group; }
+  /// Whether receivers near the light see it as VPLs, not as polygons (kFewPolygons).
+  bool isTree(std::size_t light) const { return lights_[light].tree; }
+  /// Metres, the diagonal of its mesh's box.
+  double across(std::size_t light) const { return lights_[light].across; }
   /// W; the mean of red, green and blue.
   double power() const { return running_.empty() ? 0.0 : running_.back(); }
   /// The same power from about `most` triangles: of each light that has more than its part of them, and more than a
@@ -76,12 +80,14 @@ class AreaLights {
   AreaLights thinned(std::size_t most, Random& random) const;
   /// A point and direction in which a share of power() leaves that is the same for every sample.
   void emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) const;
-  /// W/m^2, unoccluded (Lambert; Arvo 1995; MATHS.md 5.1).
+  /// W/m^2, unoccluded (Lambert; Arvo 1995; MATHS.md 5.1). Of a thinned light no more than from all around.
   glm::dvec3 irradiance(const Receiver& at) const;
   /// Adds `weight` times what each light would send to a point with unit radiance (MATHS.md 5).
   void addMoments(const glm::dvec3& at, double weight, std::vector<Arriving>& perLight) const;
   /// Metres to the nearest emitter, `limit` where there is none nearer.
   double distance(const glm::dvec3& from, double limit) const;
+  /// The same for each light that is a tree.
+  std::vector<double> distancesToTrees(const glm::dvec3& from) const;
 
  private:
   /// Triangles that a thinned light keeps at least.
@@ -97,10 +103,14 @@ class AreaLights {
     glm::dvec3 radiance{0.0};
     int sides = 1;
     std::string group;
+    bool tree = false;
+    double across = 0.0;
+    bool thinned = false;
   };
 
   AreaLights() = default;
   void add(const Triangle& triangle);
+  static double distanceTo(const Triangle& triangle, const glm::dvec3& from, double limit);
 
   std::vector<Triangle> triangles_;
   std::vector<Emission> lights_;
