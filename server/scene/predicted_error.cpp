@@ -20,9 +20,14 @@ constexpr std::size_t kMostLookedAt = 20'000;
 /// Share of the irradiance by which light from VPLs is wrong where a receiver touches the mesh: the distance to a VPL
 /// is taken for half a cell at least, and its cell for flat.
 constexpr double kTouching = 0.65;
+/// The same away from it, up to kNearFieldEnd cells.
+constexpr double kNear = 0.03;
 /// As lpv/resources/voxel_grid.h has it: a light of few cells across is voxelized in smaller ones.
 constexpr double kLeastCellsAcross = 4.0;
 constexpr double kSmallestCell = 1.0 / 1024;
+
+/// What automatic groups of three lights and more come to, as a share of what they may: seen .2 to 1.
+constexpr double kOfGroups = 0.6;
 
 /// Edge of the cells of a light's VPLs.
 double cellOfVpls(double across, double cell) {
@@ -95,8 +100,9 @@ std::vector<ErrorPredictor::Point> ErrorPredictor::sampled(const LitSides& sides
 double ErrorPredictor::touching(const Grid& grid, const Point& point) const {
   double share = 0.0;
   for (std::size_t i = 0; i < point.toTrees.size(); ++i) {
-    const double near = 1.0 - point.toTrees[i] / cellOfVpls(lights_.across(i), grid.cell);
-    if (near > 0.0) share = std::max(share, kTouching * near * near);
+    const double cells = point.toTrees[i] / cellOfVpls(lights_.across(i), grid.cell);
+    const double touching = std::max(0.0, 1.0 - cells), near = std::max(0.0, 1.0 - cells / kNearFieldEnd);
+    share = std::max({share, kTouching * touching * touching, kNear * near});
   }
   return share;
 }
@@ -161,7 +167,8 @@ std::optional<double> ErrorPredictor::with(const Grid& grid) const {
   const double merging = mergingError(options_.openingRatio());
   const double allowed = groupingGoal(options_, std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
   const bool apartWhereTooMuch = grouped_ || (groups_ == 2 && together > allowed * allowed * whole);
-  const double grouping = apartWhereTooMuch ? 0.0 : std::min(together / whole, allowed * allowed);
+  const double grouping =
+      apartWhereTooMuch ? 0.0 : std::min(together / whole, kOfGroups * allowed * kOfGroups * allowed);
   return std::sqrt(apart / whole + grouping + merging * merging * byVolume / whole);
 }
 

@@ -16,10 +16,11 @@ inline constexpr std::size_t kMostPredicted = 6'000, kThinned = 96;
 
 /// Emulates GATHER: seeded receivers as the self-check draws them (session/delivery/self_check.h), what the lookup
 /// gives them where the centres of the cells around have the exact moments of each light, the near field as the server
-/// has it, and the truth. Where VPLs of large meshes nearly touch a receiver, a figure by distance. No occluders;
-/// textures are taken as their mean, emission directions as normals. Lights share groups as the scene names them; where
-/// it names none, they add what one group for all would, or what automatic grouping may (groupingGoal), whichever is
-/// less. What merging voxels adds is a figure by opening ratio.
+/// has it, and the truth. Where VPLs of large meshes nearly touch a receiver, a figure by distance.
+/// No occluders; textures are taken as their mean, emission directions as normals. Lights share groups as the scene
+/// names them; where it names none, they add what one group for all would, or most of what automatic grouping may
+/// (groupingGoal), whichever is less, and nothing where two part. What merging voxels adds is a figure by opening
+/// ratio.
 class ErrorPredictor {
  public:
   /// `options`: resolved settings.

@@ -203,8 +203,30 @@ TEST(PredictedError, KnowsWhichLightsShareAGroup) {
   const double together = named("all", "all"), apart = named("a", "b"), automatic = named("", "");
   EXPECT_GT(together, 0.04);
   EXPECT_LT(apart, 0.01);
-  EXPECT_GT(automatic, apart);
-  EXPECT_LE(automatic, std::hypot(apart, kGroupingError) + 1e-9);
+  EXPECT_EQ(automatic, apart) << "two that do not go together part";
+  scene.lights["third"] = lampAt(1.0, {-3.0, 1.6, 0.2}, {0, 90, 0});
+  EXPECT_GT(named("", ""), automatic);
+  EXPECT_LE(named("", ""), kGroupingError);
+}
+
+// Seen with a bunny of 69,451 triangles a millimetre above a floor: 28 % at 32 cells, 21 % at 64, wherever receivers
+// look at the lights. Broken by: no figure for it; one for polygons too.
+TEST(PredictedError, OfALargeMeshThatTouchesAFloorIsLarge) {
+  const auto standing = [](const MeshPtr& mesh, double height) {
+    Scene scene = roomWith(mesh);
+    auto light = std::make_shared<Light>(*scene.lights.at("light"));
+    light->transform.translation = {0.0, height - 2.0 - double(mesh->bounds.min.y), 0.0};
+    scene.lights["light"] = light;
+    return fittedTo(scene, 32);
+  };
+  const Scene touching = standing(reference::sphere(), 0.001), apart = standing(reference::sphere(), 0.5);
+  EXPECT_GT(*predictError(touching, touching.grid, {}), 0.03);
+  EXPECT_LT(*predictError(apart, apart.grid, {}), 0.02);
+  EXPECT_LT(*predictError(touching, fittedTo(touching, 96).grid, {}), *predictError(touching, touching.grid, {}));
+  const Scene few = standing(reference::pyramid(), 0.001);
+  EXPECT_LT(*predictError(few, few.grid, {}), 0.03);
+  const std::string told = forecast(touching, {}).choice;
+  EXPECT_NE(told.find("farther from what they nearly touch"), std::string::npos) << told;
 }
 
 LightingSettings seeking(double maxError, bool automatic = true) {
