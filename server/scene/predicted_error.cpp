@@ -1,6 +1,7 @@
 #include "scene/predicted_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -51,6 +52,25 @@ double smooth(double cells) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+struct WeightedCentre {
+  glm::dvec3 at{0.0};
+  double weight = 0.0;
+};
+
+/// The centres of the eight cells around a point that has them, and their weights.
+std::array<WeightedCentre, 8> centresAround(const Grid& grid, const glm::dvec3& at) {
+  const glm::dvec3 centred = grid.gridFromWorld(at) - 0.5;
+  const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(centred)), glm::ivec3(0), glm::max(grid.dims - 2, 0));
+  const glm::dvec3 f = centred - glm::dvec3(low);
+  std::array<WeightedCentre, 8> out;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 offset(corner & 1, (corner >> 1) & 1, corner >> 2);
+    const glm::dvec3 axis = glm::mix(1.0 - f, f, glm::dvec3(offset));
+    out[std::size_t(corner)] = {grid.cellCentre(low + offset), axis.x * axis.y * axis.z};
+  }
+  return out;
+}
+
 sh::Coefficients incident(const Arriving& light) {
   return sh::fromBands(sh::kY0 * light.fluence, sh::kY1 * light.vectorIrradiance);
 }
@@ -96,6 +116,16 @@ std::vector<ErrorPredictor::Point> ErrorPredictor::sampled(const LitSides& sides
   return out;
 }
 
+/// EmitterList::farFromEmitters: distances are known at the centres of cells, and lie between them elsewhere.
+double ErrorPredictor::farFromLights(const Grid& grid, const glm::dvec3& at) const {
+  constexpr double kReach = kNearFieldEnd + 1.0;  // centres are up to .9 cells away
+  if (lights_.distance(at, kReach * grid.cell) >= kReach * grid.cell) return 1.0;
+  double distance = 0.0;
+  for (const auto& [centre, weight] : centresAround(grid, at))
+    distance += weight * lights_.distance(centre, 2.0 * kReach * grid.cell);
+  return smooth(distance / grid.cell);
+}
+
 /// Share of the point's irradiance by which it is wrong for VPLs that it nearly touches.
 double ErrorPredictor::touching(const Grid& grid, const Point& point) const {
   double share = 0.0;
@@ -108,17 +138,14 @@ double ErrorPredictor::touching(const Grid& grid, const Point& point) const {
 }
 
 ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver& at) const {
-  const glm::dvec3 g = grid.gridFromWorld(at.position);
-  const glm::dvec3 centred = g - 0.5;
-  const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(centred)), glm::ivec3(0), glm::max(grid.dims - 2, 0));
-  const glm::dvec3 f =
-      options_.lookup == Lookup::kNearest ? glm::floor(g) - glm::dvec3(low) : centred - glm::dvec3(low);
   std::vector<Arriving> moments(lights_.lights());
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::ivec3 offset(corner & 1, (corner >> 1) & 1, corner >> 2);
-    const glm::dvec3 axis = glm::mix(1.0 - f, f, glm::dvec3(offset));
-    const double weight = axis.x * axis.y * axis.z;
-    if (weight != 0.0) lights_.addMoments(grid.cellCentre(low + offset), weight, moments);
+  if (options_.lookup == Lookup::kNearest) {
+    const glm::ivec3 cell(glm::floor(grid.gridFromWorld(at.position)));
+    lights_.addMoments(grid.cellCentre(glm::clamp(cell, glm::ivec3(0), grid.dims - 1)), 1.0, moments);
+  } else {
+    for (const auto& [centre, weight] : centresAround(grid, at.position)) {
+      if (weight != 0.0) lights_.addMoments(centre, weight, moments);
+    }
   }
   LookedUp out;
   std::vector<glm::dmat3x4> groups(groups_, glm::dmat3x4(0.0));
@@ -156,7 +183,7 @@ std::optional<double> ErrorPredictor::with(const Grid& grid) const {
     const double touched = touching(grid, point);
     apart += point.weight * touched * touched * squared(point.truth);
     if (!hasCentresAround(grid, grid.gridFromWorld(point.at.position))) continue;
-    const double far = smooth(lights_.distance(point.at.position, kNearFieldEnd * grid.cell) / grid.cell);
+    const double far = farFromLights(grid, point.at.position);
     if (far == 0.0) continue;
     const LookedUp got = lookUp(grid, point.at);
     apart += point.weight * far * far * squared(got.apart - point.truth);

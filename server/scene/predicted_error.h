@@ -47,6 +47,7 @@ class ErrorPredictor {
 
   std::vector<Point> pointsFor(const Grid& grid) const;
   std::vector<Point> sampled(const LitSides& sides) const;
+  double farFromLights(const Grid& grid, const glm::dvec3& at) const;
   double touching(const Grid& grid, const Point& point) const;
   LookedUp lookUp(const Grid& grid, const Receiver& at) const;
 
