@@ -282,6 +282,16 @@ TEST(GridChoice, ThatReachesNothingIsNotTheDearest) {
   EXPECT_NE(coarser.find("1 % is wanted: 16 cells would ("), std::string::npos) << coarser;
 }
 
+// Finer cells keep making it better, and never right. Broken by: the best of all.
+TEST(GridChoice, ThatReachesNothingStopsWhereCellsBecomeDear) {
+  Scene scene = roomWith(reference::sphere());
+  scene.surfaces["floor"] = wallAt(4.0, {0.0, double(reference::sphere()->bounds.min.y) - 0.001, 0.0}, {-90, 0, 0});
+  const GridChoice choice = *chooseGrid(scene, seeking(0.005));
+  EXPECT_FALSE(choice.reached);
+  EXPECT_LT(choice.tried.back().error, 0.9 * choice.tried[4].error);
+  EXPECT_EQ(edgeOf(choice.grid), 64);
+}
+
 // Broken by: a choice for what is given.
 TEST(GridChoice, LeavesASizeThatWasGiven) {
   const Scene scene = lampOverFloor(0.5, 1.5, 20.0);
