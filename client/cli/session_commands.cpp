@@ -41,6 +41,7 @@ void printSession(const Context& context, const v1::Session& session) {
               {"subscribers", std::to_string(session.subscriber_count())},
               {"expected error", shortText(session.expected_error())},
               {"measured error", measured},
+              {"choice", session.choice()},
               {"settings", toJson(session.settings())}});
 }
 

@@ -74,8 +74,10 @@ struct SessionFlags::Given {
   std::optional<std::string> displayName;
 
   void addGridTo(CLI::App& app) {
-    auto* size =
-        addParsed<GridSize>(app, "--grid", grid, "N|auto", parseGrid, "Cells along the longest edge (default: 32)");
+    auto* size = addParsed<GridSize>(
+        app, "--grid", grid, "N|auto", parseGrid,
+        "Cells along the longest edge; auto: 16 to 128, as few as the scene needs for --max-error (default: 32, or "
+        "up to 64 where the scene needs them)");
     addParsed<glm::ivec3>(app, "--dims", dims, "X,Y,Z", parseDims, "Cells along each axis, instead of --grid")
         ->excludes(size);
     addParsed<std::vector<double>>(app, "--bounds", bounds, "x0,y0,z0,x1,y1,z1", parseBox,
@@ -104,7 +106,8 @@ struct SessionFlags::Given {
                           "How irradiance is read from the volume (default: sh2 with propagate, else cap)");
     app.add_option(
            "--max-error", maxError,
-           "Relative error of irradiance to reach; the server picks the opening ratio, and the grid with --grid auto")
+           "Wanted relative error of irradiance, .01 is 1 %; the server picks the opening ratio, and the grid where no "
+           "size is given. session show says what is expected of the scene (default: 0.03, not insisted on)")
         ->type_name("E");
   }
 

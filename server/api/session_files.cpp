@@ -187,6 +187,7 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
     if (!session) return end(session.status());
     const Expected<MintedToken> token = ownerToken(context_, (*session)->id());
     if (!token) return end(token.status());
+    (*session)->updateForecast();
     whenBothKept(context_, *session, *token,
                  [self = me(), session = *session, token = token->token](const Status& kept) {
                    if (!kept.ok()) return self->end(kept);

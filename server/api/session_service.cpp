@@ -17,6 +17,7 @@ namespace {
 /// The session as the answer to a call, where what it waited for is kept.
 template <typename Response>
 Done answer(const SessionPtr& session, Response* response, Done done) {
+  session->updateForecast();
   return [session, response, done = std::move(done)](const Status& kept) {
     if (kept.ok()) toProto(session->summary(), response->mutable_session());
     done(kept);
@@ -46,6 +47,7 @@ void createSession(const Context& context, const pb::CreateSessionRequest& reque
 Status getSession(const Context& context, const pb::GetSessionRequest& request, pb::GetSessionResponse* response) {
   const Expected<SessionPtr> session = findSession(context, "name", request.name());
   if (!session) return session.status();
+  (*session)->updateForecast();
   toProto((*session)->summary(), response->mutable_session());
   return {};
 }

@@ -181,8 +181,8 @@ void toProto(const LightingSettings& o, pb::SessionSettings* out) {
     out->mutable_grid()->mutable_dims()->set_z(o.grid.dims.z);
   } else if (o.grid.automatic) {
     out->mutable_grid()->set_automatic(true);
-  } else {
-    out->mutable_grid()->set_longest(o.grid.longest != 0 ? o.grid.longest : kDefaultCellsOfLongestEdge);
+  } else if (o.grid.longest != 0) {
+    out->mutable_grid()->set_longest(o.grid.longest);
   }
   if (o.grid.hasBounds) toProto(o.grid.bounds, out->mutable_grid()->mutable_bounds());
   out->set_injection(wireOf<pb::Injection>(o.injection));
@@ -220,8 +220,9 @@ void toProto(const SessionSummary& in, pb::Session* out) {
   out->set_triangle_count(in.triangles);
   out->set_client_count(int(in.clients));
   out->set_subscriber_count(int(in.subscribers));
-  const LightingSettings options = resolved(in.options);
-  out->set_expected_error(expectedError(options, std::max({in.grid.dims.x, in.grid.dims.y, in.grid.dims.z})));
+  const int cells = std::max({in.grid.dims.x, in.grid.dims.y, in.grid.dims.z});
+  out->set_expected_error(in.forecast ? in.forecast->error : expectedError(resolved(in.options), cells));
+  if (in.forecast) out->set_choice(in.forecast->choice);
   if (in.measured) {
     out->set_measured_error(in.measured->error);
     out->set_measured_error_low(in.measured->low);

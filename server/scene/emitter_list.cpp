@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lpv {
 namespace {
@@ -90,7 +91,23 @@ double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, i
   return 0.5 * std::abs(sum);
 }
 
-VplLight lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides) {
+Arriving triangleMoments(const glm::dvec3 (&corners)[3], int sides) {
+  const double side = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), corners[0]);
+  if (side == 0.0 || (side > 0.0 && sides < 2)) return {};
+  const glm::dvec3 a = glm::normalize(corners[0]), b = glm::normalize(corners[1]), c = glm::normalize(corners[2]);
+  const double volume = std::abs(glm::dot(a, glm::cross(b, c)));
+  Arriving out;
+  out.fluence = 2.0 * std::atan2(volume, 1.0 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+  for (const auto& [p, q] : {std::pair(a, b), {b, c}, {c, a}}) {
+    const glm::dvec3 normal = glm::cross(p, q);
+    const double sine = glm::length(normal);
+    if (sine > 0.0) out.vectorIrradiance += 0.5 * std::atan2(sine, glm::dot(p, q)) / sine * normal;
+  }
+  if (side < 0.0) out.vectorIrradiance = -out.vectorIrradiance;
+  return out;
+}
+
+Arriving lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides) {
   const kernel::VplEntry vpl = kernel::vplEntry(entry[0], entry[1], entry[2], entry[3]);
   const glm::dvec3 d = vpl.position - receiver;
   const kernel::Arriving light = kernel::arrivingFrom(vpl, d.x, d.y, d.z, sides > 1);

@@ -3,6 +3,7 @@
 // (Lambert; Arvo 1995), everything else as VPLs through the light's tree. The GLSL twin is
 // shaders/transport/emitter_list.glsl.
 
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <memory>
 #include <vector>
@@ -15,6 +16,18 @@ namespace lpv {
 /// volume.
 inline constexpr double kNearFieldBegin = 2.0;
 inline constexpr double kNearFieldEnd = 3.0;
+
+/// A light of constant radiance without directions is looked at as polygons, which is exact, while it has no more
+/// triangles than this, its flat patches merged; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
+/// kAccurateOpeningRatio, where time counts;
+inline constexpr std::size_t kFewPolygons = 32;
+/// DIRECT with kAccurateOpeningRatio or above: 720 triangles cost a receiver 2-3x the walk through their tree.
+inline constexpr std::size_t kMostPolygons = 1024;
+/// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
+inline constexpr std::size_t kMostPolygonsOfAll = 4096;
+/// Cells along the diagonal of a light's box below which it is small beside them: what it sends to surfaces far away
+/// changes within a cell. Lights of GATHER that all are so, and kFewPolygons together, are looked at everywhere.
+inline constexpr double kSmallBesideACell = 1.0;
 
 /// A session's lights for lookups of the near field: the texels that shaders/transport/emitter_list.glsl describes.
 struct EmitterList {
@@ -35,14 +48,17 @@ using EmitterListPtr = std::shared_ptr<const EmitterList>;
 /// counter-clockwise order seen from the front; `sides` 2: it emits from both sides.
 double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, int sides);
 
-/// What one VPL of unit radiance sends to a receiver (MATHS.md 3b.4; shaders/transport/vpl_kernel.glsl).
-struct VplLight {
+/// What arrives at a point from a light of unit radiance.
+struct Arriving {
   double fluence = 0.0;
   glm::dvec3 vectorIrradiance{0.0};  ///< towards the light
 };
 
-/// `entry`: the first four texels of a VPL (shaders/transport/vpls.glsl), grid space, as `receiver` is. `sides` that
-/// emit: 1 or 2.
-VplLight lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides);
+/// Of a triangle, seen as in triangleIrradiance, by the closed forms (MATHS.md 5; Van Oosterom & Strackee 1983).
+Arriving triangleMoments(const glm::dvec3 (&corners)[3], int sides);
+
+/// Of one VPL (MATHS.md 3b.4; shaders/transport/vpl_kernel.glsl). `entry`: the first four texels of a VPL
+/// (shaders/transport/vpls.glsl), grid space, as `receiver` is. `sides` that emit: 1 or 2.
+Arriving lightFromVpl(const glm::vec4* entry, const glm::dvec3& receiver, int sides);
 
 }  // namespace lpv

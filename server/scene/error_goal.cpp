@@ -43,12 +43,16 @@ int cellsOf(const GridOptions& grid) {
   return grid.longest > 0 ? grid.longest : kDefaultCellsOfLongestEdge;
 }
 
+/// Share of an error goal that merging may take: half of its square.
+constexpr double kShareOfMerging = 0.7;
+
 /// Settings by rising cost: the number of cells weighs more than the opening ratio.
 LightingSettings withRuleFor(LightingSettings o) {
   if (o.k > 0.0 || o.transport == Transport::kPropagate) return o;
   for (const double k : kRules) {
     o.k = k;
-    if (expectedError(o, cellsOf(o.grid)) <= o.maxError) break;
+    const bool merged = o.transport == Transport::kDirect || mergingError(k) <= kShareOfMerging * o.maxError;
+    if (merged && expectedError(o, cellsOf(o.grid)) <= o.maxError) break;
   }
   return o;
 }
@@ -75,12 +79,16 @@ double expectedError(const LightingSettings& o, int longestCells) {
   return o.lookup == Lookup::kCap ? volume : std::max(volume, kTwoBands);
 }
 
+double mergingError(double openingRatio) { return openingRatio < kAccurateOpeningRatio ? 0.003 : 0.0015; }
+
 LightingSettings resolved(const LightingSettings& options) {
   LightingSettings o = options;
   if (o.grid.automatic) o.grid.longest = kDefaultCellsOfLongestEdge;
   if (o.maxError == 0.0) return o;
-  if (!o.grid.automatic) return withRuleFor(o);
+  const bool sized = o.grid.longest > 0 || o.grid.dims != glm::ivec3(0);
+  if (!options.grid.automatic && sized) return withRuleFor(o);
   for (const Measured& row : kGather) {
+    if (!options.grid.automatic && row.cells < kDefaultCellsOfLongestEdge) continue;
     o = options;
     o.grid.longest = row.cells;
     o = withRuleFor(o);

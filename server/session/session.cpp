@@ -86,6 +86,10 @@ SessionSummary Session::summary() const {
   SessionSummary out;
   out.subscribers = delivery_.subscriberCount();
   out.measured = delivery_.measured();
+  {
+    const MutexLock lock(forecastMutex_);
+    if (forecast_) out.forecast = forecast_->forecast;
+  }
   const MutexLock lock(mutex_);
   out.id = id_;
   out.displayName = policy_.displayName;
@@ -104,6 +108,22 @@ SessionSummary Session::summary() const {
   out.lastUsed = lastUsed_;
   out.durability = durability();
   return out;
+}
+
+void Session::updateForecast() {
+  const ScenePtr now = scene();
+  {
+    const MutexLock lock(forecastMutex_);
+    if (forecast_ && forecast_->revision == now->revision) return;
+  }
+  LightingSettings asked;
+  {
+    const MutexLock lock(mutex_);
+    asked = document_.options();
+  }
+  const Forecast made = forecast(*now, asked);
+  const MutexLock lock(forecastMutex_);
+  if (!forecast_ || forecast_->revision < now->revision) forecast_ = {now->revision, made};
 }
 
 std::uint64_t Session::revision() const {

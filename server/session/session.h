@@ -95,6 +95,9 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
 
   // Reading.
   SessionSummary summary() const;
+  /// Makes the forecast of the scene as it is now, for summaries from now on. Takes up to some hundredths of a second
+  /// where the scene has changed: holds no lock, but is not for threads that must not wait.
+  void updateForecast();
   std::uint64_t revision() const override;
   ScenePtr scene();
   /// As Document::changesSince, with the newest edit sequence of each client that the changes contain.
@@ -157,11 +160,20 @@ class Session : public std::enable_shared_from_this<Session>, private SceneSourc
   Status closedStatus(const char* field) const LPV_REQUIRES(mutex_);
   void predictCosts() LPV_REQUIRES(mutex_);
 
+  /// Of a revision.
+  struct RevisionForecast {
+    std::uint64_t revision = 0;
+    Forecast forecast;
+  };
+
   const std::string id_;
   const std::uint64_t epoch_;
   const SessionKey key_;
   const SessionServices services_;  ///< its limits are those at creation; limits_ are current
   const std::chrono::system_clock::time_point created_;
+
+  mutable Mutex forecastMutex_;  ///< acquired last
+  std::optional<RevisionForecast> forecast_ LPV_GUARDED_BY(forecastMutex_);
 
   Mutex copyMutex_;
   SceneCopy copy_ LPV_GUARDED_BY(copyMutex_);

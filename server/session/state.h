@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/forecast.h"
 #include "session/document/blobs.h"
 #include "session/document/document.h"
 #include "session/members/members.h"
@@ -56,6 +57,7 @@ struct SessionSummary {
   std::int64_t blobBytes = 0;
   std::chrono::system_clock::time_point lastUsed;
   std::optional<MeasuredError> measured;
+  std::optional<Forecast> forecast;  ///< the last that was made
   Durability durability = Durability::kMemory;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lpv/resources/cell_box.h"
+#include "scene/emitter_list.h"
 #include "scene/scene.h"
 
 namespace lpv {
@@ -49,17 +50,8 @@ double cellsAcross(const EmittingLight& light);
 /// Of constant radiance without directions: what the closed form for polygons holds for.
 bool isConstant(const EmittingLight& light);
 
-/// A constant light is looked at as polygons, which is exact, while it has no more triangles than this, its flat
-/// patches merged; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
-/// kAccurateOpeningRatio, where time counts.
-inline constexpr std::size_t kFewPolygons = 32;
-
 /// Whether the near field takes the light for polygons, as far as it goes by this light alone.
 bool fewPolygons(const EmittingLight& light);
-
-/// A light with less than so many cells across is small beside them: what surfaces far away along its own get from it
-/// changes within a cell.
-inline constexpr double kSmallBesideACell = 1.0;
 
 /// Whether receivers look at the lights everywhere, GATHER's too: all are few polygons together, which is exact and not
 /// much work, and each is small beside a cell.

@@ -9,14 +9,10 @@
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
+#include "scene/emitter_list.h"
 
 namespace lpv {
 
-/// As kFewPolygons, for DIRECT with kAccurateOpeningRatio or above: 720 triangles cost a receiver 2-3x the walk through
-/// their tree.
-inline constexpr std::size_t kMostPolygons = 1024;
-/// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
-inline constexpr std::size_t kMostPolygonsOfAll = 4096;
 
 /// Which lights are polygons. `k`: the distance rule of the trees.
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "scene/lookup.h"
-#include "session/delivery/receiver_sampler.h"
+#include "scene/receiver_sampler.h"
 
 namespace lpv {
 
@@ -12,28 +12,9 @@ namespace {
 
 /// Evaluations of a triangle's closed form that one check may take.
 constexpr std::size_t kMostEvaluations = 4'000'000;
-/// Triangles of surfaces that rays may be tested against, and rays.
+/// Triangles of surfaces that rays may be tested against.
 constexpr std::size_t kMostCrossingTests = 20'000'000;
-constexpr int kMostRays = 1024;
 constexpr std::size_t kLeastReceivers = 8;
-
-/// Where rays from the lights cross the surfaces.
-struct LitPoints {
-  std::vector<Receiver> at;
-  double received = 0.0;  ///< W; the integral of irradiance over the surfaces, mean of the colours
-};
-
-LitPoints litPoints(const LitSides& sides, const AreaLights& lights, Random& random) {
-  LitPoints out;
-  int rays = 0;
-  for (std::size_t tests = 0; rays < kMostRays && tests < kMostCrossingTests; ++rays) {
-    glm::dvec3 origin, direction;
-    lights.emit(random, &origin, &direction);
-    tests += sides.cross(origin, direction, &out.at);
-  }
-  out.received = lights.power() * double(out.at.size()) / rays;
-  return out;
-}
 
 /// Irradiance as the session's frames look it up.
 Irradiance lookUp(const Scene& scene, const Volume& volume, const Receiver& at) {
@@ -60,7 +41,7 @@ std::optional<ErrorEstimate> selfCheck(const Scene& scene, const Volume& volume,
   const std::size_t wanted =
       std::clamp<std::size_t>(kMostEvaluations / lights.triangles(), kLeastReceivers, kCheckedReceivers);
   Random random(seed);
-  LitPoints lit = litPoints(sides, lights, random);
+  LitPoints lit = litPoints(sides, lights, kMostCrossingTests, random);
   std::shuffle(lit.at.begin(), lit.at.end(), random);
   lit.at.resize(std::min(lit.at.size(), wanted / 2));
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/error_goal.h"
+#include "scene/grid_choice.h"
 
 namespace lpv {
 namespace {
@@ -25,6 +26,23 @@ void forEachReplaced(const Map& objects, const Before& before, const Use& use) {
     if (was) use(*was->object, -1);
     if (const auto now = objects.find(name); now != objects.end()) use(*now->second.object, 1);
   }
+}
+
+/// Whether an edit brought the first of a kind of objects.
+template <typename Map, typename Before>
+bool isFirst(const Map& objects, const Before& before) {
+  const auto wasThere = [](const auto& was) { return was.second.has_value(); };
+  const auto untouched = [&before](const auto& object) { return !before.contains(object.first); };
+  return !objects.empty() && std::ranges::none_of(before, wasThere) && std::ranges::none_of(objects, untouched);
+}
+
+int longestEdgeOf(const Grid& grid) { return std::max({grid.dims.x, grid.dims.y, grid.dims.z}); }
+
+/// Whether settings that leave the number of cells to the server give it other reasons.
+bool choosesOtherwise(const LightingSettings& a, const LightingSettings& b) {
+  if (!choosesCells(a.grid)) return false;
+  const double ratios[] = {resolved(a).openingRatio(), resolved(b).openingRatio()};
+  return a.maxError != b.maxError || a.transport != b.transport || a.lookup != b.lookup || ratios[0] != ratios[1];
 }
 
 template <typename T>
@@ -109,7 +127,7 @@ Status Document::checkAll(Rollback& rollback) {
   if (Status s = checkTotals(); !s.ok()) return s;
   if (Status s = checkGroups(rollback); !s.ok()) return s;
   if (rollback.contentAdded) {
-    if (Status s = refit(false); !s.ok()) return s;
+    if (Status s = refit(false, rollback); !s.ok()) return s;
   }
   return sameWorkload(rollback) ? Status() : checkCost(options_, grid_);
 }
@@ -176,20 +194,28 @@ Bounds Document::content() const {
   return bounds;
 }
 
-/// New content that leaves a fitted grid makes a new fit; a moving light never does (MATHS.md 1).
-Status Document::refit(bool always) {
-  if (options_.grid.hasBounds) return {};
+bool Document::firstOfItsKind(const Rollback& rollback) const {
+  return isFirst(lights_, rollback.lights) || isFirst(surfaces_, rollback.surfaces);
+}
+
+/// New content that leaves a fitted grid makes a new fit, and so do the first light and the first surface where the
+/// number of cells goes by them; a moving light never does (MATHS.md 1).
+Status Document::refit(bool always, const Rollback& rollback) {
+  const bool chooses = choosesCells(options_.grid);
+  if (options_.grid.hasBounds && !chooses) return {};
   const Bounds bounds = content();
   if (bounds.empty()) return {};
   const Bounds now = grid_.bounds();
   const bool inside =
       glm::all(glm::lessThanEqual(now.min, bounds.min)) && glm::all(glm::greaterThanEqual(now.max, bounds.max));
-  if (!always && inside && gridRevision_ != 0) return {};
-  const Expected<Grid> grid = gridFor(options_, bounds);
-  if (!grid) return grid.status();
-  if (!(*grid == grid_)) {
-    grid_ = *grid;
+  const bool stands = options_.grid.hasBounds || (inside && gridRevision_ != 0);
+  if (!always && stands && !(chooses && firstOfItsKind(rollback))) return {};
+  const Expected<GridChoice> choice = chooseGrid(*snapshot(), options_);
+  if (!choice) return choice.status();
+  if (!(choice->grid == grid_)) {
+    grid_ = choice->grid;
     gridRevision_ = revision_;
+    snapshot_.reset();
   }
   return {};
 }
@@ -252,11 +278,14 @@ Status Document::setOptions(const LightingSettings& options) {
   if (Status s = checkOptions(options); !s.ok()) return s.within("settings");
   Grid grid = grid_;
   std::uint64_t gridRevision = gridRevision_;
-  if (!(resolved(options).grid == resolved(options_).grid)) {
-    const Expected<Grid> fitted = gridFor(options, content());
+  const bool other = !(options.grid == options_.grid);
+  if (other || choosesOtherwise(options, options_)) {
+    const Expected<GridChoice> fitted = chooseGrid(*snapshot(), options);
     if (!fitted) return fitted.status().within("settings.grid");
-    grid = *fitted;
-    gridRevision = revision_ + 1;
+    if (other || longestEdgeOf(fitted->grid) != longestEdgeOf(grid)) {
+      grid = fitted->grid;
+      gridRevision = revision_ + 1;
+    }
   }
   if (Status s = checkCost(options, grid); !s.ok()) return s;
   grid_ = grid;

@@ -231,7 +231,8 @@ class Document {
   Status checkCost(const LightingSettings& options, const Grid& grid);
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
-  Status refit(bool always);
+  Status refit(bool always, const Rollback& rollback);
+  bool firstOfItsKind(const Rollback& rollback) const;
   void noteChange(const Rollback& rollback);
   void updateViewScene(const Rollback& rollback);
   void setStage();

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "base/text.h"
+#include "scene/grid_choice.h"
 #include "session/document/document.h"
 
 namespace lpv {
@@ -217,11 +218,11 @@ Expected<std::string> Document::applyOne(const DeleteCamera& op, const Blobs&, R
 }
 
 Expected<std::string> Document::applyOne(const FitGrid&, const Blobs&, Rollback& rollback) {
-  if (options_.grid.hasBounds) {
+  if (options_.grid.hasBounds && !choosesCells(options_.grid)) {
     return Status(Code::kFailedPrecondition, Reason::kFixedBounds,
                   "the grid has fixed bounds; clear settings.grid.bounds to fit it", "fit_grid");
   }
-  if (Status s = refit(true); !s.ok()) return s.within("fit_grid");
+  if (Status s = refit(true, rollback); !s.ok()) return s.within("fit_grid");
   rollback.fitted = true;
   return std::string();
 }

@@ -125,7 +125,7 @@ TEST_F(VplKernelTest, IsTheReferencesForColumnsPointsAndInCpp) {
     double inColumn = 0.0, atPoint = 0.0, inCpp = 0.0, illuminated = 0.0, amongFour = 0.0;
     for (std::size_t i = 0; i < cases.cases.size(); ++i) {
       const KernelCase& c = cases.cases[i];
-      const VplLight cpp = lightFromVpl(&cases.inputs[i * kInputs], c.receiver, twoSided ? 2 : 1);
+      const Arriving cpp = lightFromVpl(&cases.inputs[i * kInputs], c.receiver, twoSided ? 2 : 1);
       const reference::VplMoments want = expected(c, twoSided);
       const double scale = scaleOf(c);
       const auto off = [&](const glm::dvec4& got) {

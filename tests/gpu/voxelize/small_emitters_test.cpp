@@ -27,7 +27,7 @@ glm::dvec3 arrivingAt(const test::VplMap& vpls, const glm::dvec3& x, double scal
     const glm::dmat3& c = v.positionCovariance;
     const glm::vec4 entry[4] = {glm::vec4(v.position, v.area), glm::vec4(v.direction, v.spread),
                                 glm::vec4(c[0][0], c[1][1], c[2][2], c[0][0] + c[1][1] + c[2][2]),
-                                glm::vec4(c[0][1], c[0][2], c[1][2], 0.0)};
+                                glm::vec4(c[0][1], c[0][2], c[1][2], 2.0)};
     sum += scale * v.colour.r * lightFromVpl(entry, x, 1).vectorIrradiance;
   }
   return sum;

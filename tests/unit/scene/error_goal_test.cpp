@@ -39,11 +39,18 @@ TEST(ErrorGoal, IsReachedAtTheLeastCost) {
 TEST(ErrorGoal, LeavesWhatIsGiven) {
   LightingSettings o = wanting(0.0035, 64);
   EXPECT_EQ(resolved(o).grid, o.grid);
-  EXPECT_EQ(resolved(o).k, kFastOpeningRatio);
+  EXPECT_EQ(resolved(o).k, kAccurateOpeningRatio) << "merging alone takes most of the goal";
   o.k = 4.0;
   EXPECT_EQ(resolved(o), o);
+  o.k = 0.0;
+  o.maxError = 0.005;
+  EXPECT_EQ(resolved(o).k, kFastOpeningRatio);
   o = {};
   EXPECT_EQ(resolved(o), o) << "nothing is asked for";
+  o.maxError = 0.02;
+  EXPECT_EQ(resolved(o).grid.longest, kDefaultCellsOfLongestEdge) << "never fewer where nothing is said";
+  o.maxError = 0.003;
+  EXPECT_EQ(resolved(o).grid.longest, 48);
   o.grid.dims = {10, 64, 20};
   o.maxError = 0.002;
   EXPECT_EQ(resolved(o).k, 6.0) << "the longest edge counts";

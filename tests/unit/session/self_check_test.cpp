@@ -10,7 +10,7 @@
 #include "reference/meshes.h"
 #include "reference/volume.h"
 #include "scene/lookup.h"
-#include "session/delivery/receiver_sampler.h"
+#include "scene/receiver_sampler.h"
 
 namespace lpv {
 namespace {

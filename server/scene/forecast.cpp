@@ -1,0 +1,162 @@
+#include "scene/forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include "scene/error_goal.h"
+#include "scene/grid_choice.h"
+#include "scene/predicted_error.h"
+
+namespace lpv {
+
+namespace {
+
+/// Of polygons looked at in the shaders' single precision.
+constexpr double kRounding = 1e-4;
+constexpr std::size_t kMostNames = 3;
+
+int longestOf(const Grid& grid) { return std::max({grid.dims.x, grid.dims.y, grid.dims.z}); }
+
+std::string percentText(double error) {
+  char text[32];
+  std::snprintf(text, sizeof text, error < 0.0995 ? "%.2g %%" : "%.0f %%", 100.0 * error);
+  return text;
+}
+
+/// "64 cells along the longest edge".
+std::string edge(int cells) { return std::to_string(cells) + " cells along the longest edge"; }
+
+bool emitsLight(const Light& light) { return light.enabled && emittedRadiance(light) != glm::dvec3(0.0); }
+
+/// What DIRECT comes to: exact where every light is looked at as polygons (kFewPolygons).
+double directError(const Scene& scene, const LightingSettings& options) {
+  const std::size_t most = options.openingRatio() < kAccurateOpeningRatio ? kFewPolygons : kMostPolygons;
+  std::size_t all = 0;
+  bool polygons = true;
+  for (const auto& [name, light] : scene.lights) {
+    if (!emitsLight(*light)) continue;
+    all += light->mesh->triangles.size();
+    polygons = polygons && light->texture == nullptr && light->mesh->directions.empty() &&
+               light->mesh->triangles.size() <= most;
+  }
+  if (polygons && all > 0 && all <= kMostPolygonsOfAll) return kRounding;
+  return std::hypot(expectedError(options, kDefaultCellsOfLongestEdge),
+                    ErrorPredictor(scene, options).ofTouching(scene.grid));
+}
+
+using Names = std::vector<std::string>;
+
+std::string listed(const Names& names) {
+  std::string out = names.size() == 1 ? "light " : "lights ";
+  for (std::size_t i = 0; i < std::min(names.size(), kMostNames); ++i) out += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kMostNames) out += " and " + std::to_string(names.size() - kMostNames) + " more";
+  return out;
+}
+
+/// What PROPAGATE loses: it knows no light but what is injected into the grid's cells.
+std::string lightsLeftOut(const Scene& scene) {
+  const Bounds grid = scene.grid.bounds();
+  Names outside, partly;
+  for (const auto& [name, light] : scene.lights) {
+    if (!emitsLight(*light)) continue;
+    const Bounds box = light->mesh->bounds.transformed(light->transform.worldFromObject());
+    const bool apart = glm::any(glm::lessThan(box.max, grid.min)) || glm::any(glm::greaterThan(box.min, grid.max));
+    const bool within =
+        glm::all(glm::greaterThanEqual(box.min, grid.min)) && glm::all(glm::lessThanEqual(box.max, grid.max));
+    if (apart) outside.push_back(name);
+    if (!apart && !within) partly.push_back(name);
+  }
+  std::string out;
+  if (!outside.empty()) {
+    out += " " + listed(outside) +
+           (outside.size() == 1 ? " lies outside the grid: PROPAGATE gives it no light."
+                                : " lie outside the grid: PROPAGATE gives them no light.");
+  }
+  if (!partly.empty()) {
+    out += " " + listed(partly) + (partly.size() == 1 ? " lies" : " lie") +
+           " partly outside the grid: PROPAGATE gives no light to what is outside.";
+  }
+  return out;
+}
+
+/// What would help a scene whose grid misses the wanted error.
+std::string help(const Scene& scene, const LightingSettings& asked) {
+  const std::string others = asked.grid.hasBounds ? "transport DIRECT would"
+                                                  : "transport DIRECT, or bounds around "
+                                                    "what is looked at, would";
+  if (asked.lookup != Lookup::kCap) return "lookup CAP would";
+  if (ErrorPredictor(scene, resolved(asked)).ofTouching(scene.grid) > wantedError(asked))
+    return "lights of many triangles farther from what they nearly touch would";
+  const Expected<GridChoice> finer = tryGrids(scene, asked, 1, kMaxCellsPerAxis);
+  if (finer.ok() && finer->reached) {
+    return std::to_string(finer->tried.back().cells) + " cells would (" + percentText(finer->tried.back().error) +
+           "), or " + others;
+  }
+  return others;
+}
+
+/// How the cells in use came about, where they are the server's choice and those that it would choose now.
+std::string chosen(const LightingSettings& asked, const GridChoice& choice, double error) {
+  const std::string wanted = percentText(wantedError(asked));
+  const int cells = longestOf(choice.grid);
+  if (!choice.reached) return edge(cells) + " reach " + percentText(error) + ", and " + wanted + " is wanted: ";
+  if (choice.tried.size() == 1) {
+    return edge(cells) + (asked.grid.automatic ? ", the fewest" : ", the default") + ": predicted error " +
+           percentText(error) + ", wanted " + wanted + ".";
+  }
+  const GridChoice::Tried& before = choice.tried[choice.tried.size() - 2];
+  return edge(cells) + ": " + std::to_string(before.cells) + " are predicted to miss " + wanted + " (" +
+         percentText(before.error) + "), " + std::to_string(cells) + " reach " + percentText(error) + ".";
+}
+
+std::string gathered(const Scene& scene, const LightingSettings& asked, double error) {
+  const int cells = longestOf(scene.grid);
+  const std::string wanted = percentText(wantedError(asked));
+  const bool reached = error <= wantedError(asked);
+  if (choosesCells(asked.grid)) {
+    const Expected<GridChoice> choice = chooseGrid(scene, asked);
+    if (choice.ok() && longestOf(choice->grid) == cells) {
+      const std::string text = chosen(asked, *choice, error);
+      return choice->reached ? text : text + help(scene, asked) + ".";
+    }
+    const std::string now = choice.ok() ? "; fitted now it would have " + std::to_string(longestOf(choice->grid)) : "";
+    return edge(cells) + ", from when the grid was last fitted" + now + ": predicted error " + percentText(error) +
+           ", wanted " + wanted + ".";
+  }
+  const std::string given = edge(cells) + ", as asked for: predicted error " + percentText(error);
+  return reached ? given + "." : given + ", and " + wanted + " is wanted: " + help(scene, asked) + ".";
+}
+
+}  // namespace
+
+Forecast forecast(const Scene& scene, const LightingSettings& asked) {
+  const LightingSettings options = resolved(asked);
+  const int cells = longestOf(scene.grid);
+  Forecast out{expectedError(options, cells), ""};
+  switch (options.transport) {
+    case Transport::kPropagate:
+      out.choice = edge(cells) + ": PROPAGATE is as wrong with any grid; transport GATHER or DIRECT would be right." +
+                   lightsLeftOut(scene);
+      break;
+    case Transport::kDirect:
+      out.error = directError(scene, options);
+      out.choice = "DIRECT looks at the lights, whatever the grid: expected error " + percentText(out.error) + ".";
+      break;
+    case Transport::kGather: {
+      const std::optional<double> predicted = predictError(scene, scene.grid, options);
+      out.error = predicted.value_or(out.error);
+      out.choice = predicted ? gathered(scene, asked, *predicted)
+                             : edge(cells) +
+                                   ": the scene gives nothing to predict from, so the expected error is that "
+                                   "of a light in a room, " +
+                                   percentText(out.error) + ".";
+      break;
+    }
+  }
+  return out;
+}
+
+}  // namespace lpv

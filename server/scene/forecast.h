@@ -1,0 +1,21 @@
+#pragma once
+// What a session is told of the choices made for it: the error that its scene is expected to have, and a sentence or
+// two on the grid.
+
+#include <string>
+
+#include "scene/scene.h"
+
+namespace lpv {
+
+struct Forecast {
+  double error = 0.0;  ///< raw relative L2 of irradiance
+  std::string choice;
+};
+
+/// For a scene with the grid in use, and settings as they were asked for; follows from these alone. GATHER: the
+/// prediction (scene/predicted_error.h); DIRECT: next to nothing where all lights are polygons; else the table
+/// (scene/error_goal.h).
+Forecast forecast(const Scene& scene, const LightingSettings& asked);
+
+}  // namespace lpv
