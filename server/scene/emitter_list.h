@@ -18,8 +18,8 @@ inline constexpr double kNearFieldBegin = 2.0;
 inline constexpr double kNearFieldEnd = 3.0;
 
 /// A light of constant radiance without directions is looked at as polygons, which is exact, while it has no more
-/// triangles than this, its flat patches merged; other lights are their trees. The near field of GATHER, and DIRECT with a rule below
-/// kAccurateOpeningRatio, where time counts;
+/// triangles than this, its flat patches merged; other lights are their trees. The near field of GATHER, and DIRECT
+/// with a rule below kAccurateOpeningRatio, where time counts;
 inline constexpr std::size_t kFewPolygons = 32;
 /// DIRECT with kAccurateOpeningRatio or above: 720 triangles cost a receiver 2-3x the walk through their tree.
 inline constexpr std::size_t kMostPolygons = 1024;

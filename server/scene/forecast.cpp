@@ -15,7 +15,7 @@ namespace lpv {
 namespace {
 
 /// Of polygons looked at in the shaders' single precision.
-constexpr double kRounding = 1e-4;
+constexpr double kSinglePrecision = 1e-4;
 constexpr std::size_t kMostNames = 3;
 
 int longestOf(const Grid& grid) { return std::max({grid.dims.x, grid.dims.y, grid.dims.z}); }
@@ -42,7 +42,7 @@ double directError(const Scene& scene, const LightingSettings& options) {
     polygons = polygons && light->texture == nullptr && light->mesh->directions.empty() &&
                light->mesh->triangles.size() <= most;
   }
-  if (polygons && all > 0 && all <= kMostPolygonsOfAll) return kRounding;
+  if (polygons && all > 0 && all <= kMostPolygonsOfAll) return kSinglePrecision;
   return std::hypot(expectedError(options, kDefaultCellsOfLongestEdge),
                     ErrorPredictor(scene, options).ofTouching(scene.grid));
 }

@@ -13,7 +13,6 @@
 
 namespace lpv {
 
-
 /// Which lights are polygons. `k`: the distance rule of the trees.
 void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k);
 
