@@ -58,7 +58,10 @@ TEST_F(DefaultViews, ShowTheWholeScene) {
   EXPECT_NE(frame(request()), frame(given));
 }
 
+// With PROPAGATE, whose streams sample no near field: their pictures are those of single frames.
 TEST_F(DefaultViews, AreTheSameInStreams) {
+  session_ = makeSession(stubs_, propagating());
+  apply(stubs_, session_, {client::createLight(light("Lamp"))});
   apply(stubs_, session_, {client::createSurface(surface("Wall", quad(0.5F)))});
   pb::FrameSubscription subscription;
   subscription.set_session(session_);

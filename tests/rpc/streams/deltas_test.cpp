@@ -95,8 +95,9 @@ double furthest(const Volume& truth, const Volume& held) {
 }
 
 /// The cells of a volume that has one more on each side.
-std::vector<float> innerOf(const Volume& guarded) {
-  std::vector<float> out;
+Volume innerOf(const Volume& guarded) {
+  Volume inner;
+  std::vector<float>& out = inner.layers.emplace_back().coefficients;
   const glm::ivec3 dims = guarded.grid.dims;
   for (int z = 1; z + 1 < dims.z; ++z) {
     for (int y = 1; y + 1 < dims.y; ++y) {
@@ -104,7 +105,7 @@ std::vector<float> innerOf(const Volume& guarded) {
       out.insert(out.end(), row, row + std::size_t(dims.x - 2) * 12);
     }
   }
-  return out;
+  return inner;
 }
 
 // One reader with guard cells and one without, and calls of both kinds. With guard cells a volume is that of a session
@@ -151,7 +152,7 @@ TEST_F(Deltas, GuardCellsContinueTheVolume) {
     EXPECT_EQ(guarded.header.grid().dims().x(), 20);
     EXPECT_EQ(guarded.volume.grid.dims, glm::ivec3(22));
     EXPECT_EQ(plain.volume.grid.dims, glm::ivec3(20));
-    EXPECT_EQ(innerOf(guarded.volume), plain.volume.layers.at(0).coefficients);
+    EXPECT_LE(furthest(innerOf(guarded.volume), plain.volume), 1e-4);  // made before the guard was asked for, or after
     EXPECT_EQ(called->volume.layers.at(0).coefficients, guarded.volume.layers.at(0).coefficients);
     EXPECT_LE(furthest(outer->volume, guarded.volume), 1e-4);
   }

@@ -144,6 +144,9 @@ TEST_P(AwayFromLights, ProbesEqualALookupInEveryLayerOfTheVolume) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Irradiance e = irradianceAt(here->volume, lookup, points[i].first, points[i].second);
     ASSERT_TRUE(e.valid) << i;
+    const glm::dvec3 g = here->volume.grid.gridFromWorld(points[i].first), dims(here->volume.grid.dims);
+    const bool clamped = glm::any(glm::lessThan(g, glm::dvec3(0.5))) || glm::any(glm::greaterThan(g, dims - 0.5));
+    if (clamped && GetParam() == pb::TRANSPORT_GATHER) continue;  // beyond the centres Probe looks at the lights
     brightest = std::max(brightest, e.rgb.z);
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(answer->irradiance[i].rgb[c], e.rgb[c], 1e-3 * e.rgb[c] + 1e-12) << i;
   }

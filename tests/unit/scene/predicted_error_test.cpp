@@ -110,9 +110,9 @@ TEST(PredictedError, IsThatOfAFineRaster) {
   for (const auto& [edge, height, floor, cells] : {Case{1.0, 2.0, 8.0, 16},
                                                    {1.0, 2.0, 8.0, 32},
                                                    {1.0, 2.0, 8.0, 64},
-                                                   {0.2, 6.0, 200.0, 32},
-                                                   {0.2, 6.0, 200.0, 64},
-                                                   {0.2, 6.0, 200.0, 128},
+                                                   {6.0, 6.0, 200.0, 32},
+                                                   {6.0, 6.0, 200.0, 64},
+                                                   {6.0, 6.0, 200.0, 128},
                                                    {0.5, 1.0, 20.0, 48}}) {
     const Scene scene = fittedTo(lampOverFloor(edge, height, floor), cells);
     const double merging = mergingError(scene.options.openingRatio());
@@ -123,6 +123,14 @@ TEST(PredictedError, IsThatOfAFineRaster) {
       EXPECT_NEAR(*got, expected, 0.25 * expected + 0.002) << floor << " m, " << cells << " cells, seed " << seed;
     }
   }
+}
+
+// Broken by: the volume's error for lamps that receivers look at everywhere.
+TEST(PredictedError, IsNoneForAFewSmallLamps) {
+  const Scene small = fittedTo(lampOverFloor(0.2, 6.0, 200.0), 32),
+              large = fittedTo(lampOverFloor(6.0, 6.0, 200.0), 32);
+  EXPECT_EQ(*predictError(small, small.grid, small.options, 1), 0.0);
+  EXPECT_GT(*predictError(large, large.grid, large.options, 1), 0.0);
 }
 
 TEST(PredictedError, IsTheSameForTheSameSeed) {
