@@ -4,7 +4,8 @@
 
 void storeHeader(int level, ivec3 block, Node node) {
   const int at = int(node.first) * kEntryTexels;
-  entries[at] = vec4(centreOf(level, block), params.cell * float(1 << level));
+  const float size = LPV_TEXTURED == 1 ? kColouredSize : 1.0;
+  entries[at] = vec4(centreOf(level, block), size * params.cell * float(1 << level));
   entries[at + 1] = vec4(float(binsIn(node.bins)), float(node.first + node.entries), 0.0, 0.0);
   for (int i = 2; i < kEntryTexels; ++i) entries[at + i] = vec4(0.0);
 }

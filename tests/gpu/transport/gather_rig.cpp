@@ -33,7 +33,8 @@ class EntryReader {
     const glm::vec4 where = texel(0), what = texel(1);
     const auto vpls = std::uint32_t(what.x), after = std::uint32_t(what.y);
     node.centre = glm::dvec3(where);
-    node.edge = double(where.w);
+    const bool coloured = texelsPerEntry_ == layout::kTexturedEntryTexels;
+    node.edge = double(where.w) / (coloured ? double(layout::kColouredSize) : 1.0);
     ++at_;
     for (std::uint32_t i = 0; i < vpls; ++i) node.vpls.push_back(vpl());
     while (at_ < after) node.children.push_back(this->node());
@@ -93,7 +94,8 @@ void addIncident(reference::Field& field, const Grid& grid, const EmittingLight&
   const reference::VplTree tree(reference::cellVpls(grid, voxelizedEmittersOf(grid, light)));
   reference::forEachCell((grid.dims + kBlock - 1) / kBlock, [&](const glm::ivec3& block) {
     const glm::ivec3 low = block * kBlock, high = glm::min(low + kBlock, grid.dims) - 1;
-    const std::vector<reference::Vpl> vpls = tree.seenFrom(low, high, k);
+    const double rule = light.texture == nullptr ? k : k * double(layout::kColouredSize);
+    const std::vector<reference::Vpl> vpls = tree.seenFrom(low, high, rule);
     reference::forEachCell(high - low + 1, [&](const glm::ivec3& cell) {
       const auto incident = reference::incidentFrom(vpls, grid.cellCentre(low + cell), grid.cell);
       for (std::size_t c = 0; c < 3; ++c) field.at(low + cell)[c] += incident[c];
