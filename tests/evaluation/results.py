@@ -62,6 +62,30 @@ def write(folder, content):
         writer.writerows(flat)
 
 
+def percent(value):
+    return "-" if value is None else f"{100.0 * value:.2g}"
+
+
+def unshadowed(content):
+    """Markdown: what direct light with nothing in the way is off by, a line per scene and camera."""
+    lines = [f"{content['machine']['processor']}, {content['machine']['cores']} cores; {content['device'].get('driver', '')}; "
+             f"commit {content['commit'][:12]}, {content['date'][:10]}", "",
+             "| scene | view | cells | quality | k | flags | announced % | E: raw L2 % | E: NRMSE % | frame: raw L2 % | frame: NRMSE % |",
+             "|---|---|---|---|---|---|---|---|---|---|---|"]
+    cases = {}
+    for row in content["rows"]:
+        if row.get("against") == "unoccluded":
+            cases.setdefault((row["case"], row["camera"]), {})[row["quantity"]] = row
+    for (case, camera), rows in cases.items():
+        settings = next(iter(rows.values()))["settings"]
+        values = [rows.get(quantity, {"values": {}})["values"].get(key)
+                  for quantity in ("irradiance", "pixels") for key in ("raw_l2", "nrmse")]
+        quality = settings["quality"].removeprefix("QUALITY_").lower()
+        lines.append(f"| {case} | {camera} | {settings['grid_dims']} | {quality} | {settings['k'] or 'by quality'} | "
+                     f"{settings['flags'] or '-'} | " + " | ".join(map(percent, [settings.get("expected_error"), *values])) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def check(content):
     """Sentences about what is not as results.schema.md says; empty if all is."""
     wrong = []
