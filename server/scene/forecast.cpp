@@ -38,9 +38,9 @@ double directError(const Scene& scene, const LightingSettings& options) {
   bool polygons = true;
   for (const auto& [name, light] : scene.lights) {
     if (!emitsLight(*light)) continue;
-    all += light->mesh->triangles.size();
+    all += light->mesh->evenTriangles().size();
     polygons = polygons && light->texture == nullptr && light->mesh->directions.empty() &&
-               light->mesh->triangles.size() <= most;
+               light->mesh->evenTriangles().size() <= most;
   }
   if (polygons && all > 0 && all <= kMostPolygonsOfAll) return kSinglePrecision;
   return std::hypot(expectedError(options, kDefaultCellsOfLongestEdge),
