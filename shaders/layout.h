@@ -214,7 +214,7 @@ LPV_CONST int kPlainEntryTexels = 4;  // vec4 of an entry (shaders/transport/vpl
 LPV_CONST int kTexturedEntryTexels = 5;  // ... and of one with a colour
 LPV_CONST int kMostProbes = 64;  // places of the table that a VPL is looked for in
 LPV_CONST float kColouredSize = 2.0;  // nodes of a textured light count as so much larger: a VPL has one position for
-                                       // all colours, so that what is merged loses which colour came from where
+                                      // all colours, so that what is merged loses which colour came from where
 LPV_CONST float kFarFromVpls = 1e4;  // cells: nothing near
 LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,
 LPV_CONST float kNearFieldEnd = 3.0;  // from here on at the volume (MATHS.md 3c)
