@@ -60,10 +60,18 @@ struct Transported {
   Stamp stamp;
 };
 
+/// What an injected volume that leaves the engine is made from.
+struct InjectedVolumeInputs {
+  InjectInputs injected;
+  bool guarded = false;  ///< guard cells go along
+
+  bool operator==(const InjectedVolumeInputs&) const = default;
+};
+
 /// Volumes whose copies are under way, by what they are made from.
 struct VolumeCopies {
   std::optional<VolumeInputs> transported;
-  std::optional<InjectInputs> injected;
+  std::optional<InjectedVolumeInputs> injected;
 
   bool any() const { return transported || injected; }
 };
@@ -80,7 +88,7 @@ struct StageProducts {
   EmitterBufferList emitters;
   Cached<VolumeInputs> textured;
   Cached<VolumeInputs, VolumePtr> transportedVolume;
-  Cached<InjectInputs, VolumePtr> injectedVolume;
+  Cached<InjectedVolumeInputs, VolumePtr> injectedVolume;
   Cached<InjectInputs> counting;  ///< GATHER, DIRECT
   Cached<CountInputs, layout::Counters> counts;
   Readbacks readbacks;
@@ -286,7 +294,7 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
     if (!propagates) copyEmitterList(field, made.emitters, made.readbacks);
     copies.transported = transported;
   }
-  const InjectInputs injected = {s.memory.stamp(), s.arranged.stamp()};
+  const InjectedVolumeInputs injected = {{s.memory.stamp(), s.arranged.stamp()}, s.guarded};
   if (!made.injectedVolume.holds(injected) && request.injected) {
     if (!propagates) co_await injector.show(field, s.lights, s.voxels, s.palette(), pacing(s));
     co_await volumeMaker.run(field, field.injected, s.palette(), VolumeTarget::kInjected, pacing(s));

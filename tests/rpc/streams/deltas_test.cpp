@@ -167,6 +167,26 @@ TEST_F(Deltas, GuardCellsContinueTheVolume) {
   EXPECT_EQ(client_.volume(request).status().code(), Code::kInvalidArgument);
 }
 
+// Broken by: a volume made without guard cells that is kept for those who ask for them; the server ended then.
+TEST_F(Deltas, GuardCellsComeWithVolumesThatWereThereWithout) {
+  for (const pb::Transport transport : {pb::TRANSPORT_PROPAGATE, pb::TRANSPORT_GATHER, pb::TRANSPORT_DIRECT}) {
+    pb::SessionSettings wanted = settings(8);
+    wanted.set_transport(transport);
+    const std::string session = makeSession(stubs_, wanted);
+    apply(stubs_, session, {client::createLight(light("Lamp")), client::createSurface(surface("Wall", quad(2.0F)))});
+    for (const pb::VolumeStage stage : {pb::VOLUME_STAGE_INJECTED, pb::VOLUME_STAGE_TRANSPORTED}) {
+      pb::GetVolumeRequest request;
+      request.set_session(session);
+      request.set_stage(stage);
+      ASSERT_TRUE(client_.volume(request).ok());
+      request.set_guard_cells(1);
+      const Expected<client::VolumeResult> guarded = client_.volume(request);
+      ASSERT_TRUE(guarded.ok()) << guarded.status().message();
+      EXPECT_EQ(guarded->volume.grid.dims, glm::ivec3(10));
+    }
+  }
+}
+
 /// Follows the lamp with the library until the newest revision is there; every result's checksum is verified.
 TEST_F(Deltas, TheLibraryHoldsWhatTheServerMade) {
   using Coding = std::tuple<pb::VolumeFormat, int, double>;
