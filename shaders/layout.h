@@ -58,11 +58,13 @@ LPV_CONST int kRowMoments =
     24;  // double, 2 per texel and one more texel per row (shaders/voxelize/texture_integral.glsl)
 LPV_CONST int kNearFieldTiles = 25;  // uint per tile of a picture: 1 where a pixel needs the near field
 LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points that are to be evaluated
+LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
 LPV_CONST int kDrawParams = 1;  // DrawParams of one object
 LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
+LPV_CONST int kShadowParams = 3;  // ShadowParams of one dispatch
 
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
@@ -82,6 +84,8 @@ LPV_CONST int kDirect =
     15;  // samplerBuffer: the lights as receivers look at them (shaders/transport/emitter_list.glsl)
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
 LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
+LPV_CONST int kOccluders = 18;  // usamplerBuffer: what shadow rays can meet (shaders/visibility/occluders.glsl)
+LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
@@ -103,7 +107,7 @@ LPV_CONST int kNearFieldGroup = 32;  // tiles of a picture, blocks of points, or
 LPV_CONST int kNearFieldTile = 8;  // pixels across and down
 LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bit each of a uint
 LPV_CONST int kNearFieldBlockY = 4;
-LPV_CONST int kNearFieldSpacing = 8;  // pixels between the points that are evaluated whatever is around them
+LPV_CONST int kNearFieldSpacing = 8;  // of NearFieldParams where frames are reduced
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
 
@@ -177,6 +181,7 @@ LPV_CONST float kSectorBorder = 0.1f;  // sine of the angle up to which two of t
 #define LPV_NEAR_FIELD_EMITTERS 1  // near emitters and outside the grid
 #define LPV_NEAR_FIELD_EVERYWHERE 2
 #define LPV_NEAR_FIELD_SAMPLED 3  // at some pixels, before shading (shaders/frame/near_field.comp)
+#define LPV_NEAR_FIELD_KNOWN 4  // everywhere, before shading
 
 // LPV_PASS: of shaders/frame/near_field.comp
 #define LPV_PASS_WEIGHTS 0
@@ -220,6 +225,14 @@ LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here rec
 LPV_CONST float kNearFieldEnd = 3.0;  // from here on at the volume (MATHS.md 3c)
 LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
                                    // 2^16 rounds in all, without reporting it
+
+// --- shadow rays (MATHS.md 3d)
+LPV_CONST int kLightPointTexels = 3;
+LPV_CONST int kLeafItems = 8;  // of a BVH's node: see BvhNode::leaf
+LPV_CONST int kInstanceTexels = 4;
+LPV_CONST int kTriangleTexels = 3;
+LPV_CONST float kShadowOffset = 2e-4;  // cells along the receiver's normal where rays begin
+LPV_CONST float kShadowEnd = 0.9999;  // of a ray's way, where it has arrived
 
 struct Counters {
   uint degenerate;  // light triangles of zero area
@@ -330,7 +343,20 @@ struct FrameParams {
 struct NearFieldParams {
   ivec2 stride;  // pixels from a point to those before and after it that are known; 0 for the first points
   int first;  // of the tiles or blocks of points of this dispatch
-  int pad0;
+  int spacing;  // pixels between the points that are evaluated whatever is around them
+};
+
+struct ShadowParams {
+  int firstLight;  // of the pool
+  int lightsEnd;  // one past its last
+  int firstPoint;  // of the pool's points (shaders/visibility/light_points.glsl)
+  int pointCount;
+  int turn;  // of four rays: this dispatch
+  int turns;  // at most, for a point
+  int pool;  // this one, of `pools`
+  int pools;
+  int jitter;  // 0: rays go to the same places from every pixel; 1: to others, so that steps become grain
+  int pad0, pad1, pad2;
 };
 
 struct DrawParams {
@@ -370,7 +396,7 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
-static_assert(sizeof(NearFieldParams) == 16);
+static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(sizeof(DrawParams) == 160);
 }  // namespace lpv::layout

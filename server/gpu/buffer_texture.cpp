@@ -15,6 +15,8 @@ GLenum formatOf(BufferTexel texel) {
       return GL_RGB32F;
     case BufferTexel::kUvec3:
       return GL_RGB32UI;
+    case BufferTexel::kUvec4:
+      return GL_RGBA32UI;
     case BufferTexel::kVec4:
       break;
   }
@@ -24,7 +26,8 @@ GLenum formatOf(BufferTexel texel) {
 }  // namespace
 
 BufferTexture::BufferTexture(const std::string& label, const Buffer& buffer, BufferTexel texel) {
-  const std::size_t texelBytes = texel == BufferTexel::kVec4 ? 16 : 12;
+  const bool four = texel == BufferTexel::kVec4 || texel == BufferTexel::kUvec4;
+  const std::size_t texelBytes = four ? 16 : 12;
   GLint64 limit = 0;
   glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
   if (buffer.size() / texelBytes > std::size_t(limit))

@@ -12,6 +12,7 @@ enum class BufferTexel {
   kVec4,   ///< 4 floats
   kVec3,   ///< 3 floats
   kUvec3,  ///< 3 unsigned integers
+  kUvec4,  ///< 4 unsigned integers
 };
 
 /// A texture over a whole buffer, one row of texels read with texelFetch: on llvmpipe two to three times faster

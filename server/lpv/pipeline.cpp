@@ -54,6 +54,12 @@ struct FrameViews {
   std::vector<std::unique_ptr<View>> unkept;
 };
 
+/// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
+int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
+  const int single = options.quality == Quality::kAccurate ? 16 : 8;
+  return frame.reduced ? single / 2 : single;
+}
+
 /// Light that has arrived in cells, as volumes are made from it.
 struct Transported {
   const FieldBuffer& field;
@@ -86,6 +92,10 @@ struct StageProducts {
   Cached<SurfaceBlocksInputs, ReceiverBlocks> surfaceBlocks;
   Cached<EmitterListInputs> listed;
   EmitterBufferList emitters;
+  Cached<Stamp> pooled;  ///< of the lights
+  LightPools pools;
+  LightPointCache lightPoints;
+  GpuOccluders occluders;
   Cached<VolumeInputs> textured;
   Cached<VolumeInputs, VolumePtr> transportedVolume;
   Cached<InjectedVolumeInputs, VolumePtr> injectedVolume;
@@ -117,11 +127,12 @@ struct Pipeline::Stages {
   GpuTask gather(SessionState& s, const TickRequest& request);
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   void listEmitters(SessionState& s, double openingRatio);
+  GpuTask findShadowCasters(SessionState& s, const Scene& scene);
   GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
   GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
   GpuTask finishCopies(SessionState& s, const FrameViews& views);
-  GpuTask takeVolumes(SessionState& s, const VolumeCopies& copies);
-  GpuTask sampleNearField(SessionState& s, const FrameRequest& frame, View& view);
+  GpuTask takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies);
+  GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
 };
 
@@ -164,6 +175,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
     co_await stages.voxelize(s, request, result.report);
     co_await stages.gather(s, request);
     stages.listEmitters(s, scene.options.openingRatio());
+    co_await stages.findShadowCasters(s, scene);
   }
   const Transported light{s.field().transported(), propagates ? made.propagated.stamp() : made.gathered.stamp()};
   co_await stages.makeTextures(s, request, light);
@@ -178,7 +190,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   if (counters) copyCounters(s.field(), made.readbacks);
   if (counters || !views.of.empty()) co_await stages.finishCopies(s, views);
   if (counters) made.counts.set(counted, takeCounters(made.readbacks));
-  co_await stages.takeVolumes(s, copies);
+  co_await stages.takeVolumes(s, request.scene, copies);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
     co_await takeFrame(*views.of[i], request.frames[i], result.frames.emplace_back());
   gpu::throwOnError("tick");
@@ -272,6 +284,17 @@ void Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
   made.listed.set(inputs);
 }
 
+/// Where shadow rays go, and what they can meet.
+GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
+  if (!s.shadowed) co_return;
+  StageProducts& made = *s.products;
+  if (!made.pooled.holds(s.arranged.stamp())) {
+    made.pools.make(s.lights, made.lightPoints);
+    made.pooled.set(s.arranged.stamp());
+  }
+  co_await made.occluders.update(scene, s.field().grid);
+}
+
 /// For frames that do not look at the lights alone.
 GpuTask Pipeline::Stages::makeTextures(SessionState& s, const TickRequest& request, Transported light) {
   if (request.frames.empty() || s.looksAtLights) co_return;
@@ -315,14 +338,15 @@ GpuTask Pipeline::Stages::finishCopies(SessionState& s, const FrameViews& views)
   co_yield waitFor(copied);
 }
 
-GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copies) {
+GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies) {
   StageProducts& made = *s.products;
   const std::vector<std::string>& groups = s.arranged.product().groups;
   if (copies.transported) {
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kTransported;
     co_await takeVolume(made.readbacks.transported, s.field(), groups, s.guarded, *volume);
-    volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks);
+    volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks,
+                                     s.shadowed ? std::make_shared<const LightVisibility>(scene) : nullptr);
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }
   if (copies.injected) {
@@ -333,13 +357,18 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const VolumeCopies& copie
   }
 }
 
-GpuTask Pipeline::Stages::sampleNearField(SessionState& s, const FrameRequest& frame, View& view) {
+GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
   if (view.nearField == nullptr || view.nearField->size != frame.size) {
     view.nearField = nullptr;
     view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
   }
-  const NearLights lights = {&s.products->emitters, &s.field().textures->emitterDistance};
-  co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, lights, view.targets->frameParams,
+  const StageProducts& made = *s.products;
+  const ShadowCasters shadows = {&made.pools, &made.occluders, shadowTurns(frame, scene.options)};
+  const NearFieldSources sources = {
+      {&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
+      s.shadowed ? &shadows : nullptr,
+      frame.reduced};
+  co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                              pacing(s));
 }
 
@@ -366,8 +395,9 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   }
   co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
   const LightField& field = s.field();
-  const bool sampled = frame.reduced && field.transport == Transport::kGather && !s.looksAtLights;
-  if (sampled) co_await sampleNearField(s, frame, view);
+  const bool sampled =
+      s.shadowed || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
+  if (sampled) co_await lookAtLights(s, scene, frame, view);
   const IrradianceSources lit = {field.transport, scene.options.lookup, s.looksAtLights ? nullptr : &*field.textures,
                                  &s.products->emitters, sampled ? &view.nearField->irradiance : nullptr};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));

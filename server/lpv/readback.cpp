@@ -128,12 +128,14 @@ GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const
   out.guarded = std::move(more);
 }
 
-EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks) {
+EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks,
+                               LightVisibilityPtr visibility) {
   const std::size_t texels = emitters.count;
   if (field.transport == Transport::kPropagate) return nullptr;
   auto list = std::make_shared<EmitterList>();
   list->grid = field.grid;
-  list->always = field.transport == Transport::kDirect || emitters.everywhere;
+  list->visibility = std::move(visibility);
+  list->always = field.transport == Transport::kDirect || emitters.everywhere || list->visibility != nullptr;
   list->texels.resize(texels);
   std::memcpy(list->texels.data(), readbacks.emitterList.bytes().data(), texels * sizeof(glm::vec4));
   if (list->always) return list;

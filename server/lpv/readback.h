@@ -28,8 +28,9 @@ void copyCounters(const LightField& field, Readbacks& readbacks);
 /// outlives the coroutine.
 GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
                    bool guarded, Volume& out);
-/// After the fence: the list; null with PROPAGATE.
-EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks);
+/// After the fence: the list; null with PROPAGATE. `visibility`: null where nothing stands in the lights' way.
+EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks,
+                               LightVisibilityPtr visibility);
 layout::Counters takeCounters(const Readbacks& readbacks);
 
 /// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).

@@ -6,6 +6,7 @@
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/light_grouping.h"
 #include "scene/error_goal.h"
+#include "scene/shadowing.h"
 
 namespace lpv {
 
@@ -61,7 +62,9 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   }
   const Transport transport = scene.options.transport;
   choosePolygons(lights, transport, scene.options.openingRatio());
-  looksAtLights = transport == Transport::kDirect || (transport == Transport::kGather && lookedAtEverywhere(lights));
+  shadowed = isShadowed(scene);
+  looksAtLights = transport == Transport::kDirect ||
+                  (transport == Transport::kGather && (shadowed || lookedAtEverywhere(lights)));
   keepMemory(grid, scene.options.transport);
 }
 

@@ -26,7 +26,7 @@ namespace lpv {
 struct View {
   std::unique_ptr<Gbuffer> gbuffer;
   std::unique_ptr<FrameTargets> targets;
-  std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced)
+  std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced), or one with shadows
   gpu::Readback readback;
 };
 
@@ -59,6 +59,7 @@ struct SessionState {
   std::vector<LightVoxelsPtr> voxels;  ///< per light
   bool guarded = false;                ///< guard cells were asked for
   bool looksAtLights = false;          ///< frames look at the lights everywhere and read no volume
+  bool shadowed = false;               ///< something may stand in the lights' way
   Cached<LightsInputs, LightArrangement> arranged;
   Cached<FieldInputs, std::unique_ptr<LightField>> memory;
   std::shared_ptr<StageProducts> products;  ///< null: nothing

@@ -138,11 +138,11 @@ glm::dvec3 EmitterList::irradiance(const glm::dvec3& world, const glm::dvec3& n)
   for (int i = 0; i < int(texels[0].x); ++i) {
     const glm::vec4 radiance = texels[std::size_t(1 + 2 * i)], where = texels[std::size_t(2 + 2 * i)];
     const Part part = {&texels[std::size_t(where.x)], int(where.y), int(where.z), int(where.w)};
-    if (radiance.w == 0.0F) {
-      sum += glm::dvec3(radiance) * polygonIrradiance(part, x, n);
-    } else {
-      sum += glm::dvec3(radiance) * treeIrradiance(part, x, n, double(texels[0].y));
-    }
+    const glm::dvec3 e = radiance.w == 0.0F ? glm::dvec3(polygonIrradiance(part, x, n))
+                                            : treeIrradiance(part, x, n, double(texels[0].y));
+    if (e == glm::dvec3(0.0)) continue;
+    const glm::dvec3 share = visibility == nullptr ? glm::dvec3(1.0) : visibility->share(world, n, std::size_t(i));
+    sum += glm::dvec3(radiance) * e * share;
   }
   return sum;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scene/grid.h"
+#include "scene/light_visibility.h"
 
 namespace lpv {
 
@@ -32,7 +33,8 @@ inline constexpr double kSmallBesideACell = 1.0;
 /// A session's lights for lookups of the near field: the texels that shaders/transport/emitter_list.glsl describes.
 struct EmitterList {
   Grid grid;            ///< of the field, guard cells included: what texels and distances are in
-  bool always = false;  ///< transport DIRECT: used everywhere; else only near emitters or beyond the cells' centres
+  bool always = false;  ///< used everywhere; else only near emitters or beyond the cells' centres
+  LightVisibilityPtr visibility;  ///< null where nothing stands in the lights' way
   std::vector<glm::vec4> texels;
   std::vector<float> emitterDistance;  ///< per cell: cells from its centre to the nearest VPL; empty when `always`
 

@@ -85,7 +85,6 @@ Status checkOptions(const LightingSettings& o) {
 Status checkSavedOptions(const LightingSettings& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (Status s = checkTogether(o); !s.ok()) return s;
-  if (o.visibility == Visibility::kOn) return later("visibility", "ON", "AUTO or OFF");
   if (o.bounces != 0) return later("bounces", std::to_string(o.bounces), "0");
   if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");
   return {};

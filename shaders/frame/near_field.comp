@@ -5,7 +5,7 @@
 // edges, small objects and what is close to a light get E of their own.
 //
 // LPV_PASS: weights, and which tiles have a near field at all; the first points; those between, params.stride from what
-// is known. A thread has a tile, or a block of points, and lists those to be evaluated (near_field_evaluate.comp).
+// is known. LPV_EVERYWHERE: the lights themselves are looked at wherever a surface is seen. A thread has a tile, or a block of points, and lists those to be evaluated (near_field_evaluate.comp).
 #include "layout.h"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
@@ -13,7 +13,10 @@
 #if !defined LPV_PASS || LPV_PASS < LPV_PASS_WEIGHTS || LPV_PASS > LPV_PASS_BETWEEN
 #error "LPV_PASS: LPV_PASS_WEIGHTS, _FIRST or _BETWEEN (shaders/layout.h)"
 #endif
-#if LPV_PASS == LPV_PASS_WEIGHTS
+#ifndef LPV_EVERYWHERE
+#error "LPV_EVERYWHERE: 0 or 1"
+#endif
+#if LPV_PASS == LPV_PASS_WEIGHTS && !LPV_EVERYWHERE
 #include "transport/emitter_distance.glsl"
 #endif
 
@@ -52,7 +55,11 @@ vec3 positionAt(ivec2 pixel, float depth) { return gridPosition(frame, vec2(pixe
 float weightAt(ivec2 pixel) {
   const float depth = texelFetch(surfaceDepth, pixel, 0).x, emitter = texelFetch(emitterDepth, pixel, 0).x;
   if (depth <= 0.0 || (emitter > 0.0 && emitter >= depth)) return 0.0;
+#if LPV_EVERYWHERE
+  return 1.0;
+#else
   return 1.0 - farFromEmitters(positionAt(pixel, depth), frame.dims);
+#endif
 }
 
 void main() {
@@ -75,7 +82,7 @@ void main() {
 
 #if LPV_PASS == LPV_PASS_FIRST
 /// From a point of this pass to the next one.
-ivec2 pointSpacing() { return ivec2(kNearFieldSpacing); }
+ivec2 pointSpacing() { return ivec2(params.spacing); }
 bool toEvaluate(ivec2 pixel) { return imageLoad(nearField, pixel).w > 0.0; }
 #else
 ivec2 pointSpacing() {

@@ -1,10 +1,17 @@
 // The lights themselves at the points of a picture that near_field.comp has listed, four to a thread. These are close
-// together, and the same ones in every run, so results are the same, too, whatever the order of the list.
+// together, and the same ones in every run, so results are the same, too, whatever the order of the list. LPV_SHADOWED:
+// E of one pool of lights, which is not put into the picture yet (shadow_rays.comp).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
 #include "transport/emitter_list_four.glsl"
+
+#ifndef LPV_SHADOWED
+#error "LPV_SHADOWED: 0 or 1"
+#elif LPV_SHADOWED
+#include "visibility/shadow_points.glsl"
+#endif
 
 layout(local_size_x = kNearFieldGroup) in;
 
@@ -32,9 +39,16 @@ void main() {
     r.ny[i] = n.y;
     r.nz[i] = n.z;
   }
-  const FourIrradiances e = directIrradiances(r);
+#if LPV_SHADOWED
+  const FourIrradiances e = directIrradiances(r, shadow.firstLight, shadow.lightsEnd);
+  for (int i = 0; i < 4; ++i) {
+    shadowPoints[4u * gl_GlobalInvocationID.x + uint(i)].light = vec4(e.red[i], e.green[i], e.blue[i], 0.0);
+  }
+#else
+  const FourIrradiances e = directIrradiances(r, 0, lightsInList());
   for (int i = 0; i < 4; ++i) {
     const ivec2 pixel = unpackedPixel(four[i]);
     imageStore(nearField, pixel, vec4(e.red[i], e.green[i], e.blue[i], imageLoad(nearField, pixel).w));
   }
+#endif
 }

@@ -3,7 +3,6 @@
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
-#include "transport/lookup.glsl"
 #include "common/tonemap.glsl"
 #include "frame/position.glsl"
 
@@ -12,14 +11,17 @@
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
-#error "LPV_NEAR_FIELD: LPV_NEAR_FIELD_NOWHERE, _EMITTERS, _EVERYWHERE or _SAMPLED (shaders/layout.h)"
+#error "LPV_NEAR_FIELD: LPV_NEAR_FIELD_NOWHERE, _EMITTERS, _EVERYWHERE, _SAMPLED or _KNOWN (shaders/layout.h)"
+#endif
+#if LPV_NEAR_FIELD != LPV_NEAR_FIELD_KNOWN
+#include "transport/lookup.glsl"
 #endif
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
 #include "transport/emitter_list.glsl"
 #endif
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
 #include "transport/emitter_distance.glsl"
-#elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_SAMPLED
+#elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_SAMPLED || LPV_NEAR_FIELD == LPV_NEAR_FIELD_KNOWN
 layout(binding = kNearField) uniform sampler2D nearField;
 #endif
 
@@ -34,6 +36,8 @@ layout(location = 0) out vec4 colour;
 
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
 vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) { return directIrradiance(p, n); }
+#elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_KNOWN
+vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) { return texelFetch(nearField, pixel, 0).rgb; }
 #elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_SAMPLED
 vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) {
   const vec4 near = texelFetch(nearField, pixel, 0);

@@ -73,20 +73,21 @@ void addTree(inout FourIrradiances sum, vec3 radiance, vec4 where, FourReceivers
   }
 }
 
-/// As directIrradiance.
-FourIrradiances directIrradiances(FourReceivers r) {
-  const vec4 what = texelFetch(direct, 0);
-  const int lights = int(what.x);
+int lightsInList() { return int(texelFetch(direct, 0).x); }
+
+/// As directIrradiance, of lights [begin, end).
+FourIrradiances directIrradiances(FourReceivers r, int begin, int end) {
+  const float k = texelFetch(direct, 0).y;
   FourIrradiances sum = FourIrradiances(vec4(0.0), vec4(0.0), vec4(0.0));
   int rounds = 0;
-  for (int i = 0; i < lights; ++i) {
+  for (int i = begin; i < end; ++i) {
     const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
     if (radiance.w == 0.0) {
       add(sum, radiance.rgb, polygonIrradiance(int(where.x), int(where.y), r, where.z));
       rounds += 4 * int(where.y);
     } else {
-      const int most = rounds + (kMaxRounds - rounds) / (lights - i);
-      addTree(sum, radiance.rgb, where, r, what.y, rounds, most);
+      const int most = rounds + (kMaxRounds - rounds) / (end - i);
+      addTree(sum, radiance.rgb, where, r, k, rounds, most);
     }
   }
   return sum;

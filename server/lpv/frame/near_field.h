@@ -1,5 +1,6 @@
 #pragma once
-// Stage: the near field of a picture, evaluated at some of its pixels and interpolated between (GATHER; MATHS.md 3c).
+// Stage: what the lights themselves send to the pixels of a picture, evaluated at some of them and interpolated between,
+// or at each; with shadow rays where something can stand in the way (GATHER, DIRECT; MATHS.md 3c, 3d).
 
 #include "gpu/buffer.h"
 #include "gpu/program.h"
@@ -9,11 +10,13 @@
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/incident_textures.h"
+#include "lpv/resources/light_pools.h"
+#include "lpv/resources/occluders.h"
 #include "lpv/transport/emitter_list.h"
 
 namespace lpv {
 
-/// Irradiance from the lights themselves in every pixel near them.
+/// Irradiance from the lights themselves in every pixel that looks at them.
 struct NearFieldBuffer {
   explicit NearFieldBuffer(const glm::ivec2& size);
 
@@ -21,12 +24,27 @@ struct NearFieldBuffer {
   gpu::Texture irradiance;  ///< RGBA32F: E in W/m^2, and its weight beside the volume's: 0 far from lights
   gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
   gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
+  gpu::Buffer shadows;      ///< what is known of each point while rays are sent; made where they are
 };
 
 /// Where lights are, as receivers look at them.
 struct NearLights {
   const EmitterBufferList* emitters = nullptr;
-  const gpu::Texture* emitterDistance = nullptr;
+  const gpu::Texture* emitterDistance = nullptr;  ///< null: pixels look at the lights everywhere
+};
+
+/// What stands in the lights' way.
+struct ShadowCasters {
+  const LightPools* pools = nullptr;
+  const GpuOccluders* occluders = nullptr;
+  int turns = 1;  ///< of four rays to each pool, at most
+};
+
+/// What a picture's pixels look at, and how many of them do.
+struct NearFieldSources {
+  NearLights lights;
+  const ShadowCasters* shadows = nullptr;  ///< null: nothing stands in the way
+  bool reduced = true;  ///< some pixels look, others lie between; else each does
 };
 
 /// In shaded pixels, about what they take on llvmpipe.
@@ -34,7 +52,8 @@ struct NearFieldWork {
   double weighed = 0.0;    ///< pixels
   double evaluated = 0.0;  ///< points that see the lights if they are near
   double between = 0.0;    ///< points of which some do
-  double units() const { return weighed + 20.0 * evaluated + 4.0 * between; }
+  double rays = 0.0;       ///< to the lights
+  double units() const { return weighed + 20.0 * evaluated + 4.0 * between + 20.0 * rays; }
 };
 
 class NearFieldPass {
@@ -42,20 +61,28 @@ class NearFieldPass {
   NearFieldPass();
   /// `frameParams` holds the view's FrameParams.
   GpuTask run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
-              const NearLights& lights, const gpu::Buffer& frameParams, Pacing pacing);
+              const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   struct Inputs;
   struct Pass;
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
+  GpuTask lookThroughShadows(const Inputs& inputs, double points, Pacing pacing);
 
   struct Variant {
     int pass = 0;  ///< LPV_PASS_..
-    gpu::Defines defines() const { return {gpu::define("LPV_PASS", pass)}; }
+    bool everywhere = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_PASS", pass), gpu::define("LPV_EVERYWHERE", everywhere)}; }
+  };
+  struct EvaluateVariant {
+    bool shadowed = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_SHADOWED", shadowed)}; }
   };
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
-  gpu::ProgramVariants evaluate_{{"frame/near_field_evaluate.comp"}};
-  gpu::Buffer params_;
+  gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
+  gpu::ProgramVariants rays_{{"frame/shadow_rays.comp"}};
+  gpu::ProgramVariants sum_{{"frame/shadow_sum.comp"}};
+  gpu::Buffer params_, shadowParams_;
 };
 
 }  // namespace lpv

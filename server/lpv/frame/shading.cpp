@@ -49,11 +49,12 @@ enum class NearFieldMode {
   kNowhere = LPV_NEAR_FIELD_NOWHERE,
   kEmitters = LPV_NEAR_FIELD_EMITTERS,
   kEverywhere = LPV_NEAR_FIELD_EVERYWHERE,
-  kSampled = LPV_NEAR_FIELD_SAMPLED
+  kSampled = LPV_NEAR_FIELD_SAMPLED,
+  kKnown = LPV_NEAR_FIELD_KNOWN
 };
 
 NearFieldMode nearFieldMode(const IrradianceSources& lit) {
-  if (lit.volume == nullptr) return NearFieldMode::kEverywhere;
+  if (lit.volume == nullptr) return lit.nearField != nullptr ? NearFieldMode::kKnown : NearFieldMode::kEverywhere;
   if (lit.transport != Transport::kGather) return NearFieldMode::kNowhere;
   return lit.nearField != nullptr ? NearFieldMode::kSampled : NearFieldMode::kEmitters;
 }

@@ -40,9 +40,9 @@ layout::ExposureParams exposureParams(const Exposure& exposure);
 struct IrradianceSources {
   Transport transport = Transport::kPropagate;
   Lookup lookup = Lookup::kSh2;
-  const IncidentTextures* volume = nullptr;  ///< null with DIRECT
+  const IncidentTextures* volume = nullptr;  ///< null where pixels look at the lights everywhere
   const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
-  const gpu::Texture* nearField = nullptr;  ///< GATHER: of NearFieldBuffer; null: pixels look at the lights themselves
+  const gpu::Texture* nearField = nullptr;  ///< of NearFieldBuffer; null: pixels look at the lights themselves
 };
 
 class ShadingPass {

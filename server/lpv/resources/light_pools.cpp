@@ -1,0 +1,66 @@
+#include "lpv/resources/light_pools.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/gtx/component_wise.hpp>
+#include <span>
+
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+static_assert(layout::kLightPointTexels == 3);
+
+void appendPoints(const EmittingLight& light, int index, const LightPoints& points, std::vector<glm::vec4>& texels) {
+  for (const LightPoint& p : transformed(points, light.gridFromObject)) {
+    const glm::vec3 radiance = glm::vec3(light.radiance) * p.factor;
+    const float brightness = glm::compMax(radiance);
+    texels.emplace_back(p.position, p.area * brightness);
+    texels.emplace_back(p.direction, light.twoSided ? 2.0F : 1.0F);
+    texels.emplace_back(brightness > 0.0F ? radiance / brightness : glm::vec3(0.0F), float(index));
+  }
+}
+
+}  // namespace
+
+LightPointsPtr LightPointCache::get(const EmittingLight& light) {
+  Kept& kept = kept_[{light.mesh, light.texture}];
+  if (kept.points == nullptr)
+    kept.points = std::make_shared<const LightPoints>(lightPoints(*light.mesh, light.texture.get()));
+  kept.used = true;
+  return kept.points;
+}
+
+void LightPointCache::sweep() {
+  std::erase_if(kept_, [](const auto& entry) { return !entry.second.used; });
+  for (auto& [key, kept] : kept_) kept.used = false;
+}
+
+void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache& cache) {
+  pools.clear();
+  std::vector<glm::vec4> points;
+  const auto pointsSoFar = [&] { return int(points.size()) / layout::kLightPointTexels; };
+  const std::size_t count = std::min(lights.size(), kMostPools);
+  for (std::size_t i = 0; i < count; ++i) {
+    LightPool& pool = pools.emplace_back();
+    pool.firstLight = int(i * lights.size() / count);
+    pool.lightsEnd = int((i + 1) * lights.size() / count);
+    pool.firstPoint = pointsSoFar();
+    for (int l = pool.firstLight; l < pool.lightsEnd; ++l)
+      appendPoints(lights[std::size_t(l)], l, *cache.get(lights[std::size_t(l)]), points);
+    pool.points = pointsSoFar() - pool.firstPoint;
+  }
+  cache.sweep();
+  const std::size_t bytes = std::bit_ceil(std::max(points.size(), std::size_t(1)) * sizeof(glm::vec4));
+  if (texels.size() < bytes) {
+    view = {};
+    texels = {};  // first the old memory, then the new
+    texels = gpu::Buffer("light points", bytes, gpu::BufferUse::kDynamic);
+    view = gpu::BufferTexture("light points", texels);
+  }
+  texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(points)));
+}
+
+}  // namespace lpv

@@ -1,0 +1,49 @@
+#pragma once
+// Where shadow rays go: points of the lights' surfaces on the GPU, pool by pool (MATHS.md 3d).
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/buffer_texture.h"
+#include "lpv/resources/lights.h"
+#include "scene/light_points.h"
+
+namespace lpv {
+
+/// Lights that are looked at together: a receiver has one irradiance and one visible share of each pool.
+struct LightPool {
+  int firstLight = 0;  ///< of the lights in the order of names
+  int lightsEnd = 0;   ///< one past the last
+  int firstPoint = 0;
+  int points = 0;
+};
+
+/// Lights in so many pools at most: each its own, while there are no more.
+inline constexpr std::size_t kMostPools = 16;
+
+/// The points of meshes in object space, kept while lights have them.
+class LightPointCache {
+ public:
+  LightPointsPtr get(const EmittingLight& light);
+  /// Lets go of what was not asked for since the last call.
+  void sweep();
+
+ private:
+  struct Kept {
+    LightPointsPtr points;
+    bool used = false;
+  };
+  std::map<std::pair<MeshPtr, TexturePtr>, Kept> kept_;
+};
+
+struct LightPools {
+  std::vector<LightPool> pools;
+  gpu::Buffer texels;  ///< as shaders/visibility/light_points.glsl has them
+  gpu::BufferTexture view;
+
+  void make(const std::vector<EmittingLight>& lights, LightPointCache& cache);
+};
+
+}  // namespace lpv

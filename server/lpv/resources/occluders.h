@@ -1,0 +1,50 @@
+#pragma once
+// What shadow rays can meet, on the GPU (MATHS.md 3d; scene/occluders.h).
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/buffer_texture.h"
+#include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
+#include "scene/occluders.h"
+
+namespace lpv {
+
+/// The BVH over BVHs as shaders/visibility/occluders.glsl reads it: the nodes over instances, the instances, then per
+/// mesh its nodes and triangles.
+class GpuOccluders {
+ public:
+  /// Makes what differs from the last scene. Trees over new meshes are made on another thread meanwhile.
+  GpuTask update(const Scene& scene, const Grid& grid);
+  void bind() const;
+  /// Changes with what is stored.
+  Stamp stamp() const { return made_.stamp(); }
+  std::size_t bytes() const { return texels_.size(); }
+
+ private:
+  /// Where a mesh is in the buffer, in texels.
+  struct Place {
+    std::uint32_t nodes = 0, nodesEnd = 0;
+    std::uint32_t triangles = 0;
+  };
+  struct Inputs {
+    std::vector<Occluder> occluders;
+    Grid grid;
+
+    bool operator==(const Inputs&) const = default;
+  };
+
+  void storeMeshes(const std::map<MeshPtr, TriangleBvhPtr>& meshes, std::size_t top);
+  void storeTop(const Inputs& inputs);
+
+  std::map<MeshPtr, Place> meshes_;
+  std::size_t room_ = 0;  ///< texels before the first mesh, for what is above
+  gpu::Buffer texels_;
+  gpu::BufferTexture view_;
+  Cached<Inputs> made_;
+};
+
+}  // namespace lpv

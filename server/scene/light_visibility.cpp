@@ -1,0 +1,56 @@
+#include "scene/light_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+constexpr std::size_t kMostRays = 256;  ///< of one point to one light
+
+/// What the receiver gets from a point as if nothing lay between.
+double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const glm::dvec3& n) {
+  const glm::dvec3 d = glm::dvec3(p.position) - at;
+  const double r2 = glm::dot(d, d) + 1e-12, along = -glm::dot(glm::dvec3(p.direction), d);
+  const double towards = twoSided ? std::abs(along) : std::max(along, 0.0);
+  return double(p.area) * towards * std::max(glm::dot(n, d), 0.0) / (r2 * r2);
+}
+
+}  // namespace
+
+void LightVisibility::prepare() const {
+  occluders_ = std::make_unique<const Occluders>(*scene_);
+  offset_ = double(layout::kShadowOffset) * scene_->grid.cell;
+  for (const auto& [name, light] : scene_->lights) {
+    if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
+    const LightPoints points = lightPoints(*light->mesh, light->texture.get());
+    emitters_.push_back({transformed(points, light->transform.worldFromObject()), light->twoSided});
+  }
+}
+
+glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const {
+  std::call_once(once_, [this] { prepare(); });
+  const Emitter& emitter = emitters_[light];
+  const glm::dvec3 from = at + offset_ * n;
+  const std::size_t step = std::max<std::size_t>(1, emitter.points.size() / kMostRays);
+  glm::dvec3 all(0.0), seen(0.0);
+  for (std::size_t i = step / 2; i < emitter.points.size(); i += step) {
+    const LightPoint& p = emitter.points[i];
+    const double weight = weightOf(p, emitter.twoSided, from, n);
+    if (!(weight > 0.0)) continue;
+    const glm::dvec3 light3 = weight * glm::dvec3(p.factor);
+    const glm::dvec3 to = glm::mix(from, glm::dvec3(p.position), double(layout::kShadowEnd));
+    all += light3;
+    if (!occluders_->blocked(from, to, int(light))) seen += light3;
+  }
+  glm::dvec3 out(1.0);
+  for (int c = 0; c < 3; ++c) {
+    if (all[c] > 0.0 && seen[c] < all[c]) out[c] = seen[c] / all[c];
+  }
+  return out;
+}
+
+}  // namespace lpv

@@ -1,0 +1,41 @@
+#pragma once
+// How much of each light a point of a surface sees, on the CPU, for probes (MATHS.md 3d). The GPU's twin is
+// shaders/frame/shadow_rays.comp.
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "scene/light_points.h"
+#include "scene/occluders.h"
+#include "scene/scene.h"
+
+namespace lpv {
+
+/// Of one scene. Made ready by the first question, which may take as long as the trees over new meshes take. Thread-safe.
+class LightVisibility {
+ public:
+  explicit LightVisibility(ScenePtr scene) : scene_(std::move(scene)) {}
+
+  /// Per colour, the share of what `light` would send that arrives: 1 where nothing lies between. `light` counts those
+  /// that emit, in the order of names. World space; n is a unit vector.
+  glm::dvec3 share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const;
+
+ private:
+  struct Emitter {
+    LightPoints points;  ///< world space
+    bool twoSided = false;
+  };
+  void prepare() const;
+
+  ScenePtr scene_;
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<const Occluders> occluders_;
+  mutable std::vector<Emitter> emitters_;
+  mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
+};
+using LightVisibilityPtr = std::shared_ptr<const LightVisibility>;
+
+}  // namespace lpv

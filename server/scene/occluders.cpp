@@ -1,0 +1,58 @@
+#include "scene/occluders.h"
+
+#include "scene/shadowing.h"
+
+namespace lpv {
+
+std::vector<Occluder> occludersOf(const Scene& scene) {
+  std::vector<Occluder> out;
+  for (const auto& [name, surface] : scene.surfaces)
+    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights});
+  int index = 0;
+  for (const auto& [name, light] : scene.lights) {
+    if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
+    if (!isConvex(*light->mesh)) out.push_back({light->mesh, light->transform.worldFromObject(), index});
+    ++index;
+  }
+  return out;
+}
+
+Bvh bvhOf(const std::vector<Occluder>& occluders, const glm::dmat4& spaceFromWorld) {
+  std::vector<BvhBox> boxes;
+  for (const Occluder& o : occluders) {
+    const Bounds box = o.mesh->bounds.transformed(spaceFromWorld * o.worldFromObject);
+    const glm::dvec3 margin = 1e-6 * (glm::abs(box.min) + glm::abs(box.max));
+    boxes.push_back({glm::vec3(box.min - margin), glm::vec3(box.max + margin)});
+  }
+  return makeBvh(boxes, 1);
+}
+
+Occluders::Occluders(const Scene& scene) {
+  const std::vector<Occluder> occluders = occludersOf(scene);
+  Bvh bvh = bvhOf(occluders, glm::dmat4(1.0));
+  nodes_ = std::move(bvh.nodes);
+  for (const std::uint32_t i : bvh.order) {
+    const Occluder& o = occluders[i];
+    instances_.push_back({bvhOf(o.mesh), glm::inverse(o.worldFromObject), o.blocks});
+  }
+}
+
+bool Occluders::blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const {
+  const glm::dvec3 inverse = 1.0 / (to - from);
+  for (std::size_t at = 0; at < nodes_.size();) {
+    const BvhNode& node = nodes_[at];
+    if (!meets(node, from, inverse)) {
+      at = node.skip;
+      continue;
+    }
+    ++at;
+    if (node.items() == 0) continue;
+    const Instance& instance = instances_[node.firstItem()];
+    if (instance.blocks != kAllLights && instance.blocks != light) continue;
+    const glm::dmat4& m = instance.objectFromWorld;
+    if (meets(*instance.bvh, glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)))) return true;
+  }
+  return false;
+}
+
+}  // namespace lpv

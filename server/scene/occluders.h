@@ -1,0 +1,48 @@
+#pragma once
+// What stands in the way of light: the meshes of surfaces and lights as a BVH over BVHs (MATHS.md 3d). A surface blocks
+// all light; a light blocks only its own, since others see it where it is a surface, too.
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene/triangle_bvh.h"
+
+namespace lpv {
+
+inline constexpr int kAllLights = -1;
+
+struct Occluder {
+  MeshPtr mesh;
+  glm::dmat4 worldFromObject{1.0};
+  int blocks = kAllLights;  ///< or the one light that it blocks, among those that emit in the order of names
+
+  bool operator==(const Occluder&) const = default;
+};
+
+/// Of a scene, surfaces first, in the order of names. Lights that are convex shadow nothing of themselves.
+std::vector<Occluder> occludersOf(const Scene& scene);
+
+/// The BVH over occluders in a space that `spaceFromWorld` leads to: its leaves have one item each.
+Bvh bvhOf(const std::vector<Occluder>& occluders, const glm::dmat4& spaceFromWorld);
+
+/// Answers rays on the CPU. World space. Immutable.
+class Occluders {
+ public:
+  explicit Occluders(const Scene& scene);
+
+  /// Whether something lies strictly between two points, for light of `light` (see Occluder::blocks).
+  bool blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const;
+
+ private:
+  struct Instance {
+    TriangleBvhPtr bvh;
+    glm::dmat4 objectFromWorld{1.0};
+    int blocks = kAllLights;
+  };
+  std::vector<BvhNode> nodes_;
+  std::vector<Instance> instances_;  ///< in the order of leaves
+};
+
+}  // namespace lpv

@@ -1,0 +1,97 @@
+#include "scene/shadowing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lpv {
+
+namespace {
+
+constexpr std::size_t kMostPlanes = 64;         ///< of a mesh; more can curve, and are taken to cast shadows
+constexpr std::size_t kMostVertices = 256;      ///< of a mesh that are looked at one by one; else the corners of its box
+constexpr std::size_t kMostComparisons = 4'000'000;
+constexpr double kFlat = 1e-6;  ///< of the extent of all: as far from a plane vertices may be and lie in it
+
+using Points = std::vector<glm::dvec3>;
+
+void addPoints(const Mesh& mesh, const glm::dmat4& worldFromObject, Points& out) {
+  const auto add = [&](const glm::dvec3& p) { out.emplace_back(worldFromObject * glm::dvec4(p, 1.0)); };
+  if (mesh.positions.size() <= kMostVertices) {
+    for (const glm::vec3& p : mesh.positions) add(p);
+    return;
+  }
+  const glm::dvec3 ends[2] = {mesh.bounds.min, mesh.bounds.max};
+  for (int i = 0; i < 8; ++i) add({ends[i & 1].x, ends[(i >> 1) & 1].y, ends[i >> 2].z});
+}
+
+/// Whether points lie on both sides of the plane of a triangle, further than `within` from it. A triangle without area
+/// has no plane.
+template <typename Range>
+bool divides(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Range& points, double within) {
+  const glm::dvec3 cross = glm::cross(b - a, c - a);
+  const double size = glm::length(cross);
+  if (!(size > 0.0)) return false;
+  double lowest = 0.0, highest = 0.0;
+  for (const auto& p : points) {
+    const double height = glm::dot(cross, glm::dvec3(p) - a) / size;
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  return lowest < -within && highest > within;
+}
+
+bool canStandBetween(const Surface& surface, const Points& points, double within) {
+  const std::vector<glm::uvec3>& triangles = surface.mesh->evenTriangles();
+  if (triangles.size() > kMostPlanes) return true;
+  Points corners;
+  const glm::dmat4 worldFromObject = surface.transform.worldFromObject();
+  for (const glm::vec3& p : surface.mesh->positions) corners.emplace_back(worldFromObject * glm::dvec4(p, 1.0));
+  return std::ranges::any_of(triangles, [&](const glm::uvec3& t) {
+    return divides(corners[t.x], corners[t.y], corners[t.z], points, within);
+  });
+}
+
+}  // namespace
+
+bool isConvex(const Mesh& mesh) {
+  const std::vector<glm::uvec3>& triangles = mesh.evenTriangles();
+  if (triangles.size() * mesh.positions.size() > kMostComparisons) return false;
+  const double within = kFlat * glm::length(mesh.bounds.extent());
+  return std::ranges::none_of(triangles, [&](const glm::uvec3& t) {
+    const std::vector<glm::vec3>& p = mesh.positions;
+    return divides(p[t.x], p[t.y], p[t.z], p, within);
+  });
+}
+
+bool shadowsPossible(const Scene& scene) {
+  Points points;
+  bool emits = false;
+  for (const auto& [name, light] : scene.lights) {
+    if (!light->enabled) continue;
+    emits = true;
+    if (!isConvex(*light->mesh)) return true;
+    addPoints(*light->mesh, light->transform.worldFromObject(), points);
+  }
+  if (!emits) return false;
+  for (const auto& [name, surface] : scene.surfaces)
+    addPoints(*surface->mesh, surface->transform.worldFromObject(), points);
+  const double within = kFlat * glm::length(contentBounds(scene).extent());
+  return std::ranges::any_of(scene.surfaces,
+                             [&](const auto& entry) { return canStandBetween(*entry.second, points, within); });
+}
+
+bool isShadowed(const Scene& scene) {
+  if (scene.options.transport == Transport::kPropagate) return false;
+  switch (scene.options.visibility) {
+    case Visibility::kOn:
+      return true;
+    case Visibility::kOff:
+      return false;
+    case Visibility::kAuto:
+      break;
+  }
+  return shadowsPossible(scene);
+}
+
+}  // namespace lpv

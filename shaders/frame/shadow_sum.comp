@@ -1,0 +1,26 @@
+// Adds what is seen of a pool of lights to the points that near_field.comp has listed, and after the last pool puts the
+// sum into the picture. Where all rays arrived, or none were sent, E is what it was: unshadowed light stays exact
+// (ratio estimator: Heitz, Hill and McGuire 2018). Threads per point.
+#include "layout.h"
+#include "frame/position.glsl"
+#include "visibility/shadow_points.glsl"
+
+layout(local_size_x = 4 * kNearFieldGroup) in;
+
+layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
+layout(std430, binding = kNearFieldPoints) readonly buffer Points {
+  ListHeader list;
+  uvec4 points[];
+};
+
+void main() {
+  const uint point = gl_GlobalInvocationID.x, four = point / 4u;
+  if (four >= list.count) return;
+  const ShadowPoint p = shadowPoints[point];
+  const vec3 share = mix(p.seen.rgb / max(p.all.rgb, vec3(1e-20)), vec3(1.0), equal(p.seen.rgb, p.all.rgb));
+  const vec3 sum = p.light.rgb * share + (shadow.pool > 0 ? p.sum.rgb : vec3(0.0));
+  shadowPoints[point].sum = vec4(sum, 0.0);
+  if (shadow.pool + 1 < shadow.pools) return;
+  const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+  imageStore(nearField, pixel, vec4(sum, imageLoad(nearField, pixel).w));
+}

@@ -1,0 +1,12 @@
+// Points of a picture while light is summed at them, pool of lights by pool.
+
+struct ShadowPoint {
+  vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
+               // -1 where none were sent
+  vec4 all;    // rgb: colours of the points that rays were sent to, summed; a: rays
+  vec4 seen;   // rgb: of those that arrived
+  vec4 sum;    // rgb: E of the pools before
+};
+
+layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
+layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadowPoints[]; };
