@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -14,7 +15,8 @@ namespace {
 constexpr int kBins = 16;
 constexpr int kDeepest = 64;         ///< from here on splits are in the middle: an unbalanced tree has an end
 constexpr double kStepCost = 1.0;    ///< of a box, by that of a triangle
-constexpr double kEdges = 1e-6;      ///< by which a triangle is wider than it is: no ray slips between two
+constexpr double kRounding =
+    1e-12;  ///< of coordinates: what a box is larger by, so that it holds what its triangles do
 
 struct Box {
   glm::vec3 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};
@@ -75,9 +77,8 @@ class Builder {
     for (int axis = 0; axis < 3 && depth < kDeepest; ++axis) tryAxis(begin, end, axis, all, centres, best);
     const auto first = out_.order.begin() + begin, last = out_.order.begin() + end;
     if (best.axis >= 0) {
-      const auto middle = std::stable_partition(first, last, [&](std::uint32_t i) {
-        return centreOf(boxes_[i])[best.axis] < best.place;
-      });
+      const auto middle = std::stable_partition(
+          first, last, [&](std::uint32_t i) { return centreOf(boxes_[i])[best.axis] < best.place; });
       if (middle != first && middle != last) return std::uint32_t(middle - out_.order.begin());
     }
     const glm::vec3 extent = centres.upper - centres.lower;
@@ -86,7 +87,8 @@ class Builder {
     return begin + (end - begin) / 2;
   }
 
-  void tryAxis(std::uint32_t begin, std::uint32_t end, int axis, const Box& all, const Box& centres, Split& best) const {
+  void tryAxis(std::uint32_t begin, std::uint32_t end, int axis, const Box& all, const Box& centres,
+               Split& best) const {
     const float low = centres.lower[axis], width = (centres.upper[axis] - low) / float(kBins);
     if (!(width > 0.0F)) return;
     std::array<Box, kBins> bins;
@@ -119,16 +121,18 @@ class Builder {
   Bvh out_;
 };
 
-bool meets(const BvhTriangle& t, const glm::dvec3& from, const glm::dvec3& direction) {
-  const glm::dvec3 first(t.first), second(t.second), p = glm::cross(direction, second);
-  const double determinant = glm::dot(first, p);
-  if (determinant == 0.0) return false;
-  const glm::dvec3 offset = from - glm::dvec3(t.corner);
-  const double u = glm::dot(offset, p) / determinant;
-  const glm::dvec3 q = glm::cross(offset, first);
-  const double v = glm::dot(direction, q) / determinant, at = glm::dot(second, q) / determinant;
-  return u >= -kEdges && v >= -kEdges && u + v <= 1.0 + kEdges && at > 0.0 && at < 1.0;
+BvhTriangle triangleOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::dvec3& normal) {
+  const glm::vec3 n(glm::normalize(normal));
+  return {a, n.x, b, n.y, c, n.z};
 }
+
+/// How a corner lies, seen along a segment that begins at the origin: across it, and as a share of its length.
+struct Seen {
+  double x, y, depth;
+};
+
+/// Positive where the segment passes an edge on its left. Never of the wrong sign: products are rounded in order.
+double passes(const Seen& a, const Seen& b) { return a.x * b.y - b.x * a.y; }
 
 }  // namespace
 
@@ -138,17 +142,24 @@ TriangleBvh::TriangleBvh(const Mesh& mesh) {
   constexpr std::uint32_t kTrianglesOfLeaf = 4;
   std::vector<BvhBox> boxes;
   std::vector<BvhTriangle> found;
+  std::vector<std::uint32_t> inMesh;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3& t = mesh.triangles[i];
     const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-    if (glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a)) == glm::dvec3(0.0)) continue;
+    const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+    if (normal == glm::dvec3(0.0)) continue;
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
-    found.push_back({a, i, b - a, 0, c - a, 0});
+    found.push_back(triangleOf(a, b, c, normal));
+    inMesh.push_back(i);
   }
   Bvh bvh = makeBvh(boxes, kTrianglesOfLeaf);
   nodes = std::move(bvh.nodes);
   triangles.reserve(found.size());
-  for (const std::uint32_t i : bvh.order) triangles.push_back(found[i]);
+  indices.reserve(found.size());
+  for (const std::uint32_t i : bvh.order) {
+    triangles.push_back(found[i]);
+    indices.push_back(inMesh[i]);
+  }
 }
 
 TriangleBvhPtr bvhOf(const MeshPtr& mesh) {
@@ -165,28 +176,56 @@ TriangleBvhPtr bvhOf(const MeshPtr& mesh) {
   return made.try_emplace(mesh, std::move(bvh)).first->second;
 }
 
-bool meets(const BvhNode& node, const glm::dvec3& from, const glm::dvec3& inverse) {
-  constexpr double kRoundedOff = 1e-12;
+BvhSegment::BvhSegment(const glm::dvec3& from, const glm::dvec3& to) : from_(from), direction_(to - from) {
+  constexpr double kLeast = 1e-300;
+  const glm::dvec3& d = direction_;
+  for (int axis = 0; axis < 3; ++axis) inverse_[axis] = 1.0 / (std::abs(d[axis]) < kLeast ? kLeast : d[axis]);
+  right_ = std::abs(d.x) > std::abs(d.z) ? glm::dvec3(-d.y, d.x, 0.0) : glm::dvec3(0.0, -d.z, d.y);
+  up_ = glm::cross(d, right_);
+}
+
+bool BvhSegment::meets(const BvhNode& node) const {
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double a = (double(node.lower[axis]) - from[axis]) * inverse[axis];
-    const double b = (double(node.upper[axis]) - from[axis]) * inverse[axis];
-    if (std::min(a, b) > enter) enter = std::min(a, b);
-    if (std::max(a, b) < leave) leave = std::max(a, b);
+    const double lower = double(node.lower[axis]), upper = double(node.upper[axis]);
+    const double margin = kRounding * (std::abs(lower) + std::abs(upper) + std::abs(from_[axis]));
+    const double a = (lower - margin - from_[axis]) * inverse_[axis],
+                 b = (upper + margin - from_[axis]) * inverse_[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
   }
-  return enter <= leave + kRoundedOff;
+  return enter <= leave;
+}
+
+bool BvhSegment::meets(const BvhTriangle& triangle) const {
+  const double length2 = glm::dot(direction_, direction_);
+  const auto seen = [&](const glm::vec3& corner) {
+    const glm::dvec3 p = glm::dvec3(corner) - from_;
+    return Seen{glm::dot(p, right_), glm::dot(p, up_), glm::dot(p, direction_) / length2};
+  };
+  const Seen a = seen(triangle.first), b = seen(triangle.second), c = seen(triangle.third);
+  const double u = passes(b, c), v = passes(c, a), w = passes(a, b);
+  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+  if (!inside || u + v + w == 0.0) return false;
+  const glm::dvec3 first(triangle.first);
+  const glm::dvec3 normal = glm::cross(glm::dvec3(triangle.second) - first, glm::dvec3(triangle.third) - first);
+  // Where the plane is, which its own corners bound: almost along the plane the quotient may be anything.
+  const double slope = glm::dot(normal, direction_),
+               plane = slope == 0.0 ? a.depth : glm::dot(normal, first - from_) / slope;
+  const double at = std::clamp(plane, std::min({a.depth, b.depth, c.depth}), std::max({a.depth, b.depth, c.depth}));
+  return at > 0.0 && at < 1.0;
 }
 
 bool meets(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to) {
-  const glm::dvec3 direction = to - from, inverse = 1.0 / direction;
+  const BvhSegment segment(from, to);
   for (std::size_t at = 0; at < bvh.nodes.size();) {
     const BvhNode& node = bvh.nodes[at];
-    if (!meets(node, from, inverse)) {
+    if (!segment.meets(node)) {
       at = node.skip;
       continue;
     }
     for (std::uint32_t i = 0; i < node.items(); ++i) {
-      if (meets(bvh.triangles[node.firstItem() + i], from, direction)) return true;
+      if (segment.meets(bvh.triangles[node.firstItem() + i])) return true;
     }
     ++at;
   }
