@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstring>
 #include <future>
+#include <glm/gtx/component_wise.hpp>
 #include <span>
 
 #include "shaders/layout.h"
@@ -48,7 +49,8 @@ void GpuOccluders::storeMeshes(const std::map<MeshPtr, TriangleBvhPtr>& meshes, 
     Place& place = meshes_[mesh];
     place.nodes = std::uint32_t(texels.size());
     append(bvh->nodes, texels);
-    place.nodesEnd = place.triangles = std::uint32_t(texels.size());
+    place.triangles = std::uint32_t(texels.size());
+    place.reach = float(glm::compMax(glm::max(glm::abs(mesh->bounds.min), glm::abs(mesh->bounds.max))));
     append(bvh->triangles, texels);
   }
   view_ = {};
@@ -68,7 +70,7 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
     const glm::mat4 rows(glm::transpose(objectFromGrid));
     for (int row = 0; row < 3; ++row) texels.push_back(std::bit_cast<Texel>(rows[row]));
     const Place& place = meshes_.at(o.mesh);
-    texels.emplace_back(place.nodes, place.nodesEnd, place.triangles, std::uint32_t(o.blocks));
+    texels.emplace_back(place.nodes, place.triangles, std::bit_cast<std::uint32_t>(place.reach), std::uint32_t(o.blocks));
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }
