@@ -59,6 +59,10 @@ LPV_CONST int kRowMoments =
 LPV_CONST int kNearFieldTiles = 25;  // uint per tile of a picture: 1 where a pixel needs the near field
 LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points that are to be evaluated
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
+LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
+LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
+LPV_CONST int kPatchPairs = 30;  // a bit per pair of patches: whether they see each other
+LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
@@ -108,6 +112,7 @@ LPV_CONST int kNearFieldTile = 8;  // pixels across and down
 LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bit each of a uint
 LPV_CONST int kNearFieldBlockY = 4;
 LPV_CONST int kNearFieldSpacing = 8;  // of NearFieldParams where frames are reduced
+LPV_CONST int kPatchGroup = 64;  // patches, or parts of their rows: a thread each
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
 
@@ -233,6 +238,32 @@ LPV_CONST int kInstanceTexels = 4;
 LPV_CONST int kTriangleTexels = 3;
 LPV_CONST float kShadowOffset = 2e-4;  // cells along the receiver's normal where rays begin
 LPV_CONST float kShadowEnd = 0.9999;  // of a ray's way, where it has arrived
+
+/// Of the rays from a cell to points of one light, which it gets equal shares of its light from: sums.
+struct CellVisibility {
+  vec4 all;  // unit vectors towards the points; w: rays
+  vec4 seen;  // of those that arrived
+};
+
+struct CellVisibilityParams {
+  LPV_VEC3 ivec3 dims;  // cells
+  int firstBlock;  // blocks before this dispatch's first
+  LPV_VEC3 ivec3 blocks;  // along x, y and z
+  int turn;  // of four rays
+  int turns;  // at most, for a cell
+  int firstPoint;  // of the light's points (shaders/visibility/light_points.glsl)
+  int pointCount;
+  int light;  // of those that emit, in the order of names
+};
+
+struct PatchParams {
+  int count;  // of patches
+  int first;  // threads before this dispatch's first
+  int words;  // of a patch's row of kPatchPairs
+  int bounce;  // 0: what comes from the lights
+  int lastBounce;
+  int pad0, pad1, pad2;
+};
 
 struct Counters {
   uint degenerate;  // light triangles of zero area
@@ -396,6 +427,8 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
+static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 && offsetof(CellVisibilityParams, blocks) == 16);
+static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(sizeof(DrawParams) == 160);

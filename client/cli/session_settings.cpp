@@ -115,7 +115,9 @@ struct SessionFlags::Given {
     addChoice<v1::Visibility>(app, "--visibility", visibility,
                               {{"auto", v1::VISIBILITY_AUTO}, {"on", v1::VISIBILITY_ON}, {"off", v1::VISIBILITY_OFF}},
                               "Whether surfaces cast shadows (default: auto)");
-    app.add_option("--bounces", bounces, "Indirect bounces (default: 0)")->type_name("N");
+    app.add_option("--bounces", bounces, "Times that surfaces reflect light, 0..32, or auto: as often as --max-error asks for (default: 0)")
+        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", -1}}))
+        ->type_name("N|auto");
     app.add_option("--haze", haze, "Extinction of haze per metre (default: 0)")->type_name("D");
     addParsed<double>(app, "--ttl", ttl, "T", parseDuration,
                       "Remove the session after this time without calls: 90s, 10m, 1h, 2d; 0: never (default: 1h)");

@@ -7,7 +7,10 @@
 namespace lpv {
 
 /// In physical order; kStageTable has a row for each.
-enum class Stage { kUpload, kVoxelize, kInject, kPropagate, kGather, kVolume, kGbuffer, kEmitters, kShade, kReadback };
+enum class Stage {
+  kUpload, kVoxelize, kInject, kPropagate, kVisibility, kGather, kReflect, kVolume, kGbuffer, kEmitters, kShade,
+  kReadback
+};
 inline constexpr std::size_t kStages = std::size_t(Stage::kReadback) + 1;
 
 struct StageRow {
@@ -23,7 +26,9 @@ inline constexpr std::array<StageRow, kStages> kStageTable = {{
     {Stage::kVoxelize, "voxelize", 6e-7},  // small triangle
     {Stage::kInject, "inject", 1e-7},  // cell of a light
     {Stage::kPropagate, "propagate", 1.2e-8},  // cell, channel and iteration
+    {Stage::kVisibility, "visibility", 1e-6},  // ray from a cell to a light
     {Stage::kGather, "gather", 2.5e-8},  // entry of a tree that a block of cells visits
+    {Stage::kReflect, "reflect", 1e-8},  // pair of patches and bounce
     {Stage::kVolume, "volume", 2e-8},  // cell and group of lights
     {Stage::kGbuffer, "gbuffer", 3e-8},  // pixel
     {Stage::kEmitters, "emitters", 3e-8},  // pixel

@@ -13,6 +13,7 @@
 #include "lpv/readback.h"
 #include "lpv/resources/scene_cache.h"
 #include "lpv/tick_report.h"
+#include "lpv/transport/bounces.h"
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/gather.h"
 #include "lpv/transport/inject.h"
@@ -55,15 +56,40 @@ struct FrameViews {
 };
 
 /// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
+int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
 int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
-  const int single = options.quality == Quality::kAccurate ? 16 : 8;
-  return frame.reduced ? single / 2 : single;
+  return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
+}
+
+std::size_t patchesWanted(const LightingSettings& options) {
+  return options.quality == Quality::kAccurate ? kAccuratePatches : kFastPatches;
 }
 
 /// Light that has arrived in cells, as volumes are made from it.
 struct Transported {
   const FieldBuffer& field;
   Stamp stamp;
+};
+
+/// What the patches, and which of them see each other, are made from.
+struct PatchInputs {
+  std::vector<SurfacePtr> surfaces;
+  Grid grid;
+  std::size_t count = 0;
+  Stamp blockers = 0;
+
+  bool operator==(const PatchInputs&) const = default;
+};
+
+/// What patches send.
+struct ReflectInputs {
+  Stamp patches = 0;
+  Stamp lights = 0;
+  Stamp list = 0;  ///< of emitters
+  int bounces = 0;
+  int turns = 0;   ///< of shadow rays
+
+  bool operator==(const ReflectInputs&) const = default;
 };
 
 /// What an injected volume that leaves the engine is made from.
@@ -96,6 +122,9 @@ struct StageProducts {
   LightPools pools;
   LightPointCache lightPoints;
   GpuOccluders occluders;
+  CellVisibilities cellVisibilities;
+  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with the pairs that see each other
+  Cached<ReflectInputs> reflected;
   Cached<VolumeInputs> textured;
   Cached<VolumeInputs, VolumePtr> transportedVolume;
   Cached<InjectedVolumeInputs, VolumePtr> injectedVolume;
@@ -113,6 +142,7 @@ struct Pipeline::Stages {
   Injector injector;
   Propagator propagator;
   Gatherer gatherer;
+  BouncePass bouncePass;
   VolumeMaker volumeMaker;
   MeshDrawer drawer;
   GbufferRenderer gbufferRenderer;
@@ -128,6 +158,8 @@ struct Pipeline::Stages {
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   void listEmitters(SessionState& s, double openingRatio);
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
+  GpuTask findPatches(SessionState& s, const Scene& scene);
+  GpuTask reflect(SessionState& s, const TickRequest& request);
   GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
   GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
   GpuTask finishCopies(SessionState& s, const FrameViews& views);
@@ -173,9 +205,10 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
     co_await stages.propagate(s, scene);
   } else {
     co_await stages.voxelize(s, request, result.report);
+    co_await stages.findShadowCasters(s, scene);
     co_await stages.gather(s, request);
     stages.listEmitters(s, scene.options.openingRatio());
-    co_await stages.findShadowCasters(s, scene);
+    co_await stages.reflect(s, request);
   }
   const Transported light{s.field().transported(), propagates ? made.propagated.stamp() : made.gathered.stamp()};
   co_await stages.makeTextures(s, request, light);
@@ -259,7 +292,11 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
     s.field().resetCounters();
     made.counting.set(counted);
   }
-  const GatherInputs inputs = {s.memory.stamp(), s.arranged.stamp(), request.scene->options.openingRatio()};
+  const LightingSettings& options = request.scene->options;
+  const CellShadows shadows = {&made.pools, &made.occluders, cellTurns(options.quality, s.lights.size()),
+                               &made.cellVisibilities};
+  const GatherInputs inputs = {s.memory.stamp(), s.arranged.stamp(), options.openingRatio(),
+                               s.shadowed ? shadows.turns : 0, s.shadowed ? made.occluders.surfaces() : 0};
   if (!made.gathered.holds(inputs)) {
     co_await gatherer.clear(s.field());
     made.gathered.set(inputs);
@@ -272,7 +309,8 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
   if (missing.empty()) co_return;
   std::set_union(had.begin(), had.end(), missing.begin(), missing.end(), std::back_inserter(all));
   made.gathered.forget();  // while light is added to some blocks
-  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, missing, pacing(s));
+  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, missing,
+                        s.shadowed ? &shadows : nullptr, pacing(s));
   made.gathered.set(inputs, std::move(all));
 }
 
@@ -286,13 +324,40 @@ void Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
 
 /// Where shadow rays go, and what they can meet.
 GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
-  if (!s.shadowed) co_return;
+  if (!s.shadowed && s.bounces == 0) co_return;
   StageProducts& made = *s.products;
   if (!made.pooled.holds(s.arranged.stamp())) {
     made.pools.make(s.lights, made.lightPoints);
     made.pooled.set(s.arranged.stamp());
   }
-  co_await made.occluders.update(scene, s.field().grid);
+  std::vector<Occluder> occluders;  // not a temporary: GCC 12 destroys those of a conditional in co_await twice
+  if (s.shadowed) occluders = occludersOf(scene);
+  co_await made.occluders.update(std::move(occluders), s.field().grid);
+}
+
+GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
+  StageProducts& made = *s.products;
+  PatchInputs inputs = {{}, s.field().grid, patchesWanted(scene.options), made.occluders.surfaces()};
+  for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  if (made.patches.holds(inputs)) co_return;
+  const std::vector<Patch> patches = patchesOf(scene, inputs.count);
+  auto set = patches.empty() ? nullptr : std::make_unique<PatchSet>(patches, s.field().grid);
+  if (set != nullptr) co_await bouncePass.findPairs(*set, made.occluders, pacing(s));
+  made.patches.set(std::move(inputs), std::move(set));
+}
+
+/// What surfaces reflect, for frames.
+GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
+  if (s.bounces == 0 || s.lights.empty() || request.frames.empty()) co_return;
+  StageProducts& made = *s.products;
+  co_await findPatches(s, *request.scene);
+  PatchSet* patches = made.patches.product().get();
+  const int turns = s.shadowed ? shadowTurns(request.scene->options) : 0;
+  const ReflectInputs inputs = {made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(), s.bounces, turns};
+  if (patches == nullptr || made.reflected.holds(inputs)) co_return;
+  co_await nearFieldPass.run(*patches, made.emitters, {&made.pools, &made.occluders, turns, nullptr}, pacing(s));
+  co_await bouncePass.run(*patches, s.bounces, pacing(s));
+  made.reflected.set(inputs);
 }
 
 /// For frames that do not look at the lights alone.
@@ -363,10 +428,11 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
     view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
   }
   const StageProducts& made = *s.products;
-  const ShadowCasters shadows = {&made.pools, &made.occluders, shadowTurns(frame, scene.options)};
+  const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? shadowTurns(frame, scene.options) : 0,
+                                 s.bounces > 0 ? made.patches.product().get() : nullptr};
   const NearFieldSources sources = {
       {&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
-      s.shadowed ? &shadows : nullptr,
+      s.shadowed || s.bounces > 0 ? &shadows : nullptr,
       frame.reduced};
   co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                              pacing(s));
@@ -396,7 +462,7 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
   const LightField& field = s.field();
   const bool sampled =
-      s.shadowed || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
+      s.shadowed || s.bounces > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
   const IrradianceSources lit = {field.transport, scene.options.lookup, s.looksAtLights ? nullptr : &*field.textures,
                                  &s.products->emitters, sampled ? &view.nearField->irradiance : nullptr};

@@ -6,6 +6,7 @@
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/light_grouping.h"
 #include "scene/error_goal.h"
+#include "scene/patches.h"
 #include "scene/shadowing.h"
 
 namespace lpv {
@@ -63,8 +64,9 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   const Transport transport = scene.options.transport;
   choosePolygons(lights, transport, scene.options.openingRatio());
   shadowed = isShadowed(scene);
+  bounces = transport == Transport::kPropagate ? 0 : bouncesFor(scene);
   looksAtLights = transport == Transport::kDirect ||
-                  (transport == Transport::kGather && (shadowed || lookedAtEverywhere(lights)));
+                  (transport == Transport::kGather && (shadowed || bounces > 0 || lookedAtEverywhere(lights)));
   keepMemory(grid, scene.options.transport);
 }
 

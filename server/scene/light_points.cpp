@@ -88,14 +88,18 @@ void sortInSpace(LightPoints& points, const Bounds& box) {
 }  // namespace
 
 LightPoints lightPoints(const Mesh& mesh, const Texture* texture) {
+  const bool even = (texture == nullptr || mesh.uvs.empty()) && mesh.directions.empty();
+  const bool few = even && mesh.evenTriangles().size() <= kFewPolygons;
+  return pointsOn(mesh, texture, few ? kPointsOfFewPolygons : kMostLightPoints);
+}
+
+LightPoints pointsOn(const Mesh& mesh, const Texture* texture, std::size_t count) {
   const bool textured = texture != nullptr && !mesh.uvs.empty();
   const bool varies = textured || !mesh.directions.empty();
   const std::vector<glm::uvec3>& triangles = varies ? mesh.triangles : mesh.evenTriangles();
   double area = 0.0;
   for (const glm::uvec3& t : triangles) area += 0.5 * glm::length(cornersCross(mesh, t));
   if (!(area > 0.0)) return {};
-  const std::size_t count =
-      !varies && triangles.size() <= kFewPolygons ? kPointsOfFewPolygons : kMostLightPoints;
   const std::optional<CoarseTexture> coarse = textured ? std::optional<CoarseTexture>(*texture) : std::nullopt;
   LightPoints points;
   double before = 0.0;

@@ -30,8 +30,9 @@ Status checkRanges(const LightingSettings& o) {
   if (o.maxError != 0.0) {
     if (Status s = checkRange("max_error", o.maxError, 1e-4, 1.0); !s.ok()) return s;
   }
-  if (o.bounces < 0 || o.bounces > 8) {
-    return invalid("bounces", "bounces is " + std::to_string(o.bounces) + ", allowed are 0 to 8");
+  if (o.bounces < kAutoBounces || o.bounces > kMaxBounces) {
+    return invalid("bounces", "bounces is " + std::to_string(o.bounces) + ", allowed are 0 to " +
+                                  std::to_string(kMaxBounces) + ", or -1 for as many as the wanted error asks for");
   }
   if (o.method == InjectionMethod::kDense && (o.denseSamples < 1 || o.denseSamples > 100000)) {
     return invalid("dense_samples", "dense_samples is " + std::to_string(o.denseSamples) + ", allowed are 1 to 100000");
@@ -85,7 +86,9 @@ Status checkOptions(const LightingSettings& o) {
 Status checkSavedOptions(const LightingSettings& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (Status s = checkTogether(o); !s.ok()) return s;
-  if (o.bounces != 0) return later("bounces", std::to_string(o.bounces), "0");
+  if (o.bounces != 0 && o.transport == Transport::kPropagate)
+    return invalid("bounces", "bounces is " + std::to_string(o.bounces) +
+                                  ", but transport PROPAGATE reflects nothing: set transport to GATHER or DIRECT, or bounces to 0");
   if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");
   return {};
 }

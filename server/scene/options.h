@@ -16,6 +16,8 @@ enum class Lookup { kSh2, kCap, kNearest };
 enum class Visibility { kAuto, kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
+inline constexpr int kMaxBounces = 32;
+inline constexpr int kAutoBounces = -1;
 /// Opening ratio of GATHER and DIRECT by quality (MATHS.md 3b.3).
 inline constexpr double kFastOpeningRatio = 1.5;
 inline constexpr double kAccurateOpeningRatio = 3.0;
@@ -35,7 +37,7 @@ struct LightingSettings {
   Lookup lookup = Lookup::kCap;
   double maxError = 0.0;                ///< wanted raw relative L2 (scene/error_goal.h); 0 = not asked
   Visibility visibility = Visibility::kAuto;
-  int bounces = 0;
+  int bounces = 0;                      ///< 0..kMaxBounces, or kAutoBounces: as many as the wanted error asks for
   double haze = 0.0;                    ///< extinction per metre; 0 = none
 
   bool operator==(const LightingSettings&) const = default;

@@ -1,10 +1,6 @@
 // Where a cell's coefficients are. Fields carry a halo of one zero cell on every side, so that a neighbour outside the
 // grid reads zero without a test: channel by channel, x fastest, then y, then z.
 
-#ifndef LPV_CHANNELS
-#error "LPV_CHANNELS: 1, 2 or 3 colour channels of the field"
-#endif
-
 int haloIndex(ivec3 cell, ivec3 dims, int channel) {
   const ivec3 h = dims + 2;
   return ((channel * h.z + cell.z + 1) * h.y + cell.y + 1) * h.x + cell.x + 1;

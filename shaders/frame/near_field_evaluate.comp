@@ -3,26 +3,18 @@
 // E of one pool of lights, which is not put into the picture yet (shadow_rays.comp).
 #include "layout.h"
 #include "common/sh.glsl"
-#include "common/octahedral.glsl"
-#include "frame/position.glsl"
+#include "visibility/receivers.glsl"
 #include "transport/emitter_list_four.glsl"
 
 #ifndef LPV_SHADOWED
 #error "LPV_SHADOWED: 0 or 1"
 #elif LPV_SHADOWED
 #include "visibility/shadow_points.glsl"
+#else
+layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
 #endif
 
 layout(local_size_x = kNearFieldGroup) in;
-
-layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
-layout(binding = kNormal) uniform sampler2D normal;
-layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
-layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
-layout(std430, binding = kNearFieldPoints) readonly buffer Points {
-  ListHeader list;
-  uvec4 points[];
-};
 
 void main() {
   if (gl_GlobalInvocationID.x >= list.count) return;
@@ -30,8 +22,7 @@ void main() {
   FourReceivers r;
   for (int i = 0; i < 4; ++i) {
     const ivec2 pixel = unpackedPixel(four[i]);
-    const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
-    const vec3 x = gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x);
+    const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel);
     r.x[i] = x.x;
     r.y[i] = x.y;
     r.z[i] = x.z;
@@ -42,7 +33,7 @@ void main() {
 #if LPV_SHADOWED
   const FourIrradiances e = directIrradiances(r, shadow.firstLight, shadow.lightsEnd);
   for (int i = 0; i < 4; ++i) {
-    shadowPoints[4u * gl_GlobalInvocationID.x + uint(i)].light = vec4(e.red[i], e.green[i], e.blue[i], 0.0);
+    begin(4u * gl_GlobalInvocationID.x + uint(i), vec3(e.red[i], e.green[i], e.blue[i]));
   }
 #else
   const FourIrradiances e = directIrradiances(r, 0, lightsInList());

@@ -1,22 +1,14 @@
-// How much of a pool of lights is seen from the points that near_field.comp has listed: rays to points of the lights, four
+// How much of a pool of lights is seen from the points of a list: rays to points of the lights, four
 // a dispatch (MATHS.md 3d). A point goes on after the first four only if these, or those of the three points beside it,
 // disagree: elsewhere it is in the light or in the dark. Threads per point.
 #include "layout.h"
-#include "common/octahedral.glsl"
-#include "frame/position.glsl"
+#include "visibility/receivers.glsl"
+#define LPV_FACING 1
 #include "visibility/light_points.glsl"
 #include "visibility/occluders.glsl"
 #include "visibility/shadow_points.glsl"
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
-
-layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
-layout(binding = kNormal) uniform sampler2D normal;
-layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
-layout(std430, binding = kNearFieldPoints) readonly buffer Points {
-  ListHeader list;
-  uvec4 points[];  // packedPixel()
-};
 
 /// Whether the first rays of a point and of those beside it all met the same: the light, or something before it.
 bool agreed(uint four) {
@@ -46,8 +38,7 @@ float candidatesAt(ivec2 pixel) {
 }
 
 void sendRays(uint point, ivec2 pixel) {
-  const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
-  const vec3 x = gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x) + kShadowOffset * n;
+  const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
   const ivec4 chosen =
       chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel));
   vec4 all = vec4(0.0), seen = vec4(0.0);
@@ -59,26 +50,15 @@ void sendRays(uint point, ivec2 pixel) {
     all += ray;
     seen += ray * open(x, mix(x, to, kShadowEnd), int(colour.a));
   }
-  if (shadow.turn == 0) {
-    shadowPoints[point].light.a = all.a > 0.0 ? seen.a : -1.0;
-    shadowPoints[point].all = all;
-    shadowPoints[point].seen = seen;
-  } else {
-    shadowPoints[point].all += all;
-    shadowPoints[point].seen += seen;
-  }
+  if (shadow.turn == 0) shadowPoints[point].light.a = all.a > 0.0 ? seen.a : -1.0;
+  shadowPoints[point].all += all;
+  shadowPoints[point].seen += seen;
 }
 
 void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
   const vec3 light = shadowPoints[point].light.rgb;
-  const bool lit = max(max(light.r, light.g), light.b) > 0.0;
-  if (shadow.turn == 0 && !lit) {
-    shadowPoints[point].light.a = -1.0;
-    shadowPoints[point].all = vec4(0.0);
-    shadowPoints[point].seen = vec4(0.0);
-  }
-  if (!lit || (shadow.turn > 0 && agreed(four))) return;
+  if (max(max(light.r, light.g), light.b) <= 0.0 || (shadow.turn > 0 && agreed(four))) return;
   sendRays(point, unpackedPixel(points[four][point % 4u]));
 }

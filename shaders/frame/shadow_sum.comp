@@ -1,17 +1,15 @@
-// Adds what is seen of a pool of lights to the points that near_field.comp has listed, and after the last pool puts the
-// sum into the picture. Where all rays arrived, or none were sent, E is what it was: unshadowed light stays exact
+// Adds what is seen of a pool of lights to the points of a list, and after the last pool puts the sum into the picture, or
+// to the patches. Where all rays arrived, or none were sent, E is what it was: unshadowed light stays exact
 // (ratio estimator: Heitz, Hill and McGuire 2018). Threads per point.
 #include "layout.h"
-#include "frame/position.glsl"
+#include "visibility/receivers.glsl"
 #include "visibility/shadow_points.glsl"
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
+#if !LPV_PATCHES
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
-layout(std430, binding = kNearFieldPoints) readonly buffer Points {
-  ListHeader list;
-  uvec4 points[];
-};
+#endif
 
 void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
@@ -22,5 +20,9 @@ void main() {
   shadowPoints[point].sum = vec4(sum, 0.0);
   if (shadow.pool + 1 < shadow.pools) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+#if LPV_PATCHES
+  patches[pixel.x].direct = vec4(sum, 0.0);
+#else
   imageStore(nearField, pixel, vec4(sum, imageLoad(nearField, pixel).w));
+#endif
 }

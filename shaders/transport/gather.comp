@@ -2,7 +2,8 @@
 // a node that is far enough for its size is taken whole, else its children are. Each thread sums for a column of cells.
 //
 // LPV_TWO_SIDED: the light emits from both sides. LPV_TEXTURED: each VPL has a colour. LPV_SECTORS: where light is in
-// layers by direction, the walk is repeated for each, and leaves out what cannot be in it.
+// layers by direction, the walk is repeated for each, and leaves out what cannot be in it. LPV_SHADOWED: cells get the
+// share of it that they see (shaders/transport/cell_visibility.comp).
 #include "layout.h"
 #include "common/field.glsl"
 #include "common/sh.glsl"
@@ -14,6 +15,9 @@
 #error "LPV_SECTORS: LPV_SECTORS_.. (shaders/layout.h)"
 #elif LPV_SECTORS != LPV_SECTORS_NONE
 #include "transport/sectors.glsl"
+#endif
+#ifndef LPV_SHADOWED
+#error "LPV_SHADOWED: 0 or 1"
 #endif
 #ifndef LPV_TWO_SIDED
 #error "LPV_TWO_SIDED: 0 or 1"
@@ -27,6 +31,9 @@ layout(std430, binding = kReceiverBlocks) readonly buffer Blocks { uint blocks[]
 layout(std430, binding = kCursors) buffer Cursors { uvec2 cursors[]; };
 layout(std430, binding = kFieldOut) buffer Field { vec4 field[]; };
 layout(std430, binding = kEmitterDistanceBuffer) buffer EmitterDistance { float emitterDistance[]; };
+#if LPV_SHADOWED
+layout(std430, binding = kCellVisibility) readonly buffer Visibility { CellVisibility visibility[]; };
+#endif
 
 #if LPV_TEXTURED
 const int kSums = kColours;
@@ -112,13 +119,33 @@ int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) 
   return at;
 }
 
+/// What arrives of fluence and vector irradiance (in xyz and w). Rays stand for equal shares of the fluence, and where
+/// they came from moves the direction: the difference of two estimates with the same rays, so that light that nothing
+/// hides stays exact.
+vec4 arrived(ivec3 cell, vec4 light) {
+#if LPV_SHADOWED
+  const CellVisibility v = visibility[cellIndex(cell, params.dims)];
+  if (v.seen.w >= v.all.w) return light;
+  const float share = v.seen.w / v.all.w;
+#if LPV_SECTORS == LPV_SECTORS_NONE
+  const vec3 aside = light.w / v.all.w * (v.seen.xyz - share * v.all.xyz);
+#else
+  const vec3 aside = vec3(0.0);  // between sectors
+#endif
+  return vec4(share * light.xyz + aside, share * light.w);
+#else
+  return light;
+#endif
+}
+
 void store(ivec3 cell, int z, int layer) {
   for (int k = 0; k < LPV_CHANNELS; ++k) {
     if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
     const int s = min(k, kSums - 1);
-    const vec3 flux = vec3(sums[s].x[z], sums[s].y[z], sums[s].z[z]);
+    const vec4 light = arrived(cell, vec4(sums[s].x[z], sums[s].y[z], sums[s].z[z], max(sums[s].fluence[z], 0.0)));
+    const vec3 flux = light.xyz;
     // A series cut off can give what no light does; only beside nodes taken from too near.
-    const float fluence = max(sums[s].fluence[z], 0.0), possible = fluence / max(length(flux), 1e-30);
+    const float fluence = light.w, possible = fluence / max(length(flux), 1e-30);
     field[haloIndex(cell, params.dims, params.firstChannel + layer * LPV_CHANNELS + k)] +=
         params.weight[k] * vec4(kY0 * fluence, kY1 * min(possible, 1.0) * flux.yzx);
   }

@@ -10,3 +10,10 @@ struct ShadowPoint {
 
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
 layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadowPoints[]; };
+
+/// What the pool sends to a point, before any ray.
+void begin(uint point, vec3 light) {
+  shadowPoints[point].light = vec4(light, -1.0);
+  shadowPoints[point].all = vec4(0.0);
+  shadowPoints[point].seen = vec4(0.0);
+}

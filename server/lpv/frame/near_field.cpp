@@ -1,6 +1,7 @@
 #include "lpv/frame/near_field.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "gpu/gl.h"
 #include "shaders/layout.h"
@@ -49,11 +50,25 @@ struct NearFieldPass::Inputs {
     buffer.irradiance.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.tiles.bindStorage(layout::kNearFieldTiles);
     buffer.points.bindStorage(layout::kNearFieldPoints);
-    if (sources.shadows == nullptr) return;
-    buffer.shadows.bindStorage(layout::kShadowPoints);
-    sources.shadows->pools->view.bind(layout::kLightPoints);
-    sources.shadows->occluders->bind();
+    if (sources.shadows != nullptr) buffer.shadows.bindStorage(layout::kShadowPoints);
   }
+};
+
+/// Receivers on a list that look at the lights through what may stand in the way.
+struct NearFieldPass::Look {
+  const ShadowCasters& shadows;
+  const gpu::Buffer& list;
+  double points;  ///< on it, at most
+  bool patches;   ///< not pixels
+  bool jitter;    ///< of ShadowParams
+  std::function<void()> bind;
+};
+
+/// A pool of lights, or the patches.
+struct NearFieldPass::LookAt {
+  layout::ShadowParams params;
+  const gpu::BufferTexture& points;
+  bool reflected;
 };
 
 struct NearFieldPass::Pass {
@@ -73,42 +88,68 @@ NearFieldPass::NearFieldPass()
     : params_("near field params", sizeof(layout::NearFieldParams), gpu::BufferUse::kDynamic),
       shadowParams_("shadow params", sizeof(layout::ShadowParams), gpu::BufferUse::kDynamic) {}
 
-/// Light at the points that were listed, pool by pool: what each sends, how much of it arrives, and the sum.
-GpuTask NearFieldPass::lookThroughShadows(const Inputs& inputs, double points, Pacing pacing) {
-  const ShadowCasters& shadows = *inputs.sources.shadows;
-  const std::vector<LightPool>& pools = shadows.pools->pools;
-  layout::ShadowParams params = {};
-  params.turns = shadows.turns;
-  params.pools = int(pools.size());
-  params.jitter = inputs.sources.reduced ? 0 : 1;
+/// What is sent, how much of it arrives, and the sum so far.
+GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
+  const ReceiverVariant receivers = {from.patches};
+  layout::ShadowParams params = at.params;
   double queued = 0.0;
-  const auto dispatch = [&](gpu::Program& program, const NearFieldWork& work) {
+  for (params.turn = -1; params.turn <= params.turns; ++params.turn) {
+    const bool sends = params.turn < 0, sums = params.turn == params.turns;
+    gpu::Program& program = !sends        ? (sums ? sum_.get(receivers) : rays_.get(receivers))
+                            : at.reflected ? reflected_.get(receivers)
+                                           : evaluate_.get({.shadowed = true, .patches = from.patches});
     shadowParams_.update(0, gpu::bytesOfValue(params));
     shadowParams_.bindUniform(layout::kShadowParams);
-    inputs.bind();
-    inputs.buffer.points.bindAsDispatchArguments();
+    from.bind();
+    at.points.bind(layout::kLightPoints);
+    if (params.turns > 0) from.shadows.occluders->bind();
+    from.list.bindAsDispatchArguments();
     program.dispatchIndirect(0);
     gpu::memoryBarrier();
-    queued += work.units();
-    return queued > pacing.unitsFor(Stage::kShade);
-  };
+    queued += NearFieldWork{.weighed = sums ? from.points : 0.0,
+                            .evaluated = sends && !at.reflected ? from.points : 0.0,
+                            .rays = sends || sums ? 0.0 : 4.0 * from.points,
+                            .fromPatches = sends && at.reflected ? from.points * params.pointCount : 0.0}
+                  .units();
+    if (queued < 0.9 * pacing.unitsFor(Stage::kShade)) continue;
+    co_yield submitted(Stage::kShade, queued);
+    queued = 0.0;
+  }
+  co_yield submitted(Stage::kShade, queued);
+}
+
+/// Pool by pool, and last at what surfaces reflect.
+GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
+  const ShadowCasters& shadows = from.shadows;
+  const std::vector<LightPool>& pools = shadows.pools->pools;
+  const PatchSet* reflected = from.patches ? nullptr : shadows.reflected;
+  layout::ShadowParams params = {};
+  params.turns = shadows.turns;
+  params.pools = int(pools.size()) + (reflected != nullptr ? 1 : 0);
+  params.jitter = from.jitter ? 1 : 0;
   for (const LightPool& pool : pools) {
     params.firstLight = pool.firstLight;
     params.lightsEnd = pool.lightsEnd;
     params.firstPoint = pool.firstPoint;
     params.pointCount = pool.points;
-    for (params.turn = -1; params.turn <= params.turns; ++params.turn) {
-      const bool evaluates = params.turn < 0, sums = params.turn == params.turns;
-      gpu::Program& program = evaluates ? evaluate_.get({.shadowed = true}) : sums ? sum_.get({}) : rays_.get({});
-      if (!dispatch(program, {.weighed = sums ? points : 0.0, .evaluated = evaluates ? points : 0.0,
-                              .rays = evaluates || sums ? 0.0 : 4.0 * points}))
-        continue;
-      co_yield submitted(Stage::kShade, queued);
-      queued = 0.0;
-    }
+    co_await look(from, {params, shadows.pools->view, false}, pacing);
     params.pool++;
   }
-  co_yield submitted(Stage::kShade, queued);
+  if (reflected == nullptr) co_return;
+  params.firstPoint = 0;
+  params.pointCount = reflected->count;
+  co_await look(from, {params, reflected->lightTexels, true}, pacing);
+}
+
+GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
+                           Pacing pacing) {
+  const auto bind = [&patches, &emitters] {
+    emitters.view.bind(layout::kDirect);
+    patches.patches.bindStorage(layout::kPatches);
+    patches.points.bindStorage(layout::kNearFieldPoints);
+    patches.shadows.bindStorage(layout::kShadowPoints);
+  };
+  co_await look({shadows, patches.points, double(patches.count), true, false, bind}, pacing);
 }
 
 /// Some parts at a time: what is to be evaluated in them, and its evaluation.
@@ -130,12 +171,15 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     gpu::memoryBarrier();
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
-      co_await lookThroughShadows(inputs, double(groups) * layout::kNearFieldGroup * kPointsOfBlock, pacing);
+      co_await look({*inputs.sources.shadows, inputs.buffer.points,
+                     double(groups) * layout::kNearFieldGroup * kPointsOfBlock, false, !inputs.sources.reduced,
+                     [&inputs] { inputs.bind(); }},
+                    pacing);
       continue;
     }
     if (!weighs) {
       inputs.buffer.points.bindAsDispatchArguments();
-      evaluate_.get({.shadowed = false}).dispatchIndirect(0);
+      evaluate_.get({.shadowed = false, .patches = false}).dispatchIndirect(0);
       gpu::memoryBarrier();
     }
     co_yield submitted(Stage::kShade, groups * layout::kNearFieldGroup * pass.work.units());

@@ -12,6 +12,7 @@
 #include "lpv/resources/incident_textures.h"
 #include "lpv/resources/light_pools.h"
 #include "lpv/resources/occluders.h"
+#include "lpv/resources/patch_set.h"
 #include "lpv/transport/emitter_list.h"
 
 namespace lpv {
@@ -33,11 +34,12 @@ struct NearLights {
   const gpu::Texture* emitterDistance = nullptr;  ///< null: pixels look at the lights everywhere
 };
 
-/// What stands in the lights' way.
+/// What stands in the lights' way, and what surfaces reflect.
 struct ShadowCasters {
   const LightPools* pools = nullptr;
   const GpuOccluders* occluders = nullptr;
-  int turns = 1;  ///< of four rays to each pool, at most
+  int turns = 1;  ///< of four rays to each pool, at most; 0: nothing stands in the way
+  const PatchSet* reflected = nullptr;  ///< null: nothing
 };
 
 /// What a picture's pixels look at, and how many of them do.
@@ -53,7 +55,8 @@ struct NearFieldWork {
   double evaluated = 0.0;  ///< points that see the lights if they are near
   double between = 0.0;    ///< points of which some do
   double rays = 0.0;       ///< to the lights
-  double units() const { return weighed + 20.0 * evaluated + 4.0 * between + 20.0 * rays; }
+  double fromPatches = 0.0;  ///< points times the patches that reflect to them
+  double units() const { return weighed + 20.0 * evaluated + 4.0 * between + 20.0 * rays + 0.2 * fromPatches; }
 };
 
 class NearFieldPass {
@@ -62,12 +65,17 @@ class NearFieldPass {
   /// `frameParams` holds the view's FrameParams.
   GpuTask run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
               const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing);
+  /// The same for patches, which get what comes from the lights; what `shadows` has of reflections is not read.
+  GpuTask run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows, Pacing pacing);
 
  private:
   struct Inputs;
   struct Pass;
+  struct Look;
+  struct LookAt;
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
-  GpuTask lookThroughShadows(const Inputs& inputs, double points, Pacing pacing);
+  GpuTask look(const Look& from, Pacing pacing);
+  GpuTask look(const Look& from, const LookAt& at, Pacing pacing);
 
   struct Variant {
     int pass = 0;  ///< LPV_PASS_..
@@ -76,12 +84,18 @@ class NearFieldPass {
   };
   struct EvaluateVariant {
     bool shadowed = false;
-    gpu::Defines defines() const { return {gpu::define("LPV_SHADOWED", shadowed)}; }
+    bool patches = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_SHADOWED", shadowed), gpu::define("LPV_PATCHES", patches)}; }
+  };
+  struct ReceiverVariant {
+    bool patches = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_PATCHES", patches)}; }
   };
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
   gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
-  gpu::ProgramVariants rays_{{"frame/shadow_rays.comp"}};
-  gpu::ProgramVariants sum_{{"frame/shadow_sum.comp"}};
+  gpu::Programs<ReceiverVariant> reflected_{{"frame/patch_light.comp"}};
+  gpu::Programs<ReceiverVariant> rays_{{"frame/shadow_rays.comp"}};
+  gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Buffer params_, shadowParams_;
 };
 

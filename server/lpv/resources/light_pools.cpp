@@ -40,6 +40,7 @@ void LightPointCache::sweep() {
 
 void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache& cache) {
   pools.clear();
+  ranges.clear();
   std::vector<glm::vec4> points;
   const auto pointsSoFar = [&] { return int(points.size()) / layout::kLightPointTexels; };
   const std::size_t count = std::min(lights.size(), kMostPools);
@@ -48,8 +49,11 @@ void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache&
     pool.firstLight = int(i * lights.size() / count);
     pool.lightsEnd = int((i + 1) * lights.size() / count);
     pool.firstPoint = pointsSoFar();
-    for (int l = pool.firstLight; l < pool.lightsEnd; ++l)
+    for (int l = pool.firstLight; l < pool.lightsEnd; ++l) {
+      LightPool& one = ranges.emplace_back(LightPool{l, l + 1, pointsSoFar(), 0});
       appendPoints(lights[std::size_t(l)], l, *cache.get(lights[std::size_t(l)]), points);
+      one.points = pointsSoFar() - one.firstPoint;
+    }
     pool.points = pointsSoFar() - pool.firstPoint;
   }
   cache.sweep();

@@ -40,6 +40,7 @@ class LightPointCache {
 
 struct LightPools {
   std::vector<LightPool> pools;
+  std::vector<LightPool> ranges;  ///< each light by itself
   gpu::Buffer texels;  ///< as shaders/visibility/light_points.glsl has them
   gpu::BufferTexture view;
 

@@ -75,8 +75,8 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }
 
-GpuTask GpuOccluders::update(const Scene& scene, const Grid& grid) {
-  Inputs inputs = {occludersOf(scene), grid};
+GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid) {
+  Inputs inputs = {std::move(occluders), grid};
   if (made_.holds(inputs)) co_return;
   bool known = bool(texels_) && texelsOfTop(inputs.occluders.size()) <= room_;
   std::vector<MeshPtr> meshes;
@@ -90,6 +90,9 @@ GpuTask GpuOccluders::update(const Scene& scene, const Grid& grid) {
     storeMeshes(trees.get(), texelsOfTop(inputs.occluders.size()));
   }
   storeTop(inputs);
+  Inputs all = inputs;
+  std::erase_if(all.occluders, [](const Occluder& o) { return o.blocks != kAllLights; });
+  if (!surfaces_.holds(all)) surfaces_.set(std::move(all));
   made_.set(std::move(inputs));
 }
 

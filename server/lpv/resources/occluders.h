@@ -18,10 +18,10 @@ namespace lpv {
 class GpuOccluders {
  public:
   /// Makes what differs from the last scene. Trees over new meshes are made on another thread meanwhile.
-  GpuTask update(const Scene& scene, const Grid& grid);
+  GpuTask update(std::vector<Occluder> occluders, const Grid& grid);
   void bind() const;
-  /// Changes with what is stored.
-  Stamp stamp() const { return made_.stamp(); }
+  /// Changes with what blocks all lights.
+  Stamp surfaces() const { return surfaces_.stamp(); }
   std::size_t bytes() const { return texels_.size(); }
 
  private:
@@ -46,6 +46,7 @@ class GpuOccluders {
   gpu::Buffer texels_;
   gpu::BufferTexture view_;
   Cached<Inputs> made_;
+  Cached<Inputs> surfaces_;  ///< of these, what blocks all lights
 };
 
 }  // namespace lpv

@@ -41,7 +41,8 @@ int dispatchesFor(const VplTree& tree, Sectors sectors) { return roundsFor(tree,
 
 gpu::Defines Gatherer::Variant::defines() const {
   return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured),
-          gpu::define("LPV_TWO_SIDED", twoSided), gpu::define("LPV_SECTORS", int(sectors))};
+          gpu::define("LPV_TWO_SIDED", twoSided), gpu::define("LPV_SECTORS", int(sectors)),
+          gpu::define("LPV_SHADOWED", shadowed)};
 }
 
 Gatherer::Gatherer() : params_("gather params", sizeof(layout::GatherParams), gpu::BufferUse::kDynamic) {}
@@ -62,7 +63,7 @@ GpuTask Gatherer::clear(LightField& field) {
 
 GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k, Sectors sectors,
-                      const ReceiverBlocks& blocks, Pacing pacing) {
+                      const ReceiverBlocks& blocks, const CellShadows* shadows, Pacing pacing) {
   const bool byDirection = sectors != Sectors::kNone;
   const int allSectors = byDirection ? layout::kSectors : 1;
   const auto blockCount = std::uint32_t(blocks.size());
@@ -72,11 +73,14 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const LightVoxels& light = *voxels[i];
     if (light.tree->entryCount == 0) continue;
+    const gpu::Buffer* visibility = nullptr;
+    if (shadows != nullptr) co_await visibility_.run(field, lights, i, *shadows, visibility, pacing);
     layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
     gpu::Program& program = programs_.get({.channels = field.channels,
                                            .textured = light.momentsPerCell > 1,
                                            .twoSided = lights[i].twoSided,
-                                           .sectors = sectors});
+                                           .sectors = sectors,
+                                           .shadowed = shadows != nullptr});
     const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount)), byDirection}.units();
     const int step = sectorsPerDispatch(*light.tree, sectors), turns = dispatchesFor(*light.tree, sectors);
     for (std::uint32_t first = 0; first < blockCount;) {
@@ -90,6 +94,7 @@ GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& light
         params.sectorsEnd = params.firstSector + step;
         params_.update(0, gpu::bytesOfValue(params));
         bind(field, light);
+        if (visibility != nullptr) visibility->bindStorage(layout::kCellVisibility);
         program.dispatch(count);
         gpu::memoryBarrier();
       }

@@ -12,6 +12,7 @@
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
 #include "lpv/resources/palette.h"
+#include "lpv/transport/cell_visibility.h"
 #include "lpv/transport/receiver_blocks.h"
 #include "lpv/transport/sectors.h"
 
@@ -22,6 +23,8 @@ struct GatherInputs {
   Stamp memory = 0;           ///< of the field
   Stamp lights = 0;           ///< and with them their trees and the palette
   double openingRatio = 0.0;  ///< k
+  int turns = 0;  ///< of shadow rays; 0: nothing stands in the way
+  Stamp blockers = 0;  ///< what does
 
   bool operator==(const GatherInputs&) const = default;
 };
@@ -48,9 +51,10 @@ class Gatherer {
   GpuTask clear(LightField& field);
   /// Adds what the lights send to these blocks, which hold zeros, as SH of incident radiance to field.transported().
   /// `k`: the distance rule; infinite takes every VPL by itself. Each light goes into the layer of its group, or, with
-  /// `sectors`, what comes from each into that sector's.
+  /// `sectors`, what comes from each into that sector's. `shadows`: null where nothing stands in the way.
   GpuTask run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
-              const Palette& palette, double k, Sectors sectors, const ReceiverBlocks& blocks, Pacing pacing);
+              const Palette& palette, double k, Sectors sectors, const ReceiverBlocks& blocks,
+              const CellShadows* shadows, Pacing pacing);
 
  private:
   void bind(const LightField& field, const LightVoxels& voxels);
@@ -60,8 +64,10 @@ class Gatherer {
     bool textured = false;
     bool twoSided = false;
     Sectors sectors = Sectors::kNone;
+    bool shadowed = false;
     gpu::Defines defines() const;
   };
+  CellVisibilityPass visibility_;
   gpu::Programs<Variant> programs_{{"transport/gather.comp"}};
   gpu::Buffer params_;
 };

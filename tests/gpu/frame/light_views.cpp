@@ -27,6 +27,7 @@ Scene floorScene(Transport transport, const MeshPtr& mesh) {
   scene.options.transport = transport;
   scene.options.followTransport();
   scene.options.quality = Quality::kAccurate;  // frames with a near field
+  scene.options.visibility = Visibility::kOff;  // truthOn has no shadows
   scene.grid = {glm::dvec3(-2.0), 0.2, glm::ivec3(20)};
   Light& light = lightOf(scene);
   light.mesh = mesh;

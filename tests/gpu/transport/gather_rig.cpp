@@ -151,7 +151,7 @@ void GatherRig::clear() {
 }
 
 void GatherRig::gatherBlocks(double k, const ReceiverBlocks& blocks) {
-  finish(gatherer_.run(*field, lights, voxels, palette, k, sectors, blocks, {&clock}));
+  finish(gatherer_.run(*field, lights, voxels, palette, k, sectors, blocks, nullptr, {&clock}));
 }
 
 reference::Field GatherRig::gather(double k) {

@@ -1,0 +1,58 @@
+#include "lpv/resources/patch_set.h"
+
+#include <algorithm>
+#include <span>
+
+namespace lpv {
+
+namespace {
+
+/// Of shaders/visibility/patches.glsl.
+struct StoredPatch {
+  glm::vec4 place{0.0F}, normal{0.0F}, albedo{0.0F}, direct{0.0F}, arriving[2] = {glm::vec4(0.0F), glm::vec4(0.0F)};
+};
+
+constexpr int kShadowPointTexels = 4;  // of shaders/visibility/shadow_points.glsl
+
+std::vector<StoredPatch> stored(const std::vector<Patch>& patches, const Grid& grid) {
+  std::vector<StoredPatch> out;
+  for (const Patch& p : patches) {
+    StoredPatch& to = out.emplace_back();
+    to.place = glm::vec4(glm::vec3(grid.gridFromWorld(glm::dvec3(p.position))), p.area / float(grid.cell * grid.cell));
+    to.normal = glm::vec4(p.normal, 0.0F);
+    to.albedo = glm::vec4(p.albedo, 0.0F);
+  }
+  return out;
+}
+
+/// The last four may be incomplete: the last patch is in it more than once.
+gpu::Buffer listOf(int count) {
+  const int fours = (count + 3) / 4;
+  const auto groups = std::uint32_t((fours + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup);
+  std::vector<std::uint32_t> words = {groups, 1, 1, std::uint32_t(fours)};
+  for (int i = 0; i < 4 * fours; ++i) words.push_back(std::uint32_t(std::min(i, count - 1)));
+  return gpu::Buffer("patch list", gpu::bytesOf(std::span<const std::uint32_t>(words)));
+}
+
+std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
+
+}  // namespace
+
+PatchSet::PatchSet(const std::vector<Patch>& all, const Grid& grid)
+    : count(int(all.size())),
+      words((count + 31) / 32),
+      patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(all, grid)))),
+      pairs("patch pairs", all.size() * std::size_t(words) * sizeof(std::uint32_t)),
+      points(listOf(count)),
+      shadows("patch shadows", bytesOfVec4((all.size() + 3) / 4 * 4 * kShadowPointTexels)),
+      lights("patch lights", bytesOfVec4(all.size() * layout::kLightPointTexels)),
+      lightTexels("patch lights", lights) {}
+
+layout::PatchParams PatchSet::params() const {
+  layout::PatchParams params = {};
+  params.count = count;
+  params.words = words;
+  return params;
+}
+
+}  // namespace lpv

@@ -1,0 +1,20 @@
+// Patches of the surfaces that reflect light (server/scene/patches.h), grid space.
+
+struct Patch {
+  vec4 place;   // position, area
+  vec4 normal;  // of the side that it is on
+  vec4 albedo;
+  vec4 direct;  // E in W/m^2 from the lights
+  vec4 arriving[2];  // the same with what patches reflect, by the parity of bounces
+};
+
+layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };
+
+/// E at x with normal n from a patch of unit radiance with nothing between: that of a disc (Wallace, Elmquist and Haines
+/// 1989, "A ray tracing algorithm for progressive radiosity"), which stays finite beside an edge.
+float patchWeight(Patch from, vec3 x, vec3 n) {
+  const vec3 d = from.place.xyz - x;
+  const float r2 = dot(d, d);
+  return from.place.w * max(-dot(from.normal.xyz, d), 0.0) * max(dot(n, d), 0.0) /
+         max(r2 * (r2 + from.place.w * 0.3183098862), 1e-12);
+}

@@ -1,0 +1,29 @@
+// Receivers that light is summed at: pixels of a picture, or, with LPV_PATCHES, patches of the surfaces, whose number
+// stands for the pixel's column.
+#include "frame/position.glsl"
+#ifndef LPV_PATCHES
+#error "LPV_PATCHES: 0 or 1"
+#endif
+
+layout(std430, binding = kNearFieldPoints) readonly buffer Points {
+  ListHeader list;  // threads with four points each
+  uvec4 points[];   // packedPixel()
+};
+
+#if LPV_PATCHES
+#include "visibility/patches.glsl"
+
+vec3 receiverNormal(ivec2 pixel) { return patches[pixel.x].normal.xyz; }
+vec3 receiverPosition(ivec2 pixel) { return patches[pixel.x].place.xyz; }
+#else
+#include "common/octahedral.glsl"
+
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(binding = kNormal) uniform sampler2D normal;
+layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
+
+vec3 receiverNormal(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
+vec3 receiverPosition(ivec2 pixel) {
+  return gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x);
+}
+#endif
