@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kBins = 16, kFewBins = 8;  ///< that a range is divided into along each axis, and a short one
 constexpr std::uint32_t kFewItems = 32;
 constexpr int kDeepest = 64;         ///< from here on splits are in the middle: an unbalanced tree has an end
-constexpr double kRounding = 1e-12;  ///< of coordinates: what a box is larger by, so that it holds what its triangles do
+constexpr double kRounding =
+    1e-12;  ///< of coordinates: what a box is larger by, so that it holds what its triangles do
 
 /// Written out by coordinates: a million triangles are added some twenty times, along three axes.
 struct Box {
@@ -52,7 +53,8 @@ class Builder {
  public:
   Builder(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) : itemsOfLeaf_(itemsOfLeaf) {
     for (const BvhBox& b : boxes) {
-      items_.push_back({{b.lower.x, b.lower.y, b.lower.z}, {b.upper.x, b.upper.y, b.upper.z}, std::uint32_t(items_.size())});
+      items_.push_back(
+          {{b.lower.x, b.lower.y, b.lower.z}, {b.upper.x, b.upper.y, b.upper.z}, std::uint32_t(items_.size())});
     }
     out_.nodes.reserve(boxes.size());
     if (!boxes.empty()) build(0, std::uint32_t(boxes.size()), 0);
@@ -88,7 +90,8 @@ class Builder {
       centres.add(centre, centre);
     }
     const std::size_t node = out_.nodes.size();
-    out_.nodes.push_back({{all.lower[0], all.lower[1], all.lower[2]}, 0, {all.upper[0], all.upper[1], all.upper[2]}, 0});
+    out_.nodes.push_back(
+        {{all.lower[0], all.lower[1], all.lower[2]}, 0, {all.upper[0], all.upper[1], all.upper[2]}, 0});
     if (end - begin <= itemsOfLeaf_) {
       out_.nodes[node].leaf = begin * kLeafItems + (end - begin);
     } else {
@@ -109,9 +112,8 @@ class Builder {
     }
     const Split best = bestSplit(begin, end, binning);
     if (best.axis < 0) return halve(begin, end, centres);
-    const auto middle = std::partition(items_.begin() + begin, items_.begin() + end, [&](const Item& item) {
-      return binning.binOf(item, best.axis) < best.bin;
-    });
+    const auto middle = std::partition(items_.begin() + begin, items_.begin() + end,
+                                       [&](const Item& item) { return binning.binOf(item, best.axis) < best.bin; });
     return std::uint32_t(middle - items_.begin());
   }
 

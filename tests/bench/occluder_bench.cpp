@@ -1,6 +1,6 @@
-// Shadow rays: nanoseconds per ray of visibility/occluders.glsl on the first device, and what the trees take to make and
-// to keep. Four scenes; rays of two cells, and rays to a lamp at the ceiling. Receivers are on all surfaces of a grid of
-// 32 cells, 32 rays from each cell beside one another, as a frame's blocks of pixels have them.
+// Shadow rays: nanoseconds per ray of visibility/occluders.glsl on the first device, and what the trees take to make
+// and to keep. Four scenes; rays of two cells, and rays to a lamp at the ceiling. Receivers are on all surfaces of a
+// grid of 32 cells, 32 rays from each cell beside one another, as a frame's blocks of pixels have them.
 //
 // LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
 
@@ -124,7 +124,7 @@ void shadowRays(benchmark::State& state) {
   const auto& [name, scene] = scenes()[std::size_t(state.range(0))];
   state.SetLabel(name + (state.range(1) != 0 ? ", to the lamp" : ", 2 cells"));
   GpuOccluders occluders;
-  occluders.update(scene, scene.grid).runToEnd();
+  occluders.update(occludersOf(scene), scene.grid).runToEnd();
   const std::vector<glm::vec4> segments = rays(scene, state.range(1) != 0);
   const gpu::Buffer in("rays", gpu::bytesOf(std::span<const glm::vec4>(segments)));
   const gpu::Buffer out("seen", kRays * sizeof(float));
@@ -184,12 +184,16 @@ void moveSurface(benchmark::State& state) {
     auto moved = std::make_shared<Surface>(*scene.surfaces.at("short"));
     moved->transform.translation.x += 1e-3;
     scene.surfaces["short"] = moved;
-    occluders.update(scene, scene.grid).runToEnd();
+    occluders.update(occludersOf(scene), scene.grid).runToEnd();
     glFinish();
   }
 }
 
-BENCHMARK(shadowRays)->ArgsProduct({{0, 1, 2, 3}, {0, 1}})->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(shadowRays)
+    ->ArgsProduct({{0, 1, 2, 3}, {0, 1}})
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(cpuRays)->ArgsProduct({{0, 1, 2, 3}, {0, 1}});
 BENCHMARK(makeTree)->Arg(1000)->Arg(33446)->Arg(180000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 BENCHMARK(moveSurface)->Arg(10)->Arg(4000)->UseRealTime()->Unit(benchmark::kMicrosecond);

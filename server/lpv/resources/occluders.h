@@ -38,7 +38,7 @@ class GpuOccluders {
     bool operator==(const Inputs&) const = default;
   };
 
-  void storeMeshes(const std::map<MeshPtr, TriangleBvhPtr>& meshes, std::size_t top);
+  GpuTask storeMeshes(std::map<MeshPtr, TriangleBvhPtr> meshes, std::size_t top);
   void storeTop(const Inputs& inputs);
 
   std::map<MeshPtr, Place> meshes_;

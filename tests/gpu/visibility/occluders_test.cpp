@@ -73,7 +73,7 @@ class OccludersTest : public test::GlTest {
 
   static std::vector<bool> openOnGpu(const Scene& scene, const std::vector<Segment>& segments, int light) {
     GpuOccluders occluders;
-    test::finish(occluders.update(scene, scene.grid));
+    test::finish(occluders.update(occludersOf(scene), scene.grid));
     return openOnGpu(occluders, segments, light);
   }
 
@@ -111,7 +111,7 @@ class OccludersTest : public test::GlTest {
 TEST_F(OccludersTest, AreTheSameInGlslAndCpp) {
   const Scene scene = fullRoom();
   GpuOccluders occluders;
-  test::finish(occluders.update(scene, scene.grid));
+  test::finish(occluders.update(occludersOf(scene), scene.grid));
   for (const int light : {kAllLights, 0, 1, 2}) compare(scene, occluders, light);
 }
 
@@ -119,12 +119,12 @@ TEST_F(OccludersTest, AreTheSameInGlslAndCpp) {
 TEST_F(OccludersTest, FollowTheScene) {
   Scene scene = fullRoom();
   GpuOccluders occluders;
-  test::finish(occluders.update(scene, scene.grid));
+  test::finish(occluders.update(occludersOf(scene), scene.grid));
   const auto changed = [&](const std::string& name, const auto& change) {
     auto surface = std::make_shared<Surface>(*scene.surfaces.at(name));
     change(*surface);
     scene.surfaces[name] = surface;
-    test::finish(occluders.update(scene, scene.grid));
+    test::finish(occluders.update(occludersOf(scene), scene.grid));
     compare(scene, occluders, 1, 1000);
   };
   changed("surface 1", [](Surface& s) { s.transform.translation.x += 0.4; });
