@@ -174,13 +174,9 @@ BvhTriangle triangleOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& 
   return {a, n.x, b, n.y, c, n.z};
 }
 
-/// How a corner lies, seen along a segment that begins at the origin: across it, and as a share of its length.
-struct Seen {
-  double x, y, depth;
-};
-
-/// Positive where the segment passes an edge on its left. Never of the wrong sign: products are rounded in order.
-double passes(const Seen& a, const Seen& b) { return a.x * b.y - b.x * a.y; }
+/// On which side a segment passes an edge, whose ends are seen along it. Never of the wrong sign: products are rounded
+/// in order.
+double passes(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - b.x * a.y; }
 
 }  // namespace
 
@@ -246,21 +242,18 @@ bool BvhSegment::meets(const BvhNode& node) const {
 }
 
 bool BvhSegment::meets(const BvhTriangle& triangle) const {
-  const double length2 = glm::dot(direction_, direction_);
-  const auto seen = [&](const glm::vec3& corner) {
-    const glm::dvec3 p = glm::dvec3(corner) - from_;
-    return Seen{glm::dot(p, right_), glm::dot(p, up_), glm::dot(p, direction_) / length2};
-  };
-  const Seen a = seen(triangle.first), b = seen(triangle.second), c = seen(triangle.third);
-  const double u = passes(b, c), v = passes(c, a), w = passes(a, b);
+  const glm::dvec3 a = glm::dvec3(triangle.first) - from_, b = glm::dvec3(triangle.second) - from_,
+                   c = glm::dvec3(triangle.third) - from_;
+  const auto across = [&](const glm::dvec3& p) { return glm::dvec2(glm::dot(p, right_), glm::dot(p, up_)); };
+  const glm::dvec2 a2 = across(a), b2 = across(b), c2 = across(c);
+  const double u = passes(b2, c2), v = passes(c2, a2), w = passes(a2, b2);
+  const glm::dvec2 low = glm::min(a2, glm::min(b2, c2)), high = glm::max(a2, glm::max(b2, c2));
+  if (low.x > 0.0 || low.y > 0.0 || high.x < 0.0 || high.y < 0.0) return false;  // sides of 0 say nothing
   const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-  if (!inside || u + v + w == 0.0) return false;
-  const glm::dvec3 first(triangle.first);
-  const glm::dvec3 normal = glm::cross(glm::dvec3(triangle.second) - first, glm::dvec3(triangle.third) - first);
-  // Where the plane is, which its own corners bound: almost along the plane the quotient may be anything.
-  const double slope = glm::dot(normal, direction_),
-               plane = slope == 0.0 ? a.depth : glm::dot(normal, first - from_) / slope;
-  const double at = std::clamp(plane, std::min({a.depth, b.depth, c.depth}), std::max({a.depth, b.depth, c.depth}));
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double slope = glm::dot(normal, direction_);
+  if (!inside || slope == 0.0) return false;
+  const double at = glm::dot(normal, a) / slope;
   return at > 0.0 && at < 1.0;
 }
 

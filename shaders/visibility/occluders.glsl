@@ -49,7 +49,8 @@ float along(vec3 p, vec3 axis) {
   return sum;
 }
 
-/// On which side the segment passes the edge from a to b, both seen along it; never of the wrong sign.
+/// On which side the segment passes the edge from a to b, both seen along it: 0 where rounding leaves nothing, but never
+/// of the wrong sign.
 float passes(vec2 a, vec2 b) {
   precise const float side = a.x * b.y - b.x * a.y;
   return side;
@@ -70,8 +71,10 @@ bool meetsTriangle(int texel, Segment s) {
   const vec3 depths = vec3(dot(a, s.share), dot(b, s.share), dot(c, s.share));
   const float slope = dot(normal, s.direction), plane = slope == 0.0 ? depths.x : dot(normal, a) / slope;
   const float at = clamp(plane, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
+  const vec2 low = min(a2, min(b2, c2)), high = max(a2, max(b2, c2));
+  const bool near = max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0;  // else sides of 0 say nothing
   const bool inside = (least >= 0.0 && most > 0.0) || (least < 0.0 && most <= 0.0);
-  return inside && at > 0.0 && at < 1.0;
+  return near && inside && at > 0.0 && at < 1.0;
 }
 
 /// Goes on from node `at` of a tree to the next leaf that the segment may meet: its items as BvhNode::leaf has them, or 0

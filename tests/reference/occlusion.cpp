@@ -1,7 +1,9 @@
 #include "reference/occlusion.h"
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
+#include <stdexcept>
 
 namespace lpv::reference {
 namespace {
@@ -82,6 +84,16 @@ std::vector<Segment> segmentsThroughEdges(const Occluder& occluder, const glm::d
     out.push_back({asFloats(from), asFloats(2.0 * through - from)});
   }
   return out;
+}
+
+glm::dmat4 turn(double angle) { return glm::rotate(glm::dmat4(1.0), angle, glm::normalize(glm::dvec3(1, 2, 3))); }
+
+MeshPtr turned(const MeshPtr& mesh, double angle) {
+  Mesh out = *mesh;
+  out.normals.clear();
+  for (glm::vec3& p : out.positions) p = glm::vec3(transformed(turn(angle), glm::dvec3(p)));
+  if (const Status s = finishMesh(out); !s.ok()) throw std::logic_error(s.message());
+  return std::make_shared<Mesh>(std::move(out));
 }
 
 }  // namespace lpv::reference

@@ -43,4 +43,9 @@ std::vector<Segment> randomSegments(std::size_t count, const glm::dvec3& lower, 
 std::vector<Segment> segmentsThroughEdges(const Occluder& occluder, const glm::dvec3& from, std::size_t count,
                                           const glm::dmat4& spaceFromWorld = glm::dmat4(1.0));
 
+/// About an axis that is askew.
+glm::dmat4 turn(double angle);
+/// A mesh whose own vertices are turned.
+MeshPtr turned(const MeshPtr& mesh, double angle);
+
 }  // namespace lpv::reference

@@ -112,13 +112,21 @@ TEST(Occluders, AnswerAsAllTrianglesDoForScaledTurnedAndMirroredMeshes) {
   EXPECT_EQ(differences(scene, reference::randomSegments(5000, glm::dvec3(-2), glm::dvec3(2), 4), kAllLights), 0U);
 }
 
+// Red where the box of a wall, in floats, is beside the wall.
 TEST(Occluders, AnswerFarFromTheOrigin) {
+  const glm::dvec3 wall(5e4, -2e4, 70000.001);
+  const Occluders flat(sceneOf(reference::quad(), {wall, {1, 0, 0, 0}, glm::dvec3(1)}));
+  for (const double z : {-0.0005, 0.0005}) {
+    const glm::dvec3 from = wall + glm::dvec3(0.1, 0.1, z);
+    EXPECT_TRUE(flat.blocked(from, from - glm::dvec3(0, 0, 1000 * z), kAllLights)) << z;
+    EXPECT_FALSE(flat.blocked(from, from + glm::dvec3(0, 0, 1000 * z), kAllLights)) << z;
+  }
   const glm::dvec3 at(5e4, -2e4, 7e4);
   const Scene scene = sceneOf(soup(500, 2), pose(at, glm::dvec3(1, 2, 1), 1.0));
   EXPECT_EQ(differences(scene, reference::randomSegments(3000, at - 2.0, at + 2.0, 5), kAllLights), 0U);
 }
 
-// Red without the margin by which triangles are wider than they are.
+// Red where an edge belongs to neither of its triangles.
 TEST(Occluders, LetNothingThroughWhereTrianglesShareAnEdge) {
   const std::vector<std::pair<std::string, MeshPtr>> meshes = {
       {"box", reference::box(glm::dvec3(-0.5), glm::dvec3(0.5))},
@@ -138,7 +146,7 @@ TEST(Occluders, LetNothingThroughWhereTrianglesShareAnEdge) {
   }
 }
 
-// A segment that lies in a face of a node's box meets the box. Red where 0 / 0 between the two counts as a miss.
+// Segments that lie in faces of boxes, and in edges.
 TEST(Occluders, LetNothingThroughAlongAxesAndEdges) {
   constexpr int kCuts = 16;
   std::vector<Segment> segments;
@@ -152,16 +160,17 @@ TEST(Occluders, LetNothingThroughAlongAxesAndEdges) {
   expectBlocked(sceneOf(reference::quadOf(kCuts)), segments, "square");
 }
 
+// Floors that are askew in their meshes, so that their boxes say nothing.
 TEST(Occluders, LeaveOpenWhatStartsJustAboveAFloor) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(-0.45, 0.45);
   for (const int cuts : {1, 60}) {
-    const Scene scene = sceneOf(reference::quadOf(cuts), pose({3, 4, 5}, {7, 5, 1}, 1.1));
+    const Scene scene = sceneOf(reference::turned(reference::quadOf(cuts), 0.8), pose({3, 4, 5}, glm::dvec3(7), 1.1));
     const Occluders occluders(scene);
-    const glm::dmat4 m = scene.surfaces.begin()->second->transform.worldFromObject();
+    const glm::dmat4 m = scene.surfaces.begin()->second->transform.worldFromObject() * reference::turn(0.8);
     for (int i = 0; i < 3000; ++i) {
-      const double x = share(random), y = share(random), up = 1e-7 + (i % 3) * (0.5 + share(random));
-      const glm::dvec3 from(m * glm::dvec4(share(random), share(random), 1e-7, 1.0)), to(m * glm::dvec4(x, y, up, 1.0));
+      const double x = share(random), y = share(random), up = 1e-6 + (i % 3) * (0.5 + share(random));
+      const glm::dvec3 from(m * glm::dvec4(share(random), share(random), 1e-6, 1.0)), to(m * glm::dvec4(x, y, up, 1.0));
       ASSERT_FALSE(occluders.blocked(from, to, kAllLights)) << cuts << ", " << i;
       ASSERT_FALSE(occluders.blocked(to, from, kAllLights)) << cuts << ", " << i;
     }
