@@ -38,10 +38,10 @@ Occluders::Occluders(const Scene& scene) {
 }
 
 bool Occluders::blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const {
-  const glm::dvec3 inverse = 1.0 / (to - from);
+  const BvhSegment segment(from, to);
   for (std::size_t at = 0; at < nodes_.size();) {
     const BvhNode& node = nodes_[at];
-    if (!meets(node, from, inverse)) {
+    if (!segment.meets(node)) {
       at = node.skip;
       continue;
     }

@@ -2,133 +2,181 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <mutex>
-#include <numeric>
+#include <utility>
 
 namespace lpv {
 
 namespace {
 
-constexpr int kBins = 16;
+constexpr std::size_t kBins = 16, kFewBins = 8;  ///< that a range is divided into along each axis, and a short one
+constexpr std::uint32_t kFewItems = 32;
 constexpr int kDeepest = 64;         ///< from here on splits are in the middle: an unbalanced tree has an end
-constexpr double kStepCost = 1.0;    ///< of a box, by that of a triangle
-constexpr double kEdges = 1e-6;      ///< by which a triangle is wider than it is: no ray slips between two
+constexpr double kRounding =
+    1e-12;  ///< of coordinates: what a box is larger by, so that it holds what its triangles do
 
+/// Written out by coordinates: a million triangles are added some twenty times, along three axes.
 struct Box {
-  glm::vec3 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};
+  float lower[3] = {kNone, kNone, kNone}, upper[3] = {-kNone, -kNone, -kNone};
 
-  void add(const glm::vec3& a, const glm::vec3& b) {
-    lower = glm::min(lower, a);
-    upper = glm::max(upper, b);
+  void add(const float (&low)[3], const float (&high)[3]) {
+    for (int i = 0; i < 3; ++i) {
+      lower[i] = low[i] < lower[i] ? low[i] : lower[i];
+      upper[i] = high[i] > upper[i] ? high[i] : upper[i];
+    }
   }
-  void add(const BvhBox& box) { add(box.lower, box.upper); }
   void add(const Box& box) { add(box.lower, box.upper); }
-  /// Half of the surface.
-  double area() const {
-    if (lower.x > upper.x) return 0.0;
-    const glm::dvec3 e = glm::dvec3(upper) - glm::dvec3(lower);
-    return e.x * e.y + e.y * e.z + e.z * e.x;
+  /// Half of the surface; 0 where nothing was added.
+  float area() const {
+    if (lower[0] > upper[0]) return 0.0F;
+    const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
+    return x * y + y * z + z * x;
   }
+
+ private:
+  static constexpr float kNone = std::numeric_limits<float>::max();
 };
 
-glm::vec3 centreOf(const BvhBox& box) { return 0.5F * box.lower + 0.5F * box.upper; }
+/// An item while the tree is made: moved as a whole, so that what is looked at together lies together.
+struct Item {
+  float lower[3], upper[3];
+  std::uint32_t index;
+
+  /// Twice the centre's coordinate.
+  float centre(int axis) const { return lower[axis] + upper[axis]; }
+};
 
 class Builder {
  public:
-  Builder(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) : boxes_(boxes), itemsOfLeaf_(itemsOfLeaf) {
-    out_.order.resize(boxes.size());
-    std::iota(out_.order.begin(), out_.order.end(), 0U);
+  Builder(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) : itemsOfLeaf_(itemsOfLeaf) {
+    for (const BvhBox& b : boxes) {
+      items_.push_back(
+          {{b.lower.x, b.lower.y, b.lower.z}, {b.upper.x, b.upper.y, b.upper.z}, std::uint32_t(items_.size())});
+    }
+    out_.nodes.reserve(boxes.size());
     if (!boxes.empty()) build(0, std::uint32_t(boxes.size()), 0);
+    for (const Item& item : items_) out_.order.push_back(item.index);
   }
   Bvh take() { return std::move(out_); }
 
  private:
+  struct Bin {
+    Box box;
+    std::uint32_t items = 0;
+  };
   struct Split {
     int axis = -1;
-    float place = 0.0F;  ///< centres below go first
-    double cost = std::numeric_limits<double>::max();
+    std::size_t bin = 0;  ///< the first one that goes to the second part
+    float cost = std::numeric_limits<float>::max();
+  };
+  /// Bins over the centres of a range.
+  struct Binning {
+    std::size_t bins;
+    float low[3], scale[3];
+    std::size_t binOf(const Item& item, int axis) const {
+      return std::min(std::size_t((item.centre(axis) - low[axis]) * scale[axis]), bins - 1);
+    }
   };
 
   void build(std::uint32_t begin, std::uint32_t end, int depth) {
     Box all, centres;
     for (std::uint32_t i = begin; i < end; ++i) {
-      const BvhBox& box = boxes_[out_.order[i]];
-      all.add(box);
-      centres.add(centreOf(box), centreOf(box));
+      const Item& item = items_[i];
+      const float centre[3] = {item.centre(0), item.centre(1), item.centre(2)};
+      all.add(item.lower, item.upper);
+      centres.add(centre, centre);
     }
     const std::size_t node = out_.nodes.size();
-    out_.nodes.push_back({all.lower, 0, all.upper, 0});
+    out_.nodes.push_back(
+        {{all.lower[0], all.lower[1], all.lower[2]}, 0, {all.upper[0], all.upper[1], all.upper[2]}, 0});
     if (end - begin <= itemsOfLeaf_) {
       out_.nodes[node].leaf = begin * kLeafItems + (end - begin);
     } else {
-      const std::uint32_t middle = divide(begin, end, depth, all, centres);
+      const std::uint32_t middle = depth < kDeepest ? divide(begin, end, centres) : halve(begin, end, centres);
       build(begin, middle, depth + 1);
       build(middle, end, depth + 1);
     }
     out_.nodes[node].skip = std::uint32_t(out_.nodes.size());
   }
 
-  std::uint32_t divide(std::uint32_t begin, std::uint32_t end, int depth, const Box& all, const Box& centres) {
-    Split best;
-    for (int axis = 0; axis < 3 && depth < kDeepest; ++axis) tryAxis(begin, end, axis, all, centres, best);
-    const auto first = out_.order.begin() + begin, last = out_.order.begin() + end;
-    if (best.axis >= 0) {
-      const auto middle = std::stable_partition(first, last, [&](std::uint32_t i) {
-        return centreOf(boxes_[i])[best.axis] < best.place;
-      });
-      if (middle != first && middle != last) return std::uint32_t(middle - out_.order.begin());
+  std::uint32_t divide(std::uint32_t begin, std::uint32_t end, const Box& centres) {
+    Binning binning = {.bins = end - begin < kFewItems ? kFewBins : kBins, .low = {}, .scale = {}};
+    for (int axis = 0; axis < 3; ++axis) {
+      const float width = centres.upper[axis] - centres.lower[axis];
+      binning.low[axis] = centres.lower[axis];
+      const float scale = float(binning.bins) / width;
+      binning.scale[axis] = width > 0.0F && std::isfinite(scale) ? scale : 0.0F;
     }
-    const glm::vec3 extent = centres.upper - centres.lower;
-    const int axis = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2) : (extent.y >= extent.z ? 1 : 2);
-    std::ranges::stable_sort(first, last, {}, [&](std::uint32_t i) { return centreOf(boxes_[i])[axis]; });
-    return begin + (end - begin) / 2;
+    const Split best = bestSplit(begin, end, binning);
+    if (best.axis < 0) return halve(begin, end, centres);
+    const auto middle = std::partition(items_.begin() + begin, items_.begin() + end,
+                                       [&](const Item& item) { return binning.binOf(item, best.axis) < best.bin; });
+    return std::uint32_t(middle - items_.begin());
   }
 
-  void tryAxis(std::uint32_t begin, std::uint32_t end, int axis, const Box& all, const Box& centres, Split& best) const {
-    const float low = centres.lower[axis], width = (centres.upper[axis] - low) / float(kBins);
-    if (!(width > 0.0F)) return;
-    std::array<Box, kBins> bins;
-    std::array<double, kBins> counts{};
+  Split bestSplit(std::uint32_t begin, std::uint32_t end, const Binning& binning) const {
+    std::array<std::array<Bin, kBins>, 3> bins;
     for (std::uint32_t i = begin; i < end; ++i) {
-      const BvhBox& box = boxes_[out_.order[i]];
-      const auto bin = std::size_t(std::clamp(int((centreOf(box)[axis] - low) / width), 0, kBins - 1));
-      bins[bin].add(box);
-      counts[bin] += 1.0;
+      for (int axis = 0; axis < 3; ++axis) {
+        Bin& bin = bins[std::size_t(axis)][binning.binOf(items_[i], axis)];
+        bin.box.add(items_[i].lower, items_[i].upper);
+        bin.items++;
+      }
     }
-    std::array<double, kBins> after{};  // area x count of the bins from this one on
-    Box right;
-    double count = 0.0;
-    for (std::size_t b = kBins; b-- > 1;) {
-      right.add(bins[b]);
-      after[b] = right.area() * (count += counts[b]);
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (binning.scale[axis] > 0.0F) tryAxis(std::span(bins[std::size_t(axis)]).first(binning.bins), axis, best);
     }
-    Box left;
-    count = 0.0;
-    for (std::size_t b = 0; b + 1 < kBins; ++b) {
-      left.add(bins[b]);
-      count += counts[b];
-      const double cost = kStepCost + (left.area() * count + after[b + 1]) / std::max(all.area(), 1e-300);
-      if (count > 0.0 && cost < best.cost) best = {axis, low + float(b + 1) * width, cost};
+    return best;
+  }
+
+  /// Of the places between bins the one with the least area x items on both sides.
+  static void tryAxis(std::span<const Bin> bins, int axis, Split& best) {
+    std::array<float, kBins> after{};  // of the bins from this one on
+    Bin right, left;
+    for (std::size_t b = bins.size(); b-- > 1;) {
+      right.box.add(bins[b].box);
+      right.items += bins[b].items;
+      after[b] = right.box.area() * float(right.items);
+    }
+    const std::uint32_t all = right.items + bins[0].items;
+    for (std::size_t b = 1; b < bins.size(); ++b) {
+      left.box.add(bins[b - 1].box);
+      left.items += bins[b - 1].items;
+      const float cost = left.box.area() * float(left.items) + after[b];
+      if (left.items > 0 && left.items < all && cost < best.cost) best = {axis, b, cost};
     }
   }
 
-  std::span<const BvhBox> boxes_;
+  std::uint32_t halve(std::uint32_t begin, std::uint32_t end, const Box& centres) {
+    int axis = 0;
+    for (int other = 1; other < 3; ++other) {
+      if (centres.upper[other] - centres.lower[other] > centres.upper[axis] - centres.lower[axis]) axis = other;
+    }
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
+                     [&](const Item& a, const Item& b) {
+                       return std::pair(a.centre(axis), a.index) < std::pair(b.centre(axis), b.index);
+                     });
+    return middle;
+  }
+
   std::uint32_t itemsOfLeaf_;
+  std::vector<Item> items_;
   Bvh out_;
 };
 
-bool meets(const BvhTriangle& t, const glm::dvec3& from, const glm::dvec3& direction) {
-  const glm::dvec3 first(t.first), second(t.second), p = glm::cross(direction, second);
-  const double determinant = glm::dot(first, p);
-  if (determinant == 0.0) return false;
-  const glm::dvec3 offset = from - glm::dvec3(t.corner);
-  const double u = glm::dot(offset, p) / determinant;
-  const glm::dvec3 q = glm::cross(offset, first);
-  const double v = glm::dot(direction, q) / determinant, at = glm::dot(second, q) / determinant;
-  return u >= -kEdges && v >= -kEdges && u + v <= 1.0 + kEdges && at > 0.0 && at < 1.0;
+BvhTriangle triangleOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::dvec3& normal) {
+  const glm::vec3 n(glm::normalize(normal));
+  return {a, n.x, b, n.y, c, n.z};
 }
+
+/// On which side a segment passes an edge, whose ends are seen along it. Never of the wrong sign: products are rounded
+/// in order.
+double passes(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - b.x * a.y; }
 
 }  // namespace
 
@@ -138,17 +186,24 @@ TriangleBvh::TriangleBvh(const Mesh& mesh) {
   constexpr std::uint32_t kTrianglesOfLeaf = 4;
   std::vector<BvhBox> boxes;
   std::vector<BvhTriangle> found;
+  std::vector<std::uint32_t> inMesh;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3& t = mesh.triangles[i];
     const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-    if (glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a)) == glm::dvec3(0.0)) continue;
+    const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+    if (normal == glm::dvec3(0.0)) continue;
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
-    found.push_back({a, i, b - a, 0, c - a, 0});
+    found.push_back(triangleOf(a, b, c, normal));
+    inMesh.push_back(i);
   }
   Bvh bvh = makeBvh(boxes, kTrianglesOfLeaf);
   nodes = std::move(bvh.nodes);
   triangles.reserve(found.size());
-  for (const std::uint32_t i : bvh.order) triangles.push_back(found[i]);
+  indices.reserve(found.size());
+  for (const std::uint32_t i : bvh.order) {
+    triangles.push_back(found[i]);
+    indices.push_back(inMesh[i]);
+  }
 }
 
 TriangleBvhPtr bvhOf(const MeshPtr& mesh) {
@@ -165,28 +220,53 @@ TriangleBvhPtr bvhOf(const MeshPtr& mesh) {
   return made.try_emplace(mesh, std::move(bvh)).first->second;
 }
 
-bool meets(const BvhNode& node, const glm::dvec3& from, const glm::dvec3& inverse) {
-  constexpr double kRoundedOff = 1e-12;
+BvhSegment::BvhSegment(const glm::dvec3& from, const glm::dvec3& to) : from_(from), direction_(to - from) {
+  constexpr double kLeast = 1e-300;
+  const glm::dvec3& d = direction_;
+  for (int axis = 0; axis < 3; ++axis) inverse_[axis] = 1.0 / (std::abs(d[axis]) < kLeast ? kLeast : d[axis]);
+  right_ = std::abs(d.x) > std::abs(d.z) ? glm::dvec3(-d.y, d.x, 0.0) : glm::dvec3(0.0, -d.z, d.y);
+  up_ = glm::cross(d, right_);
+}
+
+bool BvhSegment::meets(const BvhNode& node) const {
   double enter = 0.0, leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double a = (double(node.lower[axis]) - from[axis]) * inverse[axis];
-    const double b = (double(node.upper[axis]) - from[axis]) * inverse[axis];
-    if (std::min(a, b) > enter) enter = std::min(a, b);
-    if (std::max(a, b) < leave) leave = std::max(a, b);
+    const double lower = double(node.lower[axis]), upper = double(node.upper[axis]);
+    const double margin = kRounding * (std::abs(lower) + std::abs(upper) + std::abs(from_[axis]));
+    const double a = (lower - margin - from_[axis]) * inverse_[axis],
+                 b = (upper + margin - from_[axis]) * inverse_[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
   }
-  return enter <= leave + kRoundedOff;
+  return enter <= leave;
+}
+
+bool BvhSegment::meets(const BvhTriangle& triangle) const {
+  const glm::dvec3 a = glm::dvec3(triangle.first) - from_, b = glm::dvec3(triangle.second) - from_,
+                   c = glm::dvec3(triangle.third) - from_;
+  const auto across = [&](const glm::dvec3& p) { return glm::dvec2(glm::dot(p, right_), glm::dot(p, up_)); };
+  const glm::dvec2 a2 = across(a), b2 = across(b), c2 = across(c);
+  const double u = passes(b2, c2), v = passes(c2, a2), w = passes(a2, b2);
+  const glm::dvec2 low = glm::min(a2, glm::min(b2, c2)), high = glm::max(a2, glm::max(b2, c2));
+  if (low.x > 0.0 || low.y > 0.0 || high.x < 0.0 || high.y < 0.0) return false;  // sides of 0 say nothing
+  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double slope = glm::dot(normal, direction_);
+  if (!inside || slope == 0.0) return false;
+  const double at = glm::dot(normal, a) / slope;
+  return at > 0.0 && at < 1.0;
 }
 
 bool meets(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to) {
-  const glm::dvec3 direction = to - from, inverse = 1.0 / direction;
+  const BvhSegment segment(from, to);
   for (std::size_t at = 0; at < bvh.nodes.size();) {
     const BvhNode& node = bvh.nodes[at];
-    if (!meets(node, from, inverse)) {
+    if (!segment.meets(node)) {
       at = node.skip;
       continue;
     }
     for (std::uint32_t i = 0; i < node.items(); ++i) {
-      if (meets(bvh.triangles[node.firstItem() + i], from, direction)) return true;
+      if (segment.meets(bvh.triangles[node.firstItem() + i])) return true;
     }
     ++at;
   }

@@ -41,14 +41,15 @@ struct Bvh {
 /// With at most `itemsOfLeaf` boxes in a leaf, 1..kLeafItems - 1. No nodes without boxes.
 Bvh makeBvh(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf);
 
-/// A triangle as a ray meets it (Moeller & Trumbore 1997).
+/// A triangle as a segment meets it. The corners as the mesh has them, so that triangles which share an edge agree
+/// about the side on which a segment passes it; the normal, since that of a long, thin one is lost in floats.
 struct BvhTriangle {
-  glm::vec3 corner{0.0F};
-  std::uint32_t index = 0;  ///< in the mesh
-  glm::vec3 first{0.0F};    ///< edge from the corner to the second one
-  std::uint32_t pad0 = 0;
-  glm::vec3 second{0.0F};   ///< edge from the corner to the third one
-  std::uint32_t pad1 = 0;
+  glm::vec3 first{0.0F};
+  float normalX = 0.0F;  ///< unit, (second - first) x (third - first)
+  glm::vec3 second{0.0F};
+  float normalY = 0.0F;
+  glm::vec3 third{0.0F};
+  float normalZ = 0.0F;
 };
 
 /// A mesh's triangles with area, object space.
@@ -56,6 +57,7 @@ struct TriangleBvh {
   explicit TriangleBvh(const Mesh& mesh);
   std::vector<BvhNode> nodes;  ///< none where no triangle has area
   std::vector<BvhTriangle> triangles;
+  std::vector<std::uint32_t> indices;  ///< of each, in the mesh
 };
 using TriangleBvhPtr = std::shared_ptr<const TriangleBvh>;
 
@@ -63,10 +65,23 @@ using TriangleBvhPtr = std::shared_ptr<const TriangleBvh>;
 /// Thread-safe.
 TriangleBvhPtr bvhOf(const MeshPtr& mesh);
 
+/// A segment as boxes and triangles are tested against it, in double. Triangles after Woop, Benthin and Wald 2013,
+/// "Watertight ray/triangle intersection": seen along the segment, whose plane is any here, the side on which it passes
+/// an edge is the same for both triangles that have the edge.
+class BvhSegment {
+ public:
+  BvhSegment(const glm::dvec3& from, const glm::dvec3& to);
+
+  bool meets(const BvhNode& node) const;
+  /// Strictly between the ends, from either side. Not from within the triangle's plane.
+  bool meets(const BvhTriangle& triangle) const;
+
+ private:
+  glm::dvec3 from_, direction_, inverse_;
+  glm::dvec3 right_, up_;  ///< across the segment
+};
+
 /// Whether the segment from `from` to `to` meets a triangle strictly in between, from either side. In the mesh's space.
 bool meets(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to);
-
-/// Whether the segment meets a node's box; `inverse`: 1 / (to - from) per axis.
-bool meets(const BvhNode& node, const glm::dvec3& from, const glm::dvec3& inverse);
 
 }  // namespace lpv

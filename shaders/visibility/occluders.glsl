@@ -2,96 +2,130 @@
 // (server/scene/triangle_bvh.h, occluders.h). Texels:
 //   0: (texel of the first instance, -, -, -), then the nodes over instances
 //   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
-//   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, one past the
-//             last, first texel of its triangles, the light that it blocks or -1 for all)
-//   triangle  (corner, -) (edge to the second corner, -) (edge to the third, -)
-// One loop over both levels: llvmpipe counts a loop's rounds for all of a thread's neighbours together.
+//   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
+//             triangles, which follow them, largest coordinate of its box, the light that it blocks or -1 for all)
+//   triangle  its three corners, each with a component of the unit normal (BvhTriangle)
 
 layout(binding = kOccluders) uniform usamplerBuffer occluders;
 
 const int kMostRayRounds = 12000;  // nodes and triangles that a ray looks at; llvmpipe ends a thread's loops after 2^16
                                    // in all. What is beyond counts as open.
-const float kTriangleEdges = 1e-6;  // by which a triangle is wider than it is: no ray slips between two
+const float kBoxMargin = 1e-6;  // of the coordinates of a mesh and of a segment's start: more than rounding can do
+const float kTopMargin = 1e-4;  // cells: the same for boxes of instances
 
-bool meetsTriangle(int texel, vec3 from, vec3 direction) {
-  const vec3 corner = uintBitsToFloat(texelFetch(occluders, texel).xyz);
-  const vec3 first = uintBitsToFloat(texelFetch(occluders, texel + 1).xyz);
-  const vec3 second = uintBitsToFloat(texelFetch(occluders, texel + 2).xyz);
-  const vec3 p = cross(direction, second);
-  const float inverse = 1.0 / dot(first, p);  // in the plane: infinite, which no comparison lets pass
-  const vec3 offset = from - corner, q = cross(offset, first);
-  const float u = dot(offset, p) * inverse, v = dot(direction, q) * inverse, at = dot(second, q) * inverse;
-  return u >= -kTriangleEdges && v >= -kTriangleEdges && u + v <= 1.0 + kTriangleEdges && at > 0.0 && at < 1.0;
-}
-
-/// 1 / a direction's components, none of which is taken for 0.
-vec3 inverseOf(vec3 direction) {
-  return 1.0 / mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
-}
-
-bool meetsBox(vec3 lower, vec3 upper, vec3 from, vec3 inverse) {
-  const vec3 a = (lower - from) * inverse, b = (upper - from) * inverse, near = min(a, b), far = max(a, b);
-  return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, 1.0)) * 1.000001;
-}
-
-/// Where a walk stands.
-struct Walk {
-  int at, begin, end;  // texels of the next node, of the first of its tree, and one past the last
-  int after;           // where to go on among the instances, -1 while there
-  int triangles;       // texel of the mesh's first triangle
-  vec3 origin, direction, inverse;
+/// What boxes are tested against: a segment from an origin to origin + direction.
+struct SegmentBox {
+  vec3 inverse;        // 1 / direction, none of whose components is taken for 0
+  vec3 before, after;  // the origin plus and minus the margin of boxes
 };
 
-/// Goes on to the next leaf that the ray may meet: its items as BvhNode::leaf has them, or 0 at the end. A loop with
-/// nothing else in it: llvmpipe goes through what a branch leaves out.
-uint nextLeaf(inout Walk walk, inout int rounds) {
+SegmentBox segmentBox(vec3 origin, vec3 direction, float margin) {
+  const vec3 inverse = 1.0 / mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
+  return SegmentBox(inverse, origin + margin, origin - margin);
+}
+
+bool meetsBox(vec3 lower, vec3 upper, SegmentBox s) {
+  const vec3 a = (lower - s.before) * s.inverse, b = (upper - s.after) * s.inverse, near = min(a, b), far = max(a, b);
+  return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, 1.0));
+}
+
+/// What triangles are tested against.
+struct Segment {
+  vec3 origin, direction;
+  vec3 right, up;  // across it
+  vec3 share;      // times what a place is from the origin: as a share of its length
+};
+
+Segment segmentOf(vec3 origin, vec3 direction) {
+  const float length2 = max(dot(direction, direction), 1e-37);
+  const vec3 d = direction * inversesqrt(length2);
+  const vec3 right = abs(d.x) > abs(d.z) ? vec3(-d.y, d.x, 0.0) : vec3(0.0, -d.z, d.y);
+  return Segment(origin, direction, right, cross(d, right), direction / length2);
+}
+
+/// The same for every triangle that has the corner, to the last bit: nothing here may be fused.
+float along(vec3 p, vec3 axis) {
+  precise const float sum = p.x * axis.x + p.y * axis.y + p.z * axis.z;
+  return sum;
+}
+
+/// On which side the segment passes the edge from a to b, both seen along it: 0 where rounding leaves nothing, but never
+/// of the wrong sign.
+float passes(vec2 a, vec2 b) {
+  precise const float side = a.x * b.y - b.x * a.y;
+  return side;
+}
+
+/// Strictly between the ends, from either side. After Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection":
+/// triangles that share an edge agree about the side on which the segment passes it.
+bool meetsTriangle(int texel, Segment s) {
+  const uvec4 first = texelFetch(occluders, texel), second = texelFetch(occluders, texel + 1);
+  const uvec4 third = texelFetch(occluders, texel + 2);
+  const vec3 a = uintBitsToFloat(first.xyz) - s.origin, b = uintBitsToFloat(second.xyz) - s.origin,
+             c = uintBitsToFloat(third.xyz) - s.origin, normal = uintBitsToFloat(uvec3(first.w, second.w, third.w));
+  const vec2 a2 = vec2(along(a, s.right), along(a, s.up)), b2 = vec2(along(b, s.right), along(b, s.up)),
+             c2 = vec2(along(c, s.right), along(c, s.up));
+  const float u = passes(b2, c2), v = passes(c2, a2), w = passes(a2, b2);
+  const float least = min(u, min(v, w)), most = max(u, max(v, w));
+  // Where the plane is, which its own corners bound: almost along the plane the quotient may be anything.
+  const vec3 depths = vec3(dot(a, s.share), dot(b, s.share), dot(c, s.share));
+  const float slope = dot(normal, s.direction), plane = slope == 0.0 ? depths.x : dot(normal, a) / slope;
+  const float at = clamp(plane, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
+  const vec2 low = min(a2, min(b2, c2)), high = max(a2, max(b2, c2));
+  const bool near = max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0;  // else sides of 0 say nothing
+  const bool inside = (least >= 0.0 && most > 0.0) || (least < 0.0 && most <= 0.0);
+  return near && inside && at > 0.0 && at < 1.0;
+}
+
+/// Goes on from node `at` of a tree to the next leaf that the segment may meet: its items as BvhNode::leaf has them, or 0
+/// at the end. Texels of the tree's first node and of one past the last. A loop with nothing else in it: llvmpipe goes
+/// through what a branch leaves out.
+uint nextLeaf(inout int at, int begin, int end, SegmentBox box, inout int rounds) {
   uint leaf = 0u;
-  while (walk.at < walk.end && leaf == 0u && rounds < kMostRayRounds) {
-    const uvec4 lower = texelFetch(occluders, walk.at), upper = texelFetch(occluders, walk.at + 1);
-    const bool met = meetsBox(uintBitsToFloat(lower.xyz), uintBitsToFloat(upper.xyz), walk.origin, walk.inverse);
+  while (at < end && leaf == 0u && rounds < kMostRayRounds) {
+    const uvec4 lower = texelFetch(occluders, at), upper = texelFetch(occluders, at + 1);
+    const bool met = meetsBox(uintBitsToFloat(lower.xyz), uintBitsToFloat(upper.xyz), box);
     leaf = met ? upper.w : 0u;
-    walk.at = met ? walk.at + 2 : walk.begin + 2 * int(lower.w);
+    at = met ? at + 2 : begin + 2 * int(lower.w);
     ++rounds;
   }
   return leaf;
 }
 
-/// Goes down into the mesh of an instance.
-void enter(inout Walk walk, int instance, uvec4 mesh, vec3 from, vec3 to) {
-  const vec4 x = uintBitsToFloat(texelFetch(occluders, instance));
-  const vec4 y = uintBitsToFloat(texelFetch(occluders, instance + 1));
-  const vec4 z = uintBitsToFloat(texelFetch(occluders, instance + 2));
-  walk.origin = vec3(dot(x, vec4(from, 1.0)), dot(y, vec4(from, 1.0)), dot(z, vec4(from, 1.0)));
-  walk.direction = vec3(dot(x.xyz, to - from), dot(y.xyz, to - from), dot(z.xyz, to - from));
-  walk.inverse = inverseOf(walk.direction);
-  walk.after = walk.at;
-  walk.at = walk.begin = int(mesh.x);
-  walk.end = int(mesh.y);
-  walk.triangles = int(mesh.z);
+/// Whether a triangle of an instance's mesh is met; `mesh`: the instance's last texel.
+bool meetsMesh(uvec4 mesh, vec3 origin, vec3 direction, inout int rounds) {
+  const int begin = int(mesh.x), end = int(mesh.y);
+  const float reach = max(max(abs(origin.x), abs(origin.y)), abs(origin.z)) + uintBitsToFloat(mesh.z);
+  const SegmentBox box = segmentBox(origin, direction, kBoxMargin * reach);
+  const Segment segment = segmentOf(origin, direction);
+  bool met = false;
+  for (int at = begin; at < end && !met && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, begin, end, box, rounds);
+    const int items = int(leaf % uint(kLeafItems)), first = end + kTriangleTexels * int(leaf / uint(kLeafItems));
+    for (int i = 0; i < items && !met; ++i, ++rounds) met = meetsTriangle(first + kTriangleTexels * i, segment);
+  }
+  return met;
 }
 
-/// 1 where nothing lies strictly between two grid positions for light of `light`, else 0.
-float open(vec3 from, vec3 to, int light) {
+/// 1 where nothing lies strictly between two grid positions for light of `light`, else 0. `rounds`: of loops, added to.
+float open(vec3 from, vec3 to, int light, inout int rounds) {
   const int instances = int(texelFetch(occluders, 0).x);
-  Walk above = Walk(1, 1, instances, -1, 0, from, to - from, inverseOf(to - from)), walk = above;
-  for (int rounds = 0; rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(walk, rounds);
-    const int item = int(leaf / uint(kLeafItems)), items = int(leaf % uint(kLeafItems));
-    if (leaf == 0u) {
-      if (walk.after < 0) return 1.0;
-      above.at = walk.after;
-      walk = above;
-    } else if (walk.after < 0) {
-      const int instance = instances + kInstanceTexels * item;
-      const uvec4 mesh = texelFetch(occluders, instance + 3);
-      if (int(mesh.w) < 0 || int(mesh.w) == light) enter(walk, instance, mesh, from, to);
-    } else {
-      bool met = false;
-      for (int i = item; i < item + items; ++i)
-        met = met || meetsTriangle(walk.triangles + kTriangleTexels * i, walk.origin, walk.direction);
-      if (met) return 0.0;
-      rounds += items;
-    }
+  const SegmentBox box = segmentBox(from, to - from, kTopMargin);
+  bool met = false;
+  for (int at = 1; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, 1, instances, box, rounds);
+    const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
+    const uvec4 mesh = texelFetch(occluders, instance + 3);
+    if (leaf == 0u || (int(mesh.w) >= 0 && int(mesh.w) != light)) continue;
+    const mat4x3 object = transpose(mat3x4(uintBitsToFloat(texelFetch(occluders, instance)),
+                                           uintBitsToFloat(texelFetch(occluders, instance + 1)),
+                                           uintBitsToFloat(texelFetch(occluders, instance + 2))));
+    met = meetsMesh(mesh, object * vec4(from, 1.0), object * vec4(to - from, 0.0), rounds);
   }
-  return 1.0;
+  return met ? 0.0 : 1.0;
+}
+
+float open(vec3 from, vec3 to, int light) {
+  int rounds = 0;
+  return open(from, to, light, rounds);
 }

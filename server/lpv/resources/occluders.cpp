@@ -4,8 +4,10 @@
 #include <chrono>
 #include <cstring>
 #include <future>
+#include <glm/gtx/component_wise.hpp>
 #include <span>
 
+#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -30,7 +32,24 @@ std::size_t texelsOfTop(std::size_t instances) {
   return 1 + 2 * kTexelsOfNode * instances + layout::kInstanceTexels * instances;
 }
 
-std::map<MeshPtr, TriangleBvhPtr> bvhsOf(std::vector<MeshPtr> meshes) {
+std::size_t texelsOf(const TriangleBvh& bvh) {
+  return kTexelsOfNode * bvh.nodes.size() + layout::kTriangleTexels * bvh.triangles.size();
+}
+
+/// The largest coordinate of a mesh's box.
+float reachOf(const Mesh& mesh) {
+  return float(glm::compMax(glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max))));
+}
+
+/// Some megabytes at a time.
+GpuTask send(gpu::Buffer& buffer, std::size_t texel, std::span<const std::byte> bytes) {
+  for (const Chunk& part : chunksOf(bytes.size())) {
+    buffer.update(texel * sizeof(Texel) + part.offset, bytes.subspan(part.offset, part.bytes));
+    co_yield yield();
+  }
+}
+
+std::map<MeshPtr, TriangleBvhPtr> bvhsOf(const std::vector<MeshPtr>& meshes) {
   std::map<MeshPtr, TriangleBvhPtr> out;
   for (const MeshPtr& mesh : meshes) {
     if (!out.contains(mesh)) out.emplace(mesh, bvhOf(mesh));
@@ -40,21 +59,27 @@ std::map<MeshPtr, TriangleBvhPtr> bvhsOf(std::vector<MeshPtr> meshes) {
 
 }  // namespace
 
-void GpuOccluders::storeMeshes(const std::map<MeshPtr, TriangleBvhPtr>& meshes, std::size_t top) {
-  room_ = std::bit_ceil(top);
-  Texels texels(room_);
+GpuTask GpuOccluders::storeMeshes(std::map<MeshPtr, TriangleBvhPtr> meshes, std::size_t top) {
   meshes_.clear();
-  for (const auto& [mesh, bvh] : meshes) {
-    Place& place = meshes_[mesh];
-    place.nodes = std::uint32_t(texels.size());
-    append(bvh->nodes, texels);
-    place.nodesEnd = place.triangles = std::uint32_t(texels.size());
-    append(bvh->triangles, texels);
-  }
+  room_ = 0;
   view_ = {};
   texels_ = {};  // first the old memory, then the new
-  texels_ = gpu::Buffer("occluders", gpu::bytesOf(std::span<const Texel>(texels)), gpu::BufferUse::kDynamic);
+  const std::size_t room = std::bit_ceil(top);
+  std::size_t count = room;
+  for (const auto& [mesh, bvh] : meshes) count += texelsOf(*bvh);
+  texels_ = gpu::Buffer("occluders", count * sizeof(Texel), gpu::BufferUse::kDynamic, gpu::Undefined{});
   view_ = gpu::BufferTexture("occluders", texels_, gpu::BufferTexel::kUvec4);
+  std::map<MeshPtr, Place> places;
+  std::size_t at = room;
+  for (const auto& [mesh, bvh] : meshes) {
+    const std::size_t triangles = at + bvh->nodes.size() * kTexelsOfNode;
+    places[mesh] = {std::uint32_t(at), std::uint32_t(triangles), reachOf(*mesh)};
+    co_await send(texels_, at, gpu::bytesOf(std::span<const BvhNode>(bvh->nodes)));
+    co_await send(texels_, triangles, gpu::bytesOf(std::span<const BvhTriangle>(bvh->triangles)));
+    at += texelsOf(*bvh);
+  }
+  meshes_ = std::move(places);
+  room_ = room;
 }
 
 void GpuOccluders::storeTop(const Inputs& inputs) {
@@ -63,12 +88,12 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
   append(bvh.nodes, texels);
   for (const std::uint32_t i : bvh.order) {
     const Occluder& o = inputs.occluders[i];
-    const glm::dmat4 objectFromGrid =
-        glm::inverse(inputs.grid.gridFromWorldMatrix() * o.worldFromObject);
+    const glm::dmat4 objectFromGrid = glm::inverse(inputs.grid.gridFromWorldMatrix() * o.worldFromObject);
     const glm::mat4 rows(glm::transpose(objectFromGrid));
     for (int row = 0; row < 3; ++row) texels.push_back(std::bit_cast<Texel>(rows[row]));
     const Place& place = meshes_.at(o.mesh);
-    texels.emplace_back(place.nodes, place.nodesEnd, place.triangles, std::uint32_t(o.blocks));
+    texels.emplace_back(place.nodes, place.triangles, std::bit_cast<std::uint32_t>(place.reach),
+                        std::uint32_t(o.blocks));
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }
@@ -85,7 +110,7 @@ GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid) 
   if (!known) {
     auto trees = std::async(std::launch::async, bvhsOf, std::move(meshes));
     while (trees.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();
-    storeMeshes(trees.get(), texelsOfTop(inputs.occluders.size()));
+    co_await storeMeshes(trees.get(), texelsOfTop(inputs.occluders.size()));
   }
   storeTop(inputs);
   Inputs all = inputs;

@@ -27,8 +27,9 @@ class GpuOccluders {
  private:
   /// Where a mesh is in the buffer, in texels.
   struct Place {
-    std::uint32_t nodes = 0, nodesEnd = 0;
-    std::uint32_t triangles = 0;
+    std::uint32_t nodes = 0;
+    std::uint32_t triangles = 0;  ///< and one past the last node
+    float reach = 0.0F;           ///< the largest coordinate of the mesh's box
   };
   struct Inputs {
     std::vector<Occluder> occluders;
@@ -37,7 +38,7 @@ class GpuOccluders {
     bool operator==(const Inputs&) const = default;
   };
 
-  void storeMeshes(const std::map<MeshPtr, TriangleBvhPtr>& meshes, std::size_t top);
+  GpuTask storeMeshes(std::map<MeshPtr, TriangleBvhPtr> meshes, std::size_t top);
   void storeTop(const Inputs& inputs);
 
   std::map<MeshPtr, Place> meshes_;
