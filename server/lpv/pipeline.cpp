@@ -125,6 +125,8 @@ struct StageProducts {
   CellVisibilities cellVisibilities;
   Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with the pairs that see each other
   Cached<ReflectInputs> reflected;
+  /// Patches that send light, or null.
+  const PatchSet* reflecting() const { return reflected.stamp() != 0 ? patches.product().get() : nullptr; }
   Cached<VolumeInputs> textured;
   Cached<VolumeInputs, VolumePtr> transportedVolume;
   Cached<InjectedVolumeInputs, VolumePtr> injectedVolume;
@@ -340,15 +342,16 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
   PatchInputs inputs = {{}, s.field().grid, patchesWanted(scene.options), made.occluders.surfaces()};
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   if (made.patches.holds(inputs)) co_return;
-  const std::vector<Patch> patches = patchesOf(scene, inputs.count);
-  auto set = patches.empty() ? nullptr : std::make_unique<PatchSet>(patches, s.field().grid);
+  std::vector<Patch> patches = patchesOf(scene, inputs.count);
+  auto set = patches.empty() ? nullptr : std::make_unique<PatchSet>(std::move(patches), s.field().grid);
   if (set != nullptr) co_await bouncePass.findPairs(*set, made.occluders, pacing(s));
   made.patches.set(std::move(inputs), std::move(set));
 }
 
-/// What surfaces reflect, for frames.
+/// What surfaces reflect, for frames and probes.
 GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
-  if (s.bounces == 0 || s.lights.empty() || request.frames.empty()) co_return;
+  if (s.bounces == 0 || s.lights.empty()) s.products->reflected.forget();
+  if (s.bounces == 0 || s.lights.empty() || (request.frames.empty() && !request.transported)) co_return;
   StageProducts& made = *s.products;
   co_await findPatches(s, *request.scene);
   PatchSet* patches = made.patches.product().get();
@@ -363,7 +366,7 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
 /// For frames that do not look at the lights alone.
 GpuTask Pipeline::Stages::makeTextures(SessionState& s, const TickRequest& request, Transported light) {
   if (request.frames.empty() || s.looksAtLights) co_return;
-  const VolumeInputs inputs = {light.stamp, 0, false};
+  const VolumeInputs inputs = {light.stamp, 0, false, 0};
   if (s.products->textured.holds(inputs)) co_return;
   co_await volumeMaker.run(s.field(), light.field, s.palette(), VolumeTarget::kTextures, pacing(s));
   s.products->textured.set(inputs);
@@ -375,11 +378,13 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
   StageProducts& made = *s.products;
   LightField& field = s.field();
   const bool propagates = field.transport == Transport::kPropagate;
-  const VolumeInputs transported = {light.stamp, propagates ? 0 : made.listed.stamp(), s.guarded};
+  const VolumeInputs transported = {light.stamp, propagates ? 0 : made.listed.stamp(), s.guarded,
+                                    made.reflected.stamp()};
   if (!made.transportedVolume.holds(transported) && request.transported) {
     co_await volumeMaker.run(field, light.field, s.palette(), VolumeTarget::kTransported, pacing(s));
     co_await copyVolume(field, made.readbacks.transported);
     if (!propagates) copyEmitterList(field, made.emitters, made.readbacks);
+    if (const PatchSet* patches = made.reflecting()) copyReflected(*patches, made.readbacks);
     copies.transported = transported;
   }
   const InjectedVolumeInputs injected = {{s.memory.stamp(), s.arranged.stamp()}, s.guarded};
@@ -411,7 +416,8 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
     volume->stage = VolumeStage::kTransported;
     co_await takeVolume(made.readbacks.transported, s.field(), groups, s.guarded, *volume);
     volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks,
-                                     s.shadowed ? std::make_shared<const LightVisibility>(scene) : nullptr);
+                                     s.shadowed ? std::make_shared<const LightVisibility>(scene) : nullptr,
+                                     made.reflecting() ? takeReflected(*made.reflecting(), made.readbacks) : nullptr);
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }
   if (copies.injected) {
@@ -429,7 +435,7 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   }
   const StageProducts& made = *s.products;
   const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? shadowTurns(frame, scene.options) : 0,
-                                 s.bounces > 0 ? made.patches.product().get() : nullptr};
+                                 made.reflecting()};
   const NearFieldSources sources = {
       {&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
       s.shadowed || s.bounces > 0 ? &shadows : nullptr,

@@ -129,13 +129,15 @@ GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const
 }
 
 EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks,
-                               LightVisibilityPtr visibility) {
+                               LightVisibilityPtr visibility, ReflectedLightPtr reflected) {
   const std::size_t texels = emitters.count;
   if (field.transport == Transport::kPropagate) return nullptr;
   auto list = std::make_shared<EmitterList>();
   list->grid = field.grid;
   list->visibility = std::move(visibility);
-  list->always = field.transport == Transport::kDirect || emitters.everywhere || list->visibility != nullptr;
+  list->reflected = std::move(reflected);
+  list->always = field.transport == Transport::kDirect || emitters.everywhere || list->visibility != nullptr ||
+                 list->reflected != nullptr;
   list->texels.resize(texels);
   std::memcpy(list->texels.data(), readbacks.emitterList.bytes().data(), texels * sizeof(glm::vec4));
   if (list->always) return list;
@@ -143,6 +145,24 @@ EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList&
   std::memcpy(list->emitterDistance.data(), readbacks.emitterDistance.bytes().data(),
               list->emitterDistance.size() * sizeof(float));
   return list;
+}
+
+void copyReflected(const PatchSet& patches, Readbacks& readbacks) {
+  const std::size_t bytes = patches.lights.size();
+  withRoom(readbacks.patchLights, "patch lights", bytes).copyFrom(patches.lights, 0, 0, bytes);
+}
+
+ReflectedLightPtr takeReflected(const PatchSet& patches, const Readbacks& readbacks) {
+  std::vector<glm::vec4> texels(patches.source.size() * layout::kLightPointTexels);
+  std::memcpy(texels.data(), readbacks.patchLights.bytes().data(), texels.size() * sizeof(glm::vec4));
+  auto out = std::make_shared<ReflectedLight>();
+  for (std::size_t i = 0; i < patches.source.size(); ++i) {
+    const glm::vec4* point = &texels[i * layout::kLightPointTexels];
+    const double area = -double(point[1].w);
+    out->radiance.push_back(double(point[0].w) / area * glm::dvec3(point[2]));
+  }
+  out->patches = patches.source;
+  return out;
 }
 
 layout::Counters takeCounters(const Readbacks& readbacks) {

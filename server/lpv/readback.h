@@ -14,7 +14,7 @@ namespace lpv {
 
 /// Where copies of a tick's volumes and counts go; they grow, and are used again.
 struct Readbacks {
-  gpu::Readback transported, injected, emitterList, emitterDistance, counters;
+  gpu::Readback transported, injected, emitterList, emitterDistance, patchLights, counters;
 };
 
 /// Makes field.incidentVolume readable by the CPU, in `target`, once a later fence has signalled.
@@ -28,9 +28,13 @@ void copyCounters(const LightField& field, Readbacks& readbacks);
 /// outlives the coroutine.
 GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
                    bool guarded, Volume& out);
-/// After the fence: the list; null with PROPAGATE. `visibility`: null where nothing stands in the lights' way.
+/// After the fence: the list; null with PROPAGATE. `visibility`: null where nothing stands in the lights' way; `reflected`:
+/// null without bounces.
 EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks,
-                               LightVisibilityPtr visibility);
+                               LightVisibilityPtr visibility, ReflectedLightPtr reflected);
+/// What patches send, and after the fence: of these patches.
+void copyReflected(const PatchSet& patches, Readbacks& readbacks);
+ReflectedLightPtr takeReflected(const PatchSet& patches, const Readbacks& readbacks);
 layout::Counters takeCounters(const Readbacks& readbacks);
 
 /// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).

@@ -133,6 +133,11 @@ double EmitterList::farFromEmitters(const glm::dvec3& world) const {
 }
 
 glm::dvec3 EmitterList::irradiance(const glm::dvec3& world, const glm::dvec3& n) const {
+  const glm::dvec3 direct = fromLights(world, n, visibility.get());
+  return reflected == nullptr ? direct : direct + reflected->irradiance(world, n, visibility.get());
+}
+
+glm::dvec3 EmitterList::fromLights(const glm::dvec3& world, const glm::dvec3& n, const LightVisibility* through) const {
   const glm::dvec3 x = grid.gridFromWorld(world);
   glm::dvec3 sum(0.0);
   for (int i = 0; i < int(texels[0].x); ++i) {
@@ -141,7 +146,7 @@ glm::dvec3 EmitterList::irradiance(const glm::dvec3& world, const glm::dvec3& n)
     const glm::dvec3 e = radiance.w == 0.0F ? glm::dvec3(polygonIrradiance(part, x, n))
                                             : treeIrradiance(part, x, n, double(texels[0].y));
     if (e == glm::dvec3(0.0)) continue;
-    const glm::dvec3 share = visibility == nullptr ? glm::dvec3(1.0) : visibility->share(world, n, std::size_t(i));
+    const glm::dvec3 share = through == nullptr ? glm::dvec3(1.0) : through->share(world, n, std::size_t(i));
     sum += glm::dvec3(radiance) * e * share;
   }
   return sum;

@@ -10,6 +10,7 @@
 
 #include "scene/grid.h"
 #include "scene/light_visibility.h"
+#include "scene/reflected_light.h"
 
 namespace lpv {
 
@@ -35,14 +36,20 @@ struct EmitterList {
   Grid grid;            ///< of the field, guard cells included: what texels and distances are in
   bool always = false;  ///< used everywhere; else only near emitters or beyond the cells' centres
   LightVisibilityPtr visibility;  ///< null where nothing stands in the lights' way
+  ReflectedLightPtr reflected;    ///< null without bounces
   std::vector<glm::vec4> texels;
   std::vector<float> emitterDistance;  ///< per cell: cells from its centre to the nearest VPL; empty when `always`
 
   /// Weight of the volume's irradiance: 0 nearer than kNearFieldBegin and beyond the outermost cell centres, 1 beyond
   /// kNearFieldEnd, smoothstep in between.
   double farFromEmitters(const glm::dvec3& world) const;
-  /// W/m^2 at a world position on a surface with unit normal n.
+  /// W/m^2 at a world position on a surface with unit normal n, and the same of the lights alone with nothing in their
+  /// way.
   glm::dvec3 irradiance(const glm::dvec3& world, const glm::dvec3& n) const;
+  glm::dvec3 unoccluded(const glm::dvec3& world, const glm::dvec3& n) const { return fromLights(world, n, nullptr); }
+
+ private:
+  glm::dvec3 fromLights(const glm::dvec3& world, const glm::dvec3& n, const LightVisibility* through) const;
 };
 using EmitterListPtr = std::shared_ptr<const EmitterList>;
 

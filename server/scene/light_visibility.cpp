@@ -53,4 +53,10 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
   return out;
 }
 
+bool LightVisibility::sees(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const {
+  std::call_once(once_, [this] { prepare(); });
+  const glm::dvec3 from = at + offset_ * n;
+  return !occluders_->blocked(from, glm::mix(from, place, double(layout::kShadowEnd)), kAllLights);
+}
+
 }  // namespace lpv

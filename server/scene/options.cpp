@@ -41,6 +41,15 @@ Status checkRanges(const LightingSettings& o) {
 }
 
 Status checkTogether(const LightingSettings& o) {
+  const bool propagates = o.transport == Transport::kPropagate;
+  if (o.bounces != 0 && propagates) {
+    return invalid("bounces", "bounces is " + std::to_string(o.bounces) +
+                                  ", but transport PROPAGATE reflects nothing: choose GATHER or DIRECT, or bounces 0");
+  }
+  if (o.visibility == Visibility::kOn && propagates) {
+    return invalid("visibility",
+                   "visibility is ON, but transport PROPAGATE has no shadows: choose GATHER or DIRECT, or AUTO or OFF");
+  }
   if (o.transport == Transport::kPropagate) return {};
   const std::string transport = o.transport == Transport::kGather ? "GATHER" : "DIRECT";
   if (o.injection == Injection::kCount) {
@@ -86,9 +95,6 @@ Status checkOptions(const LightingSettings& o) {
 Status checkSavedOptions(const LightingSettings& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
   if (Status s = checkTogether(o); !s.ok()) return s;
-  if (o.bounces != 0 && o.transport == Transport::kPropagate)
-    return invalid("bounces", "bounces is " + std::to_string(o.bounces) +
-                                  ", but transport PROPAGATE reflects nothing: set transport to GATHER or DIRECT, or bounces to 0");
   if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace lpv {
 
@@ -41,14 +42,15 @@ std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 
 }  // namespace
 
-PatchSet::PatchSet(const std::vector<Patch>& all, const Grid& grid)
-    : count(int(all.size())),
+PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid)
+    : source(std::move(all)),
+      count(int(source.size())),
       words((count + 31) / 32),
-      patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(all, grid)))),
-      pairs("patch pairs", all.size() * std::size_t(words) * sizeof(std::uint32_t)),
+      patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(source, grid)))),
+      pairs("patch pairs", source.size() * std::size_t(words) * sizeof(std::uint32_t)),
       points(listOf(count)),
-      shadows("patch shadows", bytesOfVec4((all.size() + 3) / 4 * 4 * kShadowPointTexels)),
-      lights("patch lights", bytesOfVec4(all.size() * layout::kLightPointTexels)),
+      shadows("patch shadows", bytesOfVec4((source.size() + 3) / 4 * 4 * kShadowPointTexels)),
+      lights("patch lights", bytesOfVec4(source.size() * layout::kLightPointTexels)),
       lightTexels("patch lights", lights) {}
 
 layout::PatchParams PatchSet::params() const {

@@ -14,10 +14,11 @@ namespace lpv {
 
 struct PatchSet {
   /// Nothing arrives yet, and none sees another. `patches` is not empty.
-  PatchSet(const std::vector<Patch>& patches, const Grid& grid);
+  PatchSet(std::vector<Patch> patches, const Grid& grid);
 
   layout::PatchParams params() const;
 
+  std::vector<Patch> source;
   int count;
   int words;             ///< of 32 bits, of a row of `pairs`
   gpu::Buffer patches;   ///< as shaders/visibility/patches.glsl has them

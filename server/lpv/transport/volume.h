@@ -22,6 +22,7 @@ struct VolumeInputs {
   Stamp transported = 0;  ///< with it grid, palette and groups
   Stamp emitters = 0;     ///< the list that goes along; textures: none
   bool guarded = false;   ///< guard cells go along; textures: whatever the field has
+  Stamp reflected = 0;    ///< what surfaces send, which goes along; textures: none
 
   bool operator==(const VolumeInputs&) const = default;
 };

@@ -16,8 +16,10 @@ constexpr std::size_t kMostEvaluations = 4'000'000;
 constexpr std::size_t kMostCrossingTests = 20'000'000;
 constexpr std::size_t kLeastReceivers = 8;
 
-/// Irradiance as the session's frames look it up.
+/// Irradiance as the session's frames look it up, but for shadows and reflections.
 Irradiance lookUp(const Scene& scene, const Volume& volume, const Receiver& at) {
+  if (volume.direct != nullptr && volume.direct->always)
+    return {volume.direct->unoccluded(at.position, at.normal), true};
   return irradianceWithNearField(volume, scene.options.lookup, at.position, at.normal);
 }
 

@@ -56,6 +56,7 @@ double worst(const Frames& f) {
 Scene floorWith(const MeshPtr& mesh, const glm::dvec3& at) {
   Scene scene = test::smallScene();
   scene.options = {};
+  scene.options.visibility = Visibility::kOff;  // shadows look at the lights everywhere
   scene.grid = {glm::dvec3(-2.0), 0.2, glm::ivec3(20)};
   Light& light = test::lightOf(scene);
   light.mesh = mesh;

@@ -61,10 +61,7 @@ TEST_P(LaterSettings, AreRefusedByName) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LaterSettings,
-                         ::testing::Values(Later{"Visibility", "visibility", "ON",
-                                                 [](auto* s) { s->set_visibility(pb::VISIBILITY_ON); }},
-                                           Later{"Bounces", "bounces", "bounces", [](auto* s) { s->set_bounces(1); }},
-                                           Later{"Haze", "haze", "haze", [](auto* s) { s->set_haze(0.1); }}),
+                         ::testing::Values(Later{"Haze", "haze", "haze", [](auto* s) { s->set_haze(0.1); }}),
                          [](const auto& row) { return row.param.name; });
 
 struct Transported {

@@ -39,6 +39,11 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
   EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
   gather.transport = Transport::kDirect;
   EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
+  gather.visibility = Visibility::kOn;
+  for (const int bounces : {kAutoBounces, 1, kMaxBounces}) {
+    gather.bounces = bounces;
+    EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
+  }
   LightingSettings options = LightingSettings::paper();
   options.lookup = Lookup::kNearest;
   options.iterations = kMaxIterations;
@@ -56,14 +61,24 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
 
 // When a feature is built, its line here moves to the test above.
 TEST(CheckOptions, NamesFeaturesOfLaterVersions) {
-  expectCode({{"visibility", "ON", [](LightingSettings& o) { o.visibility = Visibility::kOn; }},
-              {"bounces", "2", [](LightingSettings& o) { o.bounces = 2; }},
-              {"haze", "haze", [](LightingSettings& o) { o.haze = 0.1; }}},
+  expectCode({{"haze", "haze", [](LightingSettings& o) { o.haze = 0.1; }}},
              Code::kUnimplemented);
 }
 
 TEST(CheckOptions, NamesWhatDoesNotGoTogether) {
-  expectCode({{"injection", "FLUX", [](LightingSettings& o) { o.injection = Injection::kCount; }},
+  expectCode({{"bounces", "PROPAGATE",
+               [](LightingSettings& o) {
+                 o.transport = Transport::kPropagate;
+                 o.followTransport();
+                 o.bounces = 1;
+               }},
+              {"visibility", "PROPAGATE",
+               [](LightingSettings& o) {
+                 o.transport = Transport::kPropagate;
+                 o.followTransport();
+                 o.visibility = Visibility::kOn;
+               }},
+              {"injection", "FLUX", [](LightingSettings& o) { o.injection = Injection::kCount; }},
               {"method", "DENSE",
                [](LightingSettings& o) {
                  o.transport = Transport::kDirect;
@@ -105,7 +120,8 @@ TEST(CheckOptions, NamesValuesOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expectCode({{"iterations", "-1", [](LightingSettings& o) { o.iterations = -1; }},
               {"iterations", "1000", [](LightingSettings& o) { o.iterations = 1001; }},
-              {"bounces", "-1", [](LightingSettings& o) { o.bounces = -1; }},
+              {"bounces", "-2", [](LightingSettings& o) { o.bounces = -2; }},
+              {"bounces", "33", [](LightingSettings& o) { o.bounces = 33; }},
               {"haze", "-0.5", [](LightingSettings& o) { o.haze = -0.5; }},
               {"haze", "nan", [=](LightingSettings& o) { o.haze = nan; }},
               {"k", "0.5", [](LightingSettings& o) { o.k = 0.5; }},

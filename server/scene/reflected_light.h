@@ -1,0 +1,23 @@
+#pragma once
+// What surfaces reflect, as probes on the CPU see it. The GPU's twin is shaders/frame/patch_light.comp.
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "scene/light_visibility.h"
+#include "scene/patches.h"
+
+namespace lpv {
+
+struct ReflectedLight {
+  std::vector<Patch> patches;
+  std::vector<glm::dvec3> radiance;  ///< W/(sr m^2), per patch
+
+  /// W/m^2 at a world position on a surface with unit normal n; `visibility`: null where nothing stands in the way. Rays
+  /// go to some of the patches, in proportion to what they send.
+  glm::dvec3 irradiance(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility* visibility) const;
+};
+using ReflectedLightPtr = std::shared_ptr<const ReflectedLight>;
+
+}  // namespace lpv
