@@ -89,11 +89,15 @@ LPV_CONST int kDirect =
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
 LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
 LPV_CONST int kOccluders = 18;  // usamplerBuffer: what shadow rays can meet (shaders/visibility/occluders.glsl)
+LPV_CONST int kReflectedLight = 20;  // of a picture: E from surfaces as if nothing lay between, and which share of it
+LPV_CONST int kReflectedShare = 21;  // arrives, by few rays from each pixel; a: rays
 LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField
+LPV_CONST int kReflectedLightOut = 5;
+LPV_CONST int kReflectedShareOut = 6;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
@@ -386,8 +390,9 @@ struct ShadowParams {
   int turns;  // at most, for a point
   int pool;  // this one, of `pools`
   int pools;
+  int apart;  // 1: the last pool does not go into the sum, but to kReflectedLightOut and kReflectedShareOut
   int jitter;  // 0: rays go to the same places from every pixel; 1: to others, so that steps become grain
-  int pad0, pad1, pad2;
+  int pad0, pad1;
 };
 
 struct DrawParams {

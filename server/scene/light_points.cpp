@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "scene/coarse_texture.h"
 #include "scene/emitter_list.h"
 
 namespace lpv {
@@ -19,42 +20,6 @@ glm::dvec2 inTriangle(std::size_t i) {
   glm::dvec2 p(std::fmod(0.5 + kFirst * double(i), 1.0), std::fmod(0.5 + kSecond * double(i), 1.0));
   return p.x + p.y > 1.0 ? 1.0 - p : p;
 }
-
-/// A texture as so many boxes across at most, each the mean of some of its rows.
-class CoarseTexture {
- public:
-  explicit CoarseTexture(const Texture& texture)
-      : size_(std::min(texture.width, kMost), std::min(texture.height, kMost)),
-        means_(std::size_t(size_.x) * std::size_t(size_.y)) {
-    std::vector<double> counts(means_.size());
-    std::vector<glm::vec3> row;
-    const int step = std::max(1, texture.height / (kMost * kRowsOfABox));
-    for (int y = 0; y < texture.height; y += step) {
-      row.clear();
-      appendLinearRow(texture, y, row);
-      for (int x = 0; x < texture.width; ++x) {
-        const std::size_t box = indexOf({x * size_.x / texture.width, y * size_.y / texture.height});
-        means_[box] += glm::dvec3(row[std::size_t(x)]);
-        counts[box] += 1.0;
-      }
-    }
-    for (std::size_t i = 0; i < means_.size(); ++i) means_[i] /= std::max(counts[i], 1.0);
-  }
-
-  glm::vec3 at(const glm::dvec2& uv) const {
-    const glm::dvec2 wrapped = uv - glm::floor(uv);
-    return glm::vec3(means_[indexOf(glm::min(glm::ivec2(wrapped * glm::dvec2(size_)), size_ - 1))]);
-  }
-
- private:
-  static constexpr int kMost = 64, kRowsOfABox = 4;
-  std::size_t indexOf(const glm::ivec2& box) const {
-    return std::size_t(box.y) * std::size_t(size_.x) + std::size_t(box.x);
-  }
-
-  glm::ivec2 size_;
-  std::vector<glm::dvec3> means_;
-};
 
 glm::dvec3 cornersCross(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
@@ -90,10 +55,7 @@ void sortInSpace(LightPoints& points, const Bounds& box) {
 LightPoints lightPoints(const Mesh& mesh, const Texture* texture) {
   const bool even = (texture == nullptr || mesh.uvs.empty()) && mesh.directions.empty();
   const bool few = even && mesh.evenTriangles().size() <= kFewPolygons;
-  return pointsOn(mesh, texture, few ? kPointsOfFewPolygons : kMostLightPoints);
-}
-
-LightPoints pointsOn(const Mesh& mesh, const Texture* texture, std::size_t count) {
+  const std::size_t count = few ? kPointsOfFewPolygons : kMostLightPoints;
   const bool textured = texture != nullptr && !mesh.uvs.empty();
   const bool varies = textured || !mesh.directions.empty();
   const std::vector<glm::uvec3>& triangles = varies ? mesh.triangles : mesh.evenTriangles();

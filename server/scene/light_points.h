@@ -30,9 +30,6 @@ inline constexpr std::size_t kMostLightPoints = 1024;
 /// that every n-th one is a sample of the whole. Empty for a mesh without area. `texture` may be null; it is not read
 /// where the mesh has no texture coordinates.
 LightPoints lightPoints(const Mesh& mesh, const Texture* texture);
-/// The same, so many.
-LightPoints pointsOn(const Mesh& mesh, const Texture* texture, std::size_t count);
-
 /// Of a light with its mesh transformed; areas in the squared unit of the space that `transform` leads to.
 LightPoints transformed(const LightPoints& points, const glm::dmat4& transform);
 

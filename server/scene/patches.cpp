@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <glm/gtx/component_wise.hpp>
 
 #include "scene/grid_choice.h"
-#include "scene/light_points.h"
+#include "scene/coarse_texture.h"
 
 namespace lpv {
 
@@ -15,26 +17,139 @@ int sidesOf(const Surface& surface) { return surface.twoSided ? 2 : 1; }
 
 double areaOf(const Surface& surface) { return worldArea(*surface.mesh, surface.transform) * sidesOf(surface); }
 
-void addPatches(const Surface& surface, std::size_t ofEachSide, std::vector<Patch>& out) {
-  const LightPoints points = transformed(pointsOn(*surface.mesh, surface.albedoTexture.get(), ofEachSide),
-                                         surface.transform.worldFromObject());
+/// A piece of a triangle: places in its plane by the weights of its second and third corner.
+struct Piece {
+  glm::dvec2 corners[3] = {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
+  double area = 0.0;
+
+  glm::dvec2 middle() const { return (corners[0] + corners[1] + corners[2]) / 3.0; }
+};
+
+/// A surface's triangles, world space.
+class Triangles {
+ public:
+  explicit Triangles(const Surface& surface)
+      : surface_(surface),
+        varies_(surface.albedoTexture != nullptr && !surface.mesh->uvs.empty()),
+        texture_(varies_ ? std::make_unique<CoarseTexture>(*surface.albedoTexture) : nullptr) {
+    const glm::dmat4 worldFromObject = surface.transform.worldFromObject();
+    for (const glm::vec3& p : surface.mesh->positions)
+      positions_.emplace_back(worldFromObject * glm::dvec4(glm::dvec3(p), 1.0));
+  }
+
+  const std::vector<glm::uvec3>& all() const {
+    return varies_ ? surface_.mesh->triangles : surface_.mesh->evenTriangles();
+  }
+  double area(const glm::uvec3& t) const { return 0.5 * glm::length(cross(t)); }
+  /// Halved along the longest edge until no piece is larger than `most`; appends the pieces' patches.
+  void split(const glm::uvec3& t, double most, std::vector<Patch>& out) const {
+    std::vector<Piece> open = {Piece{.area = area(t)}};
+    while (!open.empty()) {
+      const Piece piece = open.back();
+      open.pop_back();
+      if (piece.area <= most) {
+        out.push_back(patch(t, piece.middle(), piece.area));
+        out.back().triangle = corners(t, piece);
+        continue;
+      }
+      const int longest = longestEdge(t, piece);
+      const glm::dvec2 &a = piece.corners[longest], &b = piece.corners[(longest + 1) % 3],
+                       &c = piece.corners[(longest + 2) % 3], half = 0.5 * (a + b);
+      open.push_back({{half, b, c}, 0.5 * piece.area});
+      open.push_back({{a, half, c}, 0.5 * piece.area});
+    }
+  }
+  Patch patch(const glm::uvec3& t, const glm::dvec2& w, double area) const {
+    const glm::dvec3 normal = (surface_.transform.mirrors() ? -1.0 : 1.0) * glm::normalize(cross(t));
+    glm::vec3 albedo(surface_.albedo);
+    if (texture_ != nullptr) {
+      const std::vector<glm::vec2>& uv = surface_.mesh->uvs;
+      albedo *= texture_->at(glm::mix(glm::dvec2(uv[t.x]), glm::dvec2(uv[t.y]), w.x) +
+                             w.y * (glm::dvec2(uv[t.z]) - glm::dvec2(uv[t.x])));
+    }
+    return {glm::vec3(at(t, w)), float(area), glm::vec3(normal), albedo, std::nullopt};
+  }
+
+ private:
+  std::array<glm::vec3, 3> corners(const glm::uvec3& t, const Piece& piece) const {
+    std::array<glm::vec3, 3> out;
+    for (std::size_t i = 0; i < 3; ++i) out[i] = glm::vec3(at(t, piece.corners[i]));
+    if (surface_.transform.mirrors()) std::swap(out[1], out[2]);
+    return out;
+  }
+  glm::dvec3 cross(const glm::uvec3& t) const {
+    return glm::cross(positions_[t.y] - positions_[t.x], positions_[t.z] - positions_[t.x]);
+  }
+  glm::dvec3 at(const glm::uvec3& t, const glm::dvec2& w) const {
+    return (1.0 - w.x - w.y) * positions_[t.x] + w.x * positions_[t.y] + w.y * positions_[t.z];
+  }
+  int longestEdge(const glm::uvec3& t, const Piece& piece) const {
+    int longest = 0;
+    double length = -1.0;
+    for (int i = 0; i < 3; ++i) {
+      const double own = glm::distance(at(t, piece.corners[i]), at(t, piece.corners[(i + 1) % 3]));
+      if (own > length * (1.0 + 1e-9)) {
+        longest = i;
+        length = own;
+      }
+    }
+    return longest;
+  }
+
+  const Surface& surface_;
+  bool varies_;
+  std::unique_ptr<CoarseTexture> texture_;
+  std::vector<glm::dvec3> positions_;
+};
+
+/// Of one side: large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all, until
+/// their area is that of a piece.
+std::vector<Patch> patchesOfSide(const Surface& surface, double most) {
+  const Triangles triangles(surface);
+  std::vector<Patch> out;
+  double pending = 0.0;
+  const glm::uvec3* last = nullptr;
+  const auto flush = [&] {
+    if (last != nullptr && pending > 0.0) out.push_back(triangles.patch(*last, glm::dvec2(1.0 / 3.0), pending));
+    pending = 0.0;
+  };
+  for (const glm::uvec3& t : triangles.all()) {
+    const double area = triangles.area(t);
+    if (!(area > 0.0)) continue;
+    if (area > 0.5 * most) {
+      triangles.split(t, most, out);
+      continue;
+    }
+    if (pending < 0.5 * most) last = &t;
+    pending += area;
+    if (pending >= most) flush();
+  }
+  flush();
+  return out;
+}
+
+void addPatches(const Surface& surface, double most, std::vector<Patch>& out) {
+  const std::vector<Patch> patches = patchesOfSide(surface, most);
   for (int side = 0; side < sidesOf(surface); ++side) {
-    for (const LightPoint& p : points)
-      out.push_back({p.position, p.area, side == 0 ? p.normal : -p.normal, glm::vec3(surface.albedo) * p.factor});
+    for (Patch p : patches) {
+      if (side == 1) {
+        p.normal = -p.normal;
+        if (p.triangle) std::swap((*p.triangle)[1], (*p.triangle)[2]);
+      }
+      out.push_back(p);
+    }
   }
 }
 
 }  // namespace
 
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) {
+  constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
   double area = 0.0;
   for (const auto& [name, surface] : scene.surfaces) area += areaOf(*surface);
   std::vector<Patch> out;
   for (const auto& [name, surface] : scene.surfaces) {
-    const double own = areaOf(*surface);
-    if (!(own > 0.0) || glm::compMax(surface->albedo) <= 0.0) continue;
-    const double share = own / area * double(count) / sidesOf(*surface);
-    addPatches(*surface, std::max<std::size_t>(1, std::size_t(std::lround(share))), out);
+    if (glm::compMax(surface->albedo) > 0.0) addPatches(*surface, kPieces * area / double(count), out);
   }
   return out;
 }

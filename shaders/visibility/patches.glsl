@@ -6,6 +6,8 @@ struct Patch {
   vec4 albedo;
   vec4 direct;  // E in W/m^2 from the lights
   vec4 arriving[2];  // the same with what patches reflect, by the parity of bounces
+  vec4 corners[3];  // counter-clockwise seen from the side that it is on; w: 1 where it is a triangle, 0 where it stands
+                    // for several
 };
 
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };

@@ -19,6 +19,7 @@ std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::
 constexpr int kPointsOfBlock = layout::kNearFieldBlockX * layout::kNearFieldBlockY;
 static_assert(kPointsOfBlock == 32);  // bits of a uint
 constexpr std::size_t kShadowPointBytes = 4 * sizeof(glm::vec4);  // of shaders/visibility/shadow_points.glsl
+constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
 
 /// The finest pass between points has half of the pixels; each block's last four may be incomplete.
@@ -51,7 +52,12 @@ struct NearFieldPass::Inputs {
     buffer.tiles.bindStorage(layout::kNearFieldTiles);
     buffer.points.bindStorage(layout::kNearFieldPoints);
     if (sources.shadows != nullptr) buffer.shadows.bindStorage(layout::kShadowPoints);
+    if (!filters()) return;
+    buffer.reflectedLight.bindImage(layout::kReflectedLightOut, GL_WRITE_ONLY);
+    buffer.reflectedShare.bindImage(layout::kReflectedShareOut, GL_WRITE_ONLY);
   }
+  /// Whether what surfaces reflect is smoothed over pixels: where each sends rays of its own.
+  bool filters() const { return sources.shadows != nullptr && sources.shadows->reflected != nullptr && !sources.reduced; }
 };
 
 /// Receivers on a list that look at the lights through what may stand in the way.
@@ -102,6 +108,7 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
     shadowParams_.bindUniform(layout::kShadowParams);
     from.bind();
     at.points.bind(layout::kLightPoints);
+    if (from.shadows.reflected != nullptr) from.shadows.reflected->patches.bindStorage(layout::kPatches);
     if (params.turns > 0) from.shadows.occluders->bind();
     from.list.bindAsDispatchArguments();
     program.dispatchIndirect(0);
@@ -127,6 +134,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   params.turns = shadows.turns;
   params.pools = int(pools.size()) + (reflected != nullptr ? 1 : 0);
   params.jitter = from.jitter ? 1 : 0;
+  params.apart = params.jitter;
   for (const LightPool& pool : pools) {
     params.firstLight = pool.firstLight;
     params.lightsEnd = pool.lightsEnd;
@@ -136,6 +144,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     params.pool++;
   }
   if (reflected == nullptr) co_return;
+  params.turns = std::min(params.turns, kReflectedTurns);
   params.firstPoint = 0;
   params.pointCount = reflected->count;
   co_await look(from, {params, reflected->lightTexels, true}, pacing);
@@ -150,6 +159,24 @@ GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters,
     patches.shadows.bindStorage(layout::kShadowPoints);
   };
   co_await look({shadows, patches.points, double(patches.count), true, false, bind}, pacing);
+}
+
+GpuTask NearFieldPass::filterReflections(const Inputs& inputs, Pacing pacing) {
+  const int tiles = int(count(partsOf(inputs.buffer.size, kTile)));
+  constexpr double kUnits = 60.0 * layout::kNearFieldTile * layout::kNearFieldTile;  // of a tile: pixels shaded
+  for (int first = 0; first < tiles;) {
+    const int wanted = std::clamp(int(pacing.unitsFor(Stage::kShade) / kUnits), 1, tiles - first);
+    const layout::NearFieldParams params = {.stride = {0, 0}, .first = first, .spacing = 1};
+    params_.update(0, gpu::bytesOfValue(params));
+    params_.bindUniform(layout::kNearFieldParams);
+    inputs.bind();
+    inputs.buffer.reflectedLight.bind(layout::kReflectedLight);
+    inputs.buffer.reflectedShare.bind(layout::kReflectedShare);
+    filter_.get({}).dispatch(std::uint32_t(wanted));
+    gpu::memoryBarrier();
+    first += wanted;
+    co_yield submitted(Stage::kShade, wanted * kUnits);
+  }
 }
 
 /// Some parts at a time: what is to be evaluated in them, and its evaluation.
@@ -192,6 +219,13 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
   if (sources.shadows != nullptr && !buffer.shadows)
     buffer.shadows = gpu::Buffer("shadow points", kMostShadowPoints * kShadowPointBytes, gpu::BufferUse::kDevice,
                                  gpu::Undefined{});
+  if (inputs.filters() && !buffer.reflectedLight) {
+    const auto picture = [&buffer](const char* label) {
+      return gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
+    };
+    buffer.reflectedLight = picture("reflected light");
+    buffer.reflectedShare = picture("reflected share");
+  }
   constexpr double kPoints = kPointsOfBlock;
   co_await run(inputs, {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}, pacing);
   co_await run(inputs, {LPV_PASS_FIRST, kBlock * inputs.spacing(), {0, 0}, {.evaluated = kPoints}}, pacing);
@@ -200,6 +234,7 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
     co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, {.between = kPoints}},
                  pacing);
   }
+  if (inputs.filters()) co_await filterReflections(inputs, pacing);
 }
 
 }  // namespace lpv

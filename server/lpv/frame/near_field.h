@@ -26,6 +26,7 @@ struct NearFieldBuffer {
   gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
   gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
   gpu::Buffer shadows;      ///< what is known of each point while rays are sent; made where they are
+  gpu::Texture reflectedLight, reflectedShare;  ///< RGBA32F, of what surfaces send to each pixel; made where they do
 };
 
 /// Where lights are, as receivers look at them.
@@ -74,6 +75,7 @@ class NearFieldPass {
   struct Look;
   struct LookAt;
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
+  GpuTask filterReflections(const Inputs& inputs, Pacing pacing);
   GpuTask look(const Look& from, Pacing pacing);
   GpuTask look(const Look& from, const LookAt& at, Pacing pacing);
 
@@ -96,6 +98,7 @@ class NearFieldPass {
   gpu::Programs<ReceiverVariant> reflected_{{"frame/patch_light.comp"}};
   gpu::Programs<ReceiverVariant> rays_{{"frame/shadow_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
+  gpu::ProgramVariants filter_{{"frame/reflect_filter.comp"}};
   gpu::Buffer params_, shadowParams_;
 };
 

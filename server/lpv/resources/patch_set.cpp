@@ -10,6 +10,7 @@ namespace {
 /// Of shaders/visibility/patches.glsl.
 struct StoredPatch {
   glm::vec4 place{0.0F}, normal{0.0F}, albedo{0.0F}, direct{0.0F}, arriving[2] = {glm::vec4(0.0F), glm::vec4(0.0F)};
+  glm::vec4 corners[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
 };
 
 constexpr int kShadowPointTexels = 4;  // of shaders/visibility/shadow_points.glsl
@@ -21,6 +22,8 @@ std::vector<StoredPatch> stored(const std::vector<Patch>& patches, const Grid& g
     to.place = glm::vec4(glm::vec3(grid.gridFromWorld(glm::dvec3(p.position))), p.area / float(grid.cell * grid.cell));
     to.normal = glm::vec4(p.normal, 0.0F);
     to.albedo = glm::vec4(p.albedo, 0.0F);
+    for (std::size_t i = 0; p.triangle && i < 3; ++i)
+      to.corners[i] = glm::vec4(glm::vec3(grid.gridFromWorld(glm::dvec3((*p.triangle)[i]))), 1.0F);
   }
   return out;
 }

@@ -1,0 +1,36 @@
+#include "scene/coarse_texture.h"
+
+#include <algorithm>
+
+namespace lpv {
+
+namespace {
+
+constexpr int kMostBoxes = 64, kRowsOfABox = 4;
+
+}  // namespace
+
+CoarseTexture::CoarseTexture(const Texture& texture)
+    : size_(std::min(texture.width, kMostBoxes), std::min(texture.height, kMostBoxes)),
+      means_(std::size_t(size_.x) * std::size_t(size_.y)) {
+  std::vector<double> counts(means_.size());
+  std::vector<glm::vec3> row;
+  const int step = std::max(1, texture.height / (kMostBoxes * kRowsOfABox));
+  for (int y = 0; y < texture.height; y += step) {
+    row.clear();
+    appendLinearRow(texture, y, row);
+    for (int x = 0; x < texture.width; ++x) {
+      const std::size_t box = indexOf({x * size_.x / texture.width, y * size_.y / texture.height});
+      means_[box] += glm::dvec3(row[std::size_t(x)]);
+      counts[box] += 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < means_.size(); ++i) means_[i] /= std::max(counts[i], 1.0);
+}
+
+glm::vec3 CoarseTexture::at(const glm::dvec2& uv) const {
+  const glm::dvec2 wrapped = uv - glm::floor(uv);
+  return glm::vec3(means_[indexOf(glm::min(glm::ivec2(wrapped * glm::dvec2(size_)), size_ - 1))]);
+}
+
+}  // namespace lpv

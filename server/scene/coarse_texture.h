@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/texture.h"
+
+namespace lpv {
+
+/// A texture as 64 boxes across at most, each the mean of some of its rows: what a part of a mesh has on the whole.
+class CoarseTexture {
+ public:
+  explicit CoarseTexture(const Texture& texture);
+  /// Linear, of the box that holds uv; (0, 0) is the corner of the first texel, and the texture repeats.
+  glm::vec3 at(const glm::dvec2& uv) const;
+
+ private:
+  std::size_t indexOf(const glm::ivec2& box) const {
+    return std::size_t(box.y) * std::size_t(size_.x) + std::size_t(box.x);
+  }
+
+  glm::ivec2 size_;
+  std::vector<glm::dvec3> means_;
+};
+
+}  // namespace lpv
