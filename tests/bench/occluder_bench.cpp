@@ -113,9 +113,11 @@ gpu::Program& program() {
       "#include \"layout.h\"\n#include \"visibility/occluders.glsl\"\n"
       "layout(local_size_x = 128) in;\n"
       "layout(std430, binding = kTestIn) readonly buffer In { vec4 rays[]; };\n"
-      "layout(std430, binding = kTestOut) writeonly buffer Out { float seen[]; };\n"
+      "layout(std430, binding = kTestOut) writeonly buffer Out { vec2 seen[]; };\n"
       "void main() {\n  const uint i = gl_GlobalInvocationID.x;\n"
-      "  seen[i] = open(rays[2u * i].xyz, rays[2u * i + 1u].xyz, int(rays[2u * i].w));\n}\n",
+      "  int rounds = 0;\n"
+      "  const float seenOf = open(rays[2u * i].xyz, rays[2u * i + 1u].xyz, int(rays[2u * i].w), rounds);\n"
+      "  seen[i] = vec2(seenOf, float(rounds));\n}\n",
       {});
   return made;
 }
@@ -127,7 +129,7 @@ void shadowRays(benchmark::State& state) {
   occluders.update(occludersOf(scene), scene.grid).runToEnd();
   const std::vector<glm::vec4> segments = rays(scene, state.range(1) != 0);
   const gpu::Buffer in("rays", gpu::bytesOf(std::span<const glm::vec4>(segments)));
-  const gpu::Buffer out("seen", kRays * sizeof(float));
+  const gpu::Buffer out("seen", kRays * sizeof(glm::vec2));
   for (auto _ : state) {
     occluders.bind();
     in.bindStorage(layout::kTestIn);
@@ -135,12 +137,18 @@ void shadowRays(benchmark::State& state) {
     program().dispatch(kRays / 128);
     glFinish();
   }
-  std::vector<float> seen(kRays);
-  glGetNamedBufferSubData(out.id(), 0, GLsizeiptr(kRays * sizeof(float)), seen.data());
-  double open = 0.0;
-  for (const float s : seen) open += double(s);
+  std::vector<glm::vec2> seen(kRays);
+  glGetNamedBufferSubData(out.id(), 0, GLsizeiptr(kRays * sizeof(glm::vec2)), seen.data());
+  glm::dvec2 sum(0.0);
+  float most = 0.0F;
+  for (const glm::vec2& s : seen) {
+    sum += glm::dvec2(s);
+    most = std::max(most, s.y);
+  }
   using benchmark::Counter;
-  state.counters["open"] = open / double(kRays);
+  state.counters["open"] = sum.x / double(kRays);
+  state.counters["rounds"] = sum.y / double(kRays);
+  state.counters["most"] = double(most);
   state.counters["KiB"] = double(occluders.bytes()) / 1024.0;
   state.counters["s/ray"] = Counter(double(kRays), Counter::kIsIterationInvariantRate | Counter::kInvert);
 }

@@ -196,25 +196,6 @@ TEST_F(OccludersTest, MeetTheMiddleOfARegularTriangle) {
   expectBlocked(scene, {{{0, 0, 0}, {5, 5, 5}}, {{5, 5, 5}, {0, 0, 0}}}, "triangle");
 }
 
-// Along a triangle's plane the place where a segment meets it is lost in rounding. Red where nothing bounds it.
-TEST_F(OccludersTest, NothingBlocksBeyondTheEndsOfASegment) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> share(0.0, 1.0);
-  Scene scene;
-  scene.grid = test::unitGrid(glm::ivec3(128));
-  addSurface(scene, reference::turned(reference::quadOf(3), 0.7), pose(glm::dvec3(64), glm::dvec3(20), 0.4));
-  const glm::dmat4 m = scene.surfaces.begin()->second->transform.worldFromObject() * reference::turn(0.7);
-  std::vector<Segment> segments;
-  for (int i = 0; i < 20000; ++i) {
-    const double angle = 6.2831853 * share(random), x = share(random) - 0.5;
-    const glm::dvec3 through(m * glm::dvec4(x, share(random) - 0.5, 0, 1));
-    const glm::dvec3 direction(m * glm::dvec4(std::cos(angle), std::sin(angle), 0, 0));
-    segments.push_back({through + 1.5 * direction, through + 2.5 * direction});
-  }
-  const std::vector<bool> open = openOnGpu(scene, segments, kAllLights);
-  EXPECT_EQ(std::ranges::count(open, false), 0);
-}
-
 /// A square of 1 m at the origin as strips of two triangles.
 MeshPtr strips(int count) {
   std::vector<std::array<glm::vec3, 3>> triangles;
