@@ -432,7 +432,8 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
-static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 && offsetof(CellVisibilityParams, blocks) == 16);
+static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
+              offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);

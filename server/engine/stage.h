@@ -8,7 +8,17 @@ namespace lpv {
 
 /// In physical order; kStageTable has a row for each.
 enum class Stage {
-  kUpload, kVoxelize, kInject, kPropagate, kVisibility, kGather, kReflect, kVolume, kGbuffer, kEmitters, kShade,
+  kUpload,
+  kVoxelize,
+  kInject,
+  kPropagate,
+  kVisibility,
+  kGather,
+  kReflect,
+  kVolume,
+  kGbuffer,
+  kEmitters,
+  kShade,
   kReadback
 };
 inline constexpr std::size_t kStages = std::size_t(Stage::kReadback) + 1;

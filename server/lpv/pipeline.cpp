@@ -436,10 +436,9 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   const StageProducts& made = *s.products;
   const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? shadowTurns(frame, scene.options) : 0,
                                  made.reflecting()};
-  const NearFieldSources sources = {
-      {&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
-      s.shadowed || s.bounces > 0 ? &shadows : nullptr,
-      frame.reduced};
+  const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
+                                    s.shadowed || s.bounces > 0 ? &shadows : nullptr,
+                                    frame.reduced};
   co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                              pacing(s));
 }

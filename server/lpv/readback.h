@@ -28,8 +28,8 @@ void copyCounters(const LightField& field, Readbacks& readbacks);
 /// outlives the coroutine.
 GpuTask takeVolume(const gpu::Readback& readback, const LightField& field, const std::vector<std::string>& groups,
                    bool guarded, Volume& out);
-/// After the fence: the list; null with PROPAGATE. `visibility`: null where nothing stands in the lights' way; `reflected`:
-/// null without bounces.
+/// After the fence: the list; null with PROPAGATE. `visibility`: null where nothing stands in the lights' way;
+/// `reflected`: null without bounces.
 EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList& emitters, const Readbacks& readbacks,
                                LightVisibilityPtr visibility, ReflectedLightPtr reflected);
 /// What patches send, and after the fence: of these patches.

@@ -26,9 +26,9 @@ using LightPointsPtr = std::shared_ptr<const LightPoints>;
 inline constexpr std::size_t kPointsOfFewPolygons = 256;
 inline constexpr std::size_t kMostLightPoints = 1024;
 
-/// Of one mesh, object space, m^2: each stands for the same area, and neighbours in the list are neighbours in space, so
-/// that every n-th one is a sample of the whole. Empty for a mesh without area. `texture` may be null; it is not read
-/// where the mesh has no texture coordinates.
+/// Of one mesh, object space, m^2: each stands for the same area, and neighbours in the list are neighbours in space,
+/// so that every n-th one is a sample of the whole. Empty for a mesh without area. `texture` may be null; it is not
+/// read where the mesh has no texture coordinates.
 LightPoints lightPoints(const Mesh& mesh, const Texture* texture);
 /// Of a light with its mesh transformed; areas in the squared unit of the space that `transform` leads to.
 LightPoints transformed(const LightPoints& points, const glm::dmat4& transform);

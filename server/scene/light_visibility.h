@@ -14,7 +14,8 @@
 
 namespace lpv {
 
-/// Of one scene. Made ready by the first question, which may take as long as the trees over new meshes take. Thread-safe.
+/// Of one scene. Made ready by the first question, which may take as long as the trees over new meshes take.
+/// Thread-safe.
 class LightVisibility {
  public:
   explicit LightVisibility(ScenePtr scene) : scene_(std::move(scene)) {}

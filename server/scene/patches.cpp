@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtx/component_wise.hpp>
 #include <memory>
 #include <utility>
-#include <glm/gtx/component_wise.hpp>
 
-#include "scene/grid_choice.h"
 #include "scene/coarse_texture.h"
+#include "scene/grid_choice.h"
 
 namespace lpv {
 
@@ -102,8 +102,8 @@ class Triangles {
   std::vector<glm::dvec3> positions_;
 };
 
-/// Of one side: large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all, until
-/// their area is that of a piece.
+/// Of one side: large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all,
+/// until their area is that of a piece.
 std::vector<Patch> patchesOfSide(const Surface& surface, double most) {
   const Triangles triangles(surface);
   std::vector<Patch> out;

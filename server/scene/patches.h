@@ -18,15 +18,16 @@ struct Patch {
   float area = 0.0F;       ///< m^2
   glm::vec3 normal{0.0F};  ///< unit, of the side that it is on
   glm::vec3 albedo{0.0F};  ///< mean around it
-  std::optional<std::array<glm::vec3, 3>> triangle;  ///< counter-clockwise seen from its side; none: it stands for several
+  std::optional<std::array<glm::vec3, 3>>
+      triangle;  ///< counter-clockwise seen from its side; none: it stands for several
 };
 
 /// Patches of a scene's surfaces by quality, about.
 inline constexpr std::size_t kFastPatches = 1024;
 inline constexpr std::size_t kAccuratePatches = 2048;
 
-/// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their neighbours.
-/// One for each side of every surface at least. The same scene gives the same patches.
+/// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their
+/// neighbours. One for each side of every surface at least. The same scene gives the same patches.
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count);
 
 /// The number of bounces after which what light is still under way is less than a third of the wanted error, bounded by

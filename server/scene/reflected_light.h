@@ -14,8 +14,8 @@ struct ReflectedLight {
   std::vector<Patch> patches;
   std::vector<glm::dvec3> radiance;  ///< W/(sr m^2), per patch
 
-  /// W/m^2 at a world position on a surface with unit normal n; `visibility`: null where nothing stands in the way. Rays
-  /// go to some of the patches, in proportion to what they send.
+  /// W/m^2 at a world position on a surface with unit normal n; `visibility`: null where nothing stands in the way.
+  /// Rays go to some of the patches, in proportion to what they send.
   glm::dvec3 irradiance(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility* visibility) const;
 };
 using ReflectedLightPtr = std::shared_ptr<const ReflectedLight>;

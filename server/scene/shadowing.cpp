@@ -9,7 +9,7 @@ namespace lpv {
 namespace {
 
 constexpr std::size_t kMostPlanes = 64;         ///< of a mesh; more can curve, and are taken to cast shadows
-constexpr std::size_t kMostVertices = 256;      ///< of a mesh that are looked at one by one; else the corners of its box
+constexpr std::size_t kMostVertices = 256;  ///< of a mesh that are looked at one by one; else the corners of its box
 constexpr std::size_t kMostComparisons = 4'000'000;
 constexpr double kFlat = 1e-6;  ///< of the extent of all: as far from a plane vertices may be and lie in it
 

@@ -10,8 +10,8 @@ namespace lpv {
 bool isShadowed(const Scene& scene);
 
 /// False where no shadow can be: every surface has all lights and surfaces on one side of each of its planes, as the
-/// walls of an empty room have, and every light is flat or convex. May be true without need, where there are many planes
-/// to look at. Follows from geometry alone.
+/// walls of an empty room have, and every light is flat or convex. May be true without need, where there are many
+/// planes to look at. Follows from geometry alone.
 bool shadowsPossible(const Scene& scene);
 
 /// Whether a mesh has itself on one side of each of its triangles' planes: no ray between two of its points meets it in

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <utility>
+
+#include "base/mutex.h"
 
 namespace lpv {
 
@@ -14,9 +15,9 @@ namespace {
 
 constexpr std::size_t kBins = 16, kFewBins = 8;  ///< that a range is divided into along each axis, and a short one
 constexpr std::uint32_t kFewItems = 32;
-constexpr int kDeepest = 64;         ///< from here on splits are in the middle: an unbalanced tree has an end
-constexpr double kRounding =
-    1e-12;  ///< of coordinates: what a box is larger by, so that it holds what its triangles do
+constexpr int kDeepest = 64;  ///< from here on splits are in the middle: an unbalanced tree has an end
+/// Of coordinates: what a box is larger by, so that it holds what its triangles do.
+constexpr double kRounding = 1e-12;
 
 /// Written out by coordinates: a million triangles are added some twenty times, along three axes.
 struct Box {
@@ -206,18 +207,35 @@ TriangleBvh::TriangleBvh(const Mesh& mesh) {
   }
 }
 
-TriangleBvhPtr bvhOf(const MeshPtr& mesh) {
-  static std::mutex lock;
-  static std::map<std::weak_ptr<const Mesh>, TriangleBvhPtr, std::owner_less<>> made;
-  {
-    const std::scoped_lock held(lock);
-    const auto known = made.find(mesh);
-    if (known != made.end()) return known->second;
+namespace {
+
+/// The trees of the meshes that are in use.
+class KnownTrees {
+ public:
+  TriangleBvhPtr find(const MeshPtr& mesh) LPV_EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    const auto known = trees_.find(mesh);
+    return known == trees_.end() ? nullptr : known->second;
   }
-  auto bvh = std::make_shared<const TriangleBvh>(*mesh);
-  const std::scoped_lock held(lock);
-  std::erase_if(made, [](const auto& entry) { return entry.first.expired(); });
-  return made.try_emplace(mesh, std::move(bvh)).first->second;
+
+  /// The tree that is kept: another thread's where that came first.
+  TriangleBvhPtr keep(const MeshPtr& mesh, TriangleBvhPtr tree) LPV_EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    std::erase_if(trees_, [](const auto& entry) { return entry.first.expired(); });
+    return trees_.try_emplace(mesh, std::move(tree)).first->second;
+  }
+
+ private:
+  Mutex mutex_;
+  std::map<std::weak_ptr<const Mesh>, TriangleBvhPtr, std::owner_less<>> trees_ LPV_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+TriangleBvhPtr bvhOf(const MeshPtr& mesh) {
+  static KnownTrees known;
+  if (auto tree = known.find(mesh)) return tree;
+  return known.keep(mesh, std::make_shared<const TriangleBvh>(*mesh));
 }
 
 BvhSegment::BvhSegment(const glm::dvec3& from, const glm::dvec3& to) : from_(from), direction_(to - from) {

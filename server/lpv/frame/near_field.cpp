@@ -57,7 +57,9 @@ struct NearFieldPass::Inputs {
     buffer.reflectedShare.bindImage(layout::kReflectedShareOut, GL_WRITE_ONLY);
   }
   /// Whether what surfaces reflect is smoothed over pixels: where each sends rays of its own.
-  bool filters() const { return sources.shadows != nullptr && sources.shadows->reflected != nullptr && !sources.reduced; }
+  bool filters() const {
+    return sources.shadows != nullptr && sources.shadows->reflected != nullptr && !sources.reduced;
+  }
 };
 
 /// Receivers on a list that look at the lights through what may stand in the way.
@@ -101,7 +103,7 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
   double queued = 0.0;
   for (params.turn = -1; params.turn <= params.turns; ++params.turn) {
     const bool sends = params.turn < 0, sums = params.turn == params.turns;
-    gpu::Program& program = !sends        ? (sums ? sum_.get(receivers) : rays_.get(receivers))
+    gpu::Program& program = !sends         ? (sums ? sum_.get(receivers) : rays_.get(receivers))
                             : at.reflected ? reflected_.get(receivers)
                                            : evaluate_.get({.shadowed = true, .patches = from.patches});
     shadowParams_.update(0, gpu::bytesOfValue(params));
@@ -198,10 +200,10 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     gpu::memoryBarrier();
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
-      co_await look({*inputs.sources.shadows, inputs.buffer.points,
-                     double(groups) * layout::kNearFieldGroup * kPointsOfBlock, false, !inputs.sources.reduced,
-                     [&inputs] { inputs.bind(); }},
-                    pacing);
+      co_await look(
+          {*inputs.sources.shadows, inputs.buffer.points, double(groups) * layout::kNearFieldGroup * kPointsOfBlock,
+           false, !inputs.sources.reduced, [&inputs] { inputs.bind(); }},
+          pacing);
       continue;
     }
     if (!weighs) {
@@ -217,8 +219,8 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
                            const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, sources, frameParams};
   if (sources.shadows != nullptr && !buffer.shadows)
-    buffer.shadows = gpu::Buffer("shadow points", kMostShadowPoints * kShadowPointBytes, gpu::BufferUse::kDevice,
-                                 gpu::Undefined{});
+    buffer.shadows =
+        gpu::Buffer("shadow points", kMostShadowPoints * kShadowPointBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
   if (inputs.filters() && !buffer.reflectedLight) {
     const auto picture = [&buffer](const char* label) {
       return gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);

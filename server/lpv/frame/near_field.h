@@ -1,6 +1,6 @@
 #pragma once
-// Stage: what the lights themselves send to the pixels of a picture, evaluated at some of them and interpolated between,
-// or at each; with shadow rays where something can stand in the way (GATHER, DIRECT; MATHS.md 3c, 3d).
+// Stage: what the lights themselves send to the pixels of a picture, evaluated at some of them and interpolated
+// between, or at each; with shadow rays where something can stand in the way (GATHER, DIRECT; MATHS.md 3c, 3d).
 
 #include "gpu/buffer.h"
 #include "gpu/program.h"
@@ -87,7 +87,9 @@ class NearFieldPass {
   struct EvaluateVariant {
     bool shadowed = false;
     bool patches = false;
-    gpu::Defines defines() const { return {gpu::define("LPV_SHADOWED", shadowed), gpu::define("LPV_PATCHES", patches)}; }
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_SHADOWED", shadowed), gpu::define("LPV_PATCHES", patches)};
+    }
   };
   struct ReceiverVariant {
     bool patches = false;

@@ -1,6 +1,6 @@
 #pragma once
-// The surfaces' patches on the GPU: what reaches them, which of them see each other, and what they reflect (MATHS.md 3d;
-// scene/patches.h).
+// The surfaces' patches on the GPU: what reaches them, which of them see each other, and what they reflect (MATHS.md
+// 3d; scene/patches.h).
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
-// Stage: light between the surfaces (MATHS.md 6, invariant 13): every patch gathers from those that it sees, with its own
-// normal, bounce by bounce, and the last bounce leaves what patches send to receivers.
+// Stage: light between the surfaces (MATHS.md 6, invariant 13): every patch gathers from those that it sees, with its
+// own normal, bounce by bounce, and the last bounce leaves what patches send to receivers.
 
 #include "gpu/program.h"
 #include "lpv/pacing/gpu_task.h"
@@ -21,8 +21,8 @@ class BouncePass {
  public:
   BouncePass();
   GpuTask findPairs(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
-  /// From what came to the patches from the lights to what they send after `bounces` - 1 reflections among them; receivers
-  /// see the last one themselves. `bounces` is at least 1.
+  /// From what came to the patches from the lights to what they send after `bounces` - 1 reflections among them;
+  /// receivers see the last one themselves. `bounces` is at least 1.
   GpuTask run(PatchSet& set, int bounces, Pacing pacing);
 
  private:

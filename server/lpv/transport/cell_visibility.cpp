@@ -68,7 +68,8 @@ GpuTask CellVisibilityPass::run(const LightField& field, const std::vector<Emitt
   if (!known.madeFrom(inputs)) {
     gpu::Buffer buffer = std::move(known.product());
     known.forget();
-    if (buffer.size() < bytes) buffer = gpu::Buffer("cell visibility", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+    if (buffer.size() < bytes)
+      buffer = gpu::Buffer("cell visibility", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
     const LightPool& points = shadows.points->ranges[light];
     layout::CellVisibilityParams params = {};
     params.dims = dims;

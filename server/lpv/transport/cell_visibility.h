@@ -27,8 +27,8 @@ struct CellVisibilityInputs {
   bool operator==(const CellVisibilityInputs&) const = default;
 };
 
-/// Per light, a layout::CellVisibility per cell. A light that did not change keeps its own, while all of them do not take
-/// much memory; else they have one after the other.
+/// Per light, a layout::CellVisibility per cell. A light that did not change keeps its own, while all of them do not
+/// take much memory; else they have one after the other.
 struct CellVisibilities {
   std::vector<Cached<CellVisibilityInputs, gpu::Buffer>> lights;
 };

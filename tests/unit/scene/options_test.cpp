@@ -61,8 +61,7 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
 
 // When a feature is built, its line here moves to the test above.
 TEST(CheckOptions, NamesFeaturesOfLaterVersions) {
-  expectCode({{"haze", "haze", [](LightingSettings& o) { o.haze = 0.1; }}},
-             Code::kUnimplemented);
+  expectCode({{"haze", "haze", [](LightingSettings& o) { o.haze = 0.1; }}}, Code::kUnimplemented);
 }
 
 TEST(CheckOptions, NamesWhatDoesNotGoTogether) {
