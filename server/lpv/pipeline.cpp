@@ -71,7 +71,7 @@ struct Transported {
   Stamp stamp;
 };
 
-/// What the patches, and which of them see each other, are made from.
+/// What the patches, and what they exchange, are made from.
 struct PatchInputs {
   std::vector<SurfacePtr> surfaces;
   Grid grid;
@@ -123,7 +123,7 @@ struct StageProducts {
   LightPointCache lightPoints;
   GpuOccluders occluders;
   CellVisibilities cellVisibilities;
-  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with the pairs that see each other
+  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
   Cached<ReflectInputs> reflected;
   /// Patches that send light, or null.
   const PatchSet* reflecting() const { return reflected.stamp() != 0 ? patches.product().get() : nullptr; }
@@ -344,7 +344,7 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
   if (made.patches.holds(inputs)) co_return;
   std::vector<Patch> patches = patchesOf(scene, inputs.count);
   auto set = patches.empty() ? nullptr : std::make_unique<PatchSet>(std::move(patches), s.field().grid);
-  if (set != nullptr) co_await bouncePass.findPairs(*set, made.occluders, pacing(s));
+  if (set != nullptr) co_await bouncePass.findExchange(*set, made.occluders, pacing(s));
   made.patches.set(std::move(inputs), std::move(set));
 }
 

@@ -8,20 +8,16 @@
 layout(local_size_x = kPatchGroup) in;
 
 layout(std140, binding = kParams) uniform Block { PatchParams params; };
-layout(std430, binding = kPatchPairs) readonly buffer Pairs { uint pairs[]; };
+layout(std430, binding = kPatchExchange) readonly buffer Exchange { float exchange[]; };
 layout(std430, binding = kPatchLights) writeonly buffer Lights { vec4 lights[]; };
 
 vec3 reflectedTo(int a, int before) {
-  const vec3 x = patches[a].place.xyz + kShadowOffset * patches[a].normal.xyz;
   vec3 sum = vec3(0.0);
-  for (int word = 0; word < params.words; ++word) {
-    for (uint bits = pairs[a * params.words + word]; bits != 0u; bits &= bits - 1u) {
-      const int b = 32 * word + findLSB(bits);
-      const vec3 radiance = patches[b].albedo.rgb * patches[b].arriving[before].rgb / kPi;
-      sum += patchWeight(patches[b], x, patches[a].normal.xyz) * radiance;
-    }
+  for (int b = 0; b < params.count; ++b) {
+    const vec3 radiance = patches[b].albedo.rgb * patches[b].arriving[before].rgb / kPi;
+    sum += exchange[b * params.count + a] * patches[b].scale[params.balanced] * radiance;
   }
-  return sum;
+  return patches[a].scale[params.balanced] / patches[a].place.w * sum;
 }
 
 void main() {

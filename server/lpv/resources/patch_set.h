@@ -1,5 +1,5 @@
 #pragma once
-// The surfaces' patches on the GPU: what reaches them, which of them see each other, and what they reflect (MATHS.md
+// The surfaces' patches on the GPU: what reaches them, what they exchange, and what they reflect (MATHS.md
 // 3d; scene/patches.h).
 
 #include <vector>
@@ -20,9 +20,8 @@ struct PatchSet {
 
   std::vector<Patch> source;
   int count;
-  int words;             ///< of 32 bits, of a row of `pairs`
   gpu::Buffer patches;   ///< as shaders/visibility/patches.glsl has them
-  gpu::Buffer pairs;     ///< a bit per pair: whether they see each other
+  gpu::Buffer exchange;  ///< layout::kPatchExchange
   gpu::Buffer points;    ///< all patches, as a list of points to be evaluated (layout::kNearFieldPoints)
   gpu::Buffer shadows;   ///< layout::kShadowPoints
   gpu::Buffer lights;    ///< what they send, as shaders/visibility/light_points.glsl has points
