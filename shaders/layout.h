@@ -232,6 +232,10 @@ LPV_CONST float kColouredSize = 2.0;  // nodes of a textured light count as so m
 LPV_CONST float kFarFromVpls = 1e4;  // cells: nothing near
 LPV_CONST float kNearFieldBegin = 2.0;  // cells from an emitter: up to here receivers look at the lights themselves,
 LPV_CONST float kNearFieldEnd = 3.0;  // from here on at the volume (MATHS.md 3c)
+LPV_CONST float kAsPolygons = 0.0;  // what a light of the emitter list is looked at as
+LPV_CONST float kAsVpls = 1.0;
+LPV_CONST float kAsEmitterTree = 2.0;
+LPV_CONST int kTreeSpaceTexels = 3;  // of an emitter tree's matrix, before its entries
 LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
                                    // 2^16 rounds in all, without reporting it
 

@@ -36,9 +36,9 @@ struct CountInputs {
   bool operator==(const CountInputs&) const = default;
 };
 
-/// Frames that look at polygons take them as they are: they are put into the grid for those who look at volumes only.
+/// Frames that look at triangles take them as they are: they are put into the grid for those who look at volumes only.
 bool needsVoxels(const SessionState& s, const EmittingLight& light, const TickRequest& request) {
-  return !s.looksAtLights || !light.polygons || request.transported || request.injected;
+  return !s.looksAtLights || !(light.polygons || light.tree) || request.transported || request.injected;
 }
 
 /// Where each frame of a tick is made: kept views in the session, others here for the tick.
@@ -158,7 +158,7 @@ struct Pipeline::Stages {
   GpuTask propagate(SessionState& s, const Scene& scene);
   GpuTask gather(SessionState& s, const TickRequest& request);
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
-  void listEmitters(SessionState& s, double openingRatio);
+  GpuTask listEmitters(SessionState& s, double openingRatio);
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
   GpuTask findPatches(SessionState& s, const Scene& scene);
   GpuTask reflect(SessionState& s, const TickRequest& request);
@@ -209,7 +209,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
     co_await stages.voxelize(s, request, result.report);
     co_await stages.findShadowCasters(s, scene);
     co_await stages.gather(s, request);
-    stages.listEmitters(s, scene.options.openingRatio());
+    co_await stages.listEmitters(s, scene.options.openingRatio());
     co_await stages.reflect(s, request);
   }
   const Transported light{s.field().transported(), propagates ? made.propagated.stamp() : made.gathered.stamp()};
@@ -316,11 +316,11 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
   made.gathered.set(inputs, std::move(all));
 }
 
-void Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
+GpuTask Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
   StageProducts& made = *s.products;
   const EmitterListInputs inputs = {s.arranged.stamp(), openingRatio};
-  if (made.listed.holds(inputs)) return;
-  made.emitters.make(s.lights, s.voxels, openingRatio);
+  if (made.listed.holds(inputs)) co_return;
+  co_await made.emitters.make(s.lights, s.voxels, openingRatio);
   made.listed.set(inputs);
 }
 

@@ -62,7 +62,7 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
     arranged.set(std::move(inputs), std::move(made));
   }
   const Transport transport = scene.options.transport;
-  choosePolygons(lights, transport, scene.options.openingRatio());
+  chooseTriangles(lights, transport, scene.options.openingRatio());
   shadowed = isShadowed(scene);
   bounces = transport == Transport::kPropagate ? 0 : bouncesFor(scene);
   looksAtLights = transport == Transport::kDirect ||

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "scene/emitter_tree.h"
+#include "shaders/layout.h"
+
 namespace lpv {
 namespace {
 
@@ -72,7 +75,35 @@ glm::dvec3 treeIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec
   return sum;
 }
 
+/// `part` begins with the matrix to the tree's space.
+double emitterTreeIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n, double k) {
+  const auto row = [&part](int i) { return glm::dvec4(part.first[i]); };
+  const glm::dmat3 turn = glm::transpose(glm::dmat3(glm::dvec3(row(0)), glm::dvec3(row(1)), glm::dvec3(row(2))));
+  const glm::dvec3 at = turn * x + glm::dvec3(row(0).w, row(1).w, row(2).w), normal = glm::normalize(turn * n);
+  const Part tree = {part.first + layout::kTreeSpaceTexels, part.count, part.sides, layout::kPlainEntryTexels};
+  double sum = 0.0;
+  for (int i = 0; i < tree.count;) {
+    const glm::dvec4 node(tree.first[i * tree.stride]), next(tree.first[i * tree.stride + 1]);
+    const int vpls = int(next.x), after = int(next.y);
+    const glm::dvec3 d = glm::dvec3(node) - at;
+    const bool far = glm::dot(d, d) > k * k * node.w * node.w;
+    for (int v = i + 1; far && v <= i + vpls; ++v) sum += vplIrradiance(tree, v, at, normal).x;
+    if (!far) sum += polygonIrradiance({part.first + int(next.w), int(next.z), part.sides, 0}, at, normal);
+    i = far ? after : i + 1 + vpls;
+  }
+  return sum;
+}
+
 }  // namespace
+
+bool areLookedAtEverywhere(std::span<const LightSize> lights) {
+  std::size_t polygons = 0;
+  for (const LightSize& light : lights) {
+    if (!light.constant || light.triangles > kMostTreeTriangles || light.cellsAcross >= kSmallBesideACell) return false;
+    polygons += light.triangles > kFewPolygons ? kPolygonsOfTree : light.triangles;
+  }
+  return !lights.empty() && polygons <= kFewPolygons;
+}
 
 double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, int sides) {
   const double side = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), corners[0]);
@@ -144,8 +175,10 @@ glm::dvec3 EmitterList::fromLights(const glm::dvec3& world, const glm::dvec3& n,
   for (int i = 0; i < int(texels[0].x); ++i) {
     const glm::vec4 radiance = texels[std::size_t(1 + 2 * i)], where = texels[std::size_t(2 + 2 * i)];
     const Part part = {&texels[std::size_t(where.x)], int(where.y), int(where.z), int(where.w)};
-    const glm::dvec3 e = radiance.w == 0.0F ? glm::dvec3(polygonIrradiance(part, x, n))
-                                            : treeIrradiance(part, x, n, double(texels[0].y));
+    const glm::dvec3 e = radiance.w == layout::kAsPolygons ? glm::dvec3(polygonIrradiance(part, x, n))
+                         : radiance.w == layout::kAsEmitterTree
+                             ? glm::dvec3(emitterTreeIrradiance(part, x, n, double(texels[0].y)))
+                             : treeIrradiance(part, x, n, double(texels[0].y));
     if (e == glm::dvec3(0.0)) continue;
     const glm::dvec3 share = through == nullptr ? glm::dvec3(1.0) : through->share(world, n, std::size_t(i));
     sum += glm::dvec3(radiance) * e * share;

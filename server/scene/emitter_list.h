@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "scene/grid.h"
@@ -28,15 +29,31 @@ inline constexpr std::size_t kMostPolygons = 1024;
 /// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
 inline constexpr std::size_t kMostPolygonsOfAll = 4096;
 /// Cells along the diagonal of a light's box below which it is small beside them: what it sends to surfaces far away
-/// changes within a cell. Lights of GATHER that all are so, and kFewPolygons together, are looked at everywhere.
+/// changes within a cell.
 inline constexpr double kSmallBesideACell = 1.0;
+/// What looking at a tree over triangles (scene/emitter_tree.h) costs from afar, in polygons.
+inline constexpr std::size_t kPolygonsOfTree = 16;
+/// Cells along the diagonal of a light that receivers see as VPLs, at least: where the field's cells are larger than
+/// that, its own are smaller.
+inline constexpr double kLeastCellsAcross = 4.0;
+
+/// What says how a light may be looked at.
+struct LightSize {
+  std::size_t triangles = 0;  ///< flat patches merged
+  bool constant = true;       ///< without texture and emission directions
+  double cellsAcross = 0.0;   ///< along the diagonal of its box
+};
+
+/// Whether receivers look at all lights everywhere, GATHER's too: each is small beside a cell, and all together are not
+/// much to look at. Without lights nobody looks.
+bool areLookedAtEverywhere(std::span<const LightSize> lights);
 
 /// A session's lights for lookups of the near field: the texels that shaders/transport/emitter_list.glsl describes.
 struct EmitterList {
-  Grid grid;            ///< of the field, guard cells included: what texels and distances are in
+  Grid grid;  ///< of the field, guard cells included: what texels and distances are in
   bool always = false;  ///< used everywhere; else only near emitters or beyond the cells' centres
   LightVisibilityPtr visibility;  ///< null where nothing stands in the lights' way
-  ReflectedLightPtr reflected;    ///< null without bounces
+  ReflectedLightPtr reflected;  ///< null without bounces
   std::vector<glm::vec4> texels;
   std::vector<float> emitterDistance;  ///< per cell: cells from its centre to the nearest VPL; empty when `always`
 

@@ -8,7 +8,9 @@
 
 #include "scene/error_goal.h"
 #include "scene/grid_choice.h"
+#include "scene/patches.h"
 #include "scene/predicted_error.h"
+#include "scene/shadowing.h"
 
 namespace lpv {
 
@@ -31,8 +33,9 @@ std::string edge(int cells) { return std::to_string(cells) + " cells along the l
 
 bool emitsLight(const Light& light) { return light.enabled && emittedRadiance(light) != glm::dvec3(0.0); }
 
-/// What DIRECT comes to: exact where every light is looked at as polygons (kFewPolygons).
-double directError(const Scene& scene, const LightingSettings& options) {
+/// What looking at the lights comes to: exact where every light is looked at as polygons (kFewPolygons).
+double directError(const Scene& scene, LightingSettings options) {
+  options.transport = Transport::kDirect;
   const std::size_t most = options.openingRatio() < kAccurateOpeningRatio ? kFewPolygons : kMostPolygons;
   std::size_t all = 0;
   bool polygons = true;
@@ -46,6 +49,9 @@ double directError(const Scene& scene, const LightingSettings& options) {
   return std::hypot(expectedError(options, kDefaultCellsOfLongestEdge),
                     ErrorPredictor(scene, options).ofTouching(scene.grid));
 }
+
+/// Whether GATHER's frames and probes do, wherever the receiver is.
+bool looksAtLights(const Scene& scene) { return isShadowed(scene) || bouncesFor(scene) > 0; }
 
 using Names = std::vector<std::string>;
 
@@ -153,6 +159,10 @@ Forecast forecast(const Scene& scene, const LightingSettings& asked) {
                                    ": the scene gives nothing to predict from, so the expected error is that "
                                    "of a light in a room, " +
                                    percentText(out.error) + ".";
+      if (!looksAtLights(scene)) break;
+      out.error = directError(scene, options);
+      out.choice = "Frames and probes look at the lights themselves, for shadows and bounces: expected error " +
+                   percentText(out.error) + " of what nothing is in the way of. Volumes: " + out.choice;
       break;
     }
   }

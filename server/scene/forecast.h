@@ -14,8 +14,8 @@ struct Forecast {
 };
 
 /// For a scene with the grid in use, and settings as they were asked for; follows from these alone. GATHER: the
-/// prediction (scene/predicted_error.h); DIRECT: next to nothing where all lights are polygons; else the table
-/// (scene/error_goal.h).
+/// prediction (scene/predicted_error.h), or where frames and probes look at the lights as with DIRECT; DIRECT: next to
+/// nothing where all lights are polygons; else the table (scene/error_goal.h). Of light with nothing in its way.
 Forecast forecast(const Scene& scene, const LightingSettings& asked);
 
 }  // namespace lpv

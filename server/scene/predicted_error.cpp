@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "scene/emitter_list.h"
 #include "scene/error_goal.h"
 #include "scene/lookup.h"
 
@@ -23,8 +24,6 @@ constexpr std::size_t kMostLookedAt = 20'000;
 constexpr double kTouching = 0.65;
 /// The same away from it, up to kNearFieldEnd cells.
 constexpr double kNear = 0.03;
-/// As lpv/resources/voxel_grid.h has it: a light of few cells across is voxelized in smaller ones.
-constexpr double kLeastCellsAcross = 4.0;
 constexpr double kSmallestCell = 1.0 / 1024;
 
 /// What automatic groups of three lights and more come to, as a share of what they may: seen .2 to 1.
@@ -79,18 +78,16 @@ double lookedUp(Lookup lookup, const sh::Coefficients& c, const glm::dvec3& n) {
   return lookup == Lookup::kCap ? irradianceCap(c, n) : irradianceSh2(c, n);
 }
 
-/// What lookedAtEverywhere says of the lights in that grid (lpv/resources/lights.h).
-bool areLookedAtEverywhere(const Scene& scene, const Grid& grid) {
-  std::size_t triangles = 0;
+/// As lookedAtEverywhere of lpv/resources/lights.h.
+bool looksEverywhere(const Scene& scene, const Grid& grid) {
+  std::vector<LightSize> lights;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    if (light->texture != nullptr || !light->mesh->directions.empty()) return false;
     const glm::dmat3 linear(light->transform.worldFromObject());
-    const double across = glm::length(linear * light->mesh->bounds.extent()) / grid.cell;
-    triangles += light->mesh->evenTriangles().size();
-    if (across >= kSmallBesideACell || triangles > kFewPolygons) return false;
+    lights.push_back({light->mesh->evenTriangles().size(), light->texture == nullptr && light->mesh->directions.empty(),
+                      glm::length(linear * light->mesh->bounds.extent()) / grid.cell});
   }
-  return triangles > 0;
+  return areLookedAtEverywhere(lights);
 }
 
 double squared(const glm::dvec3& v) { return glm::dot(v, v); }
@@ -205,7 +202,7 @@ std::optional<double> ErrorPredictor::with(const Grid& grid) const {
     byVolume += point.weight * far * far * squared(point.truth);
   }
   if (!(whole > 0.0)) return std::nullopt;
-  if (options_.transport == Transport::kGather && areLookedAtEverywhere(scene_, grid)) return 0.0;
+  if (options_.transport == Transport::kGather && looksEverywhere(scene_, grid)) return 0.0;
   const double merging = mergingError(options_.openingRatio());
   const double allowed = groupingGoal(options_, std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
   const bool apartWhereTooMuch = grouped_ || (groups_ == 2 && together > allowed * allowed * whole);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scene/emitter_list.h"
+#include "scene/emitter_tree.h"
 #include "scene/intersect.h"
 
 namespace lpv {
@@ -156,8 +157,8 @@ std::size_t LitSides::cross(const glm::dvec3& origin, const glm::dvec3& directio
 AreaLights::AreaLights(const Scene& scene, std::size_t most) {
   for (const auto& [name, light] : scene.lights) {
     if (!emits(*light)) continue;
-    const bool tree =
-        light->mesh->evenTriangles().size() > kFewPolygons || light->texture || !light->mesh->directions.empty();
+    const bool constant = light->texture == nullptr && light->mesh->directions.empty();
+    const bool tree = !constant || light->mesh->evenTriangles().size() > kMostTreeTriangles;
     const double across = glm::length(glm::dmat3(light->transform.worldFromObject()) * light->mesh->bounds.extent());
     lights_.push_back(
         {emittedRadiance(*light) * meanOf(light->texture), light->twoSided ? 2 : 1, light->group, tree, across, false});

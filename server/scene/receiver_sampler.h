@@ -69,7 +69,7 @@ class AreaLights {
   std::size_t lights() const { return lights_.size(); }
   const glm::dvec3& radiance(std::size_t light) const { return lights_[light].radiance; }
   const std::string& group(std::size_t light) const { return lights_[light].group; }
-  /// Whether receivers near the light see it as VPLs, not as polygons (kFewPolygons).
+  /// Whether receivers near the light see it as VPLs, not as triangles.
   bool isTree(std::size_t light) const { return lights_[light].tree; }
   /// Metres, the diagonal of its mesh's box.
   double across(std::size_t light) const { return lights_[light].across; }

@@ -73,6 +73,36 @@ void addTree(inout FourIrradiances sum, vec3 radiance, vec4 where, FourReceivers
   }
 }
 
+FourReceivers inTreeSpace(FourReceivers r, int at) {
+  const vec4 a = texelFetch(direct, at), b = texelFetch(direct, at + 1), c = texelFetch(direct, at + 2);
+  const float unit = inversesqrt(dot(a.xyz, a.xyz));
+  const vec3 na = unit * a.xyz, nb = unit * b.xyz, nc = unit * c.xyz;
+  return FourReceivers(a.x * r.x + a.y * r.y + a.z * r.z + a.w, b.x * r.x + b.y * r.y + b.z * r.z + b.w,
+                       c.x * r.x + c.y * r.y + c.z * r.z + c.w, na.x * r.nx + na.y * r.ny + na.z * r.nz,
+                       nb.x * r.nx + nb.y * r.ny + nb.z * r.nz, nc.x * r.nx + nc.y * r.ny + nc.z * r.nz);
+}
+
+/// Adds what an emitter tree gives, whose texels begin at `first`: leaves that are near to one of the receivers are
+/// triangles for all four. Tree space.
+void addEmitterTree(inout FourIrradiances sum, vec3 radiance, int first, int entries, FourReceivers r, float sides,
+                    float k, inout int rounds, int most) {
+  const int begin = first + kTreeSpaceTexels;
+  vec4 e = vec4(0.0);
+  for (int at = 0; at < entries;) {
+    const vec4 node = texelFetch(direct, begin + at * kPlainEntryTexels);
+    const vec4 next = texelFetch(direct, begin + at * kPlainEntryTexels + 1);
+    const int vpls = int(next.x), after = int(next.y);
+    const vec4 dx = node.x - r.x, dy = node.y - r.y, dz = node.z - r.z;
+    const bool far = all(greaterThan(dx * dx + dy * dy + dz * dz, vec4(k * k * node.w * node.w))) || rounds > most;
+    const int last = far ? at + vpls : at, triangles = far ? 0 : int(next.z);
+    for (int i = at + 1; i <= last; ++i) e += vplIrradiance(begin + i * kPlainEntryTexels, r, sides);
+    e += polygonIrradiance(first + int(next.w), triangles, r, sides);
+    rounds += 1 + last - at + 4 * triangles;
+    at = far ? after : at + 1 + vpls;
+  }
+  add(sum, radiance, e);
+}
+
 int lightsInList() { return int(texelFetch(direct, 0).x); }
 
 /// As directIrradiance, of lights [begin, end).
@@ -82,11 +112,14 @@ FourIrradiances directIrradiances(FourReceivers r, int begin, int end) {
   int rounds = 0;
   for (int i = begin; i < end; ++i) {
     const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
-    if (radiance.w == 0.0) {
+    const int most = rounds + (kMaxRounds - rounds) / (end - i);
+    if (radiance.w == kAsPolygons) {
       add(sum, radiance.rgb, polygonIrradiance(int(where.x), int(where.y), r, where.z));
       rounds += 4 * int(where.y);
+    } else if (radiance.w == kAsEmitterTree) {
+      addEmitterTree(sum, radiance.rgb, int(where.x), int(where.y), inTreeSpace(r, int(where.x)), where.z, k, rounds,
+                     most);
     } else {
-      const int most = rounds + (kMaxRounds - rounds) / (end - i);
       addTree(sum, radiance.rgb, where, r, k, rounds, most);
     }
   }

@@ -77,7 +77,7 @@ struct Arriving {
 
 /// 1 / the minimum distance r^. Cells of the volume are interpolated between, points are not.
 Scalar leastDistanceInverse(VplEntry v) {
-#if LPV_RECEIVERS == 1
+#if LPV_RECEIVERS == 1 || defined LPV_RECEIVERS_APART
   return v.mostInverse;
 #else
   return min(v.mostInverse, kMostInverse);

@@ -1,7 +1,8 @@
 // Virtual point lights as transport reads them (MATHS.md 3b). An entry is a node's header or one of its VPLs, which
 // follow it, one per normal bin that holds light.
 //   header  (centre, size: the edge, kColouredSize times with a texture)
-//           (VPLs, the entry after the node and all below it, -, -)
+//           (VPLs, the entry after the node and all below it, -, -), in an emitter tree
+//           (VPLs, the entry after the node and all below it, triangles of a leaf, their first texel)
 //   VPL     (position, area) (area x direction, spread) (covariance xx, yy, zz, their sum)
 //           (covariance xy, xz, yz, 1 / the minimum distance) with a texture: (colour, -)
 // Grid space of the field: its cell units. Colours are shares of the light's brightest texel. The light was voxelized in

@@ -47,12 +47,10 @@ bool fewPolygons(const EmittingLight& light) {
 }
 
 bool lookedAtEverywhere(const std::vector<EmittingLight>& lights) {
-  std::size_t triangles = 0;
-  for (const EmittingLight& light : lights) {
-    triangles += light.mesh->evenTriangles().size();
-    if (!fewPolygons(light) || triangles > kFewPolygons || cellsAcross(light) >= kSmallBesideACell) return false;
-  }
-  return !lights.empty();
+  std::vector<LightSize> sizes;
+  for (const EmittingLight& light : lights)
+    sizes.push_back({light.mesh->evenTriangles().size(), isConstant(light), cellsAcross(light)});
+  return areLookedAtEverywhere(sizes);
 }
 
 CellBox cellsAround(const std::vector<EmittingLight>& lights, const glm::ivec3& dims) {

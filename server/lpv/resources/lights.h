@@ -35,6 +35,7 @@ struct EmittingLight {
   TexturePtr texture;     ///< radiance factor, or null; null for a mesh without texture coordinates
   int group = 0;          ///< of the scene's groups of lights, which one
   bool polygons = false;  ///< receivers look at its triangles, not at its VPLs (lpv/transport/emitter_list.h)
+  bool tree = false;      ///< receivers look at the tree over its triangles (scene/emitter_tree.h)
 
   Emission emission() const;
 };
@@ -53,8 +54,7 @@ bool isConstant(const EmittingLight& light);
 /// Whether the near field takes the light for polygons, as far as it goes by this light alone.
 bool fewPolygons(const EmittingLight& light);
 
-/// Whether receivers look at the lights everywhere, GATHER's too: all are few polygons together, which is exact and not
-/// much work, and each is small beside a cell.
+/// areLookedAtEverywhere of scene/emitter_list.h.
 bool lookedAtEverywhere(const std::vector<EmittingLight>& lights);
 
 /// A box around every cell the lights can touch.

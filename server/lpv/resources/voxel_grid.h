@@ -26,9 +26,6 @@ struct VoxelGrid {
 
 /// Blocks of the tree lie as they would if the grid began where the field does: `lower` is a multiple of this.
 inline constexpr int kVoxelAlignment = 128;
-/// Cells along the diagonal of a light that receivers see as VPLs, at least: where the field's cells are larger than
-/// that, its own are smaller.
-inline constexpr double kLeastCellsAcross = 4.0;
 /// The finest cells: 2^-kMostHalvings field cells.
 inline constexpr int kMostHalvings = 10;
 /// Cells of the box of a light, at most: above, its cells are larger than the field's. A field of 128^3 with what

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
+#include <future>
+#include <utility>
 
 #include "gpu/gl.h"
 
@@ -26,68 +29,119 @@ void addPolygons(const EmittingLight& light, std::vector<glm::vec4>& texels) {
   }
 }
 
-int texelsPerEntry(const LightVoxels& voxels) {
-  return voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
-}
+float sidesOf(const EmittingLight& light) { return light.twoSided ? 2.0F : 1.0F; }
 
-/// Texels of a tree's entries.
-std::size_t entryTexels(const LightVoxels& voxels) {
-  return voxels.tree->entryCount * std::size_t(texelsPerEntry(voxels));
+constexpr std::size_t kTexel = sizeof(glm::vec4);
+
+/// Of the lights that are looked at as trees over their triangles, the others' empty. Takes as long as new trees do.
+std::vector<PlacedEmitterTree> placedTrees(const std::vector<std::pair<MeshPtr, glm::dmat4>>& placed) {
+  std::vector<PlacedEmitterTree> out;
+  for (const auto& [mesh, gridFromObject] : placed)
+    out.push_back(mesh == nullptr ? PlacedEmitterTree() : emitterTreeOf(mesh, gridFromObject));
+  return out;
 }
 
 }  // namespace
 
-void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k) {
+void chooseTriangles(std::vector<EmittingLight>& lights, Transport transport, double k) {
   const bool accurate = transport == Transport::kDirect && k >= kAccurateOpeningRatio;
   const std::size_t most = accurate ? kMostPolygons : kFewPolygons;
   std::vector<EmittingLight*> candidates;
   for (EmittingLight& light : lights) {
     light.polygons = false;
-    if (isConstant(light) && light.mesh->evenTriangles().size() <= most) candidates.push_back(&light);
+    light.tree = isConstant(light) && light.mesh->evenTriangles().size() <= kMostTreeTriangles;
+    if (light.tree && light.mesh->evenTriangles().size() <= most) candidates.push_back(&light);
   }
   std::ranges::stable_sort(candidates, {}, [](const EmittingLight* l) { return l->mesh->evenTriangles().size(); });
   std::size_t all = 0;
   for (EmittingLight* light : candidates) {
     all += light->mesh->evenTriangles().size();
     light->polygons = all <= kMostPolygonsOfAll;
+    light->tree = !light->polygons;
   }
 }
 
-void EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
-                             double k) {
+void EmitterBufferList::keepTrees(const std::vector<PlacedEmitterTree>& placed) {
+  std::map<EmitterTreePtr, gpu::Buffer> kept;
+  for (const PlacedEmitterTree& p : placed) {
+    if (p.tree == nullptr || kept.contains(p.tree)) continue;
+    const auto known = trees_.find(p.tree);
+    kept[p.tree] = known != trees_.end()
+                       ? std::move(known->second)
+                       : gpu::Buffer("emitter tree", gpu::bytesOf(std::span<const glm::vec4>(p.tree->texels)));
+  }
+  trees_ = std::move(kept);
+}
+
+GpuTask EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+                                double k) {
+  std::vector<std::pair<MeshPtr, glm::dmat4>> shapes;
+  for (const EmittingLight& light : lights)
+    shapes.emplace_back(light.tree ? light.mesh : MeshPtr(), light.gridFromObject);
+  auto trees = std::async(std::launch::async, placedTrees, std::move(shapes));
+  while (trees.wait_for(std::chrono::microseconds(100)) != std::future_status::ready) co_yield yield();
+  const std::vector<PlacedEmitterTree> placed = trees.get();
+  keepTrees(placed);
   everywhere = lookedAtEverywhere(lights);
+  fill(lights, voxels, placed, k);
+}
+
+void EmitterBufferList::fill(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+                             const std::vector<PlacedEmitterTree>& placed, double k) {
   std::vector<glm::vec4> head(1 + 2 * lights.size());
   head[0] = {float(lights.size()), float(std::min(k, 1e15)), 0.0F, 0.0F};
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (!lights[i].polygons) continue;
-    const std::size_t first = head.size();
+    head[1 + 2 * i] = glm::vec4(lights[i].radiance, layout::kAsPolygons);
+    head[2 + 2 * i] = {float(head.size()), float(lights[i].mesh->evenTriangles().size()), sidesOf(lights[i]), 0.0F};
     addPolygons(lights[i], head);
-    head[1 + 2 * i] = glm::vec4(lights[i].radiance, 0.0);
-    head[2 + 2 * i] = {float(first), float(lights[i].mesh->evenTriangles().size()), lights[i].twoSided ? 2.0F : 1.0F,
-                       0.0F};
   }
+  std::vector<Part> parts;
   count = head.size();
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (lights[i].polygons) continue;
-    head[1 + 2 * i] = glm::vec4(lights[i].radiance * voxels[i]->radianceScale, 1.0);
-    head[2 + 2 * i] = {float(count), float(voxels[i]->tree->entryCount), lights[i].twoSided ? 2.0F : 1.0F,
-                       float(texelsPerEntry(*voxels[i]))};
-    count += entryTexels(*voxels[i]);
+    const Part part = lights[i].tree ? partOf(placed[i]) : partOf(*voxels[i]);
+    const double scale = lights[i].tree ? 1.0 : voxels[i]->radianceScale;
+    head[1 + 2 * i] = glm::vec4(lights[i].radiance * scale, lights[i].tree ? layout::kAsEmitterTree : layout::kAsVpls);
+    head[2 + 2 * i] = {float(count), float(part.entries), sidesOf(lights[i]), float(part.texelsOfEntry)};
+    parts.push_back(part);
+    count += part.before.size() + part.texels;
   }
-  if (texels.size() < count * sizeof(glm::vec4)) {
-    view = {};
-    texels = {};  // first the old memory, then the new
-    texels = gpu::Buffer("direct lights", std::bit_ceil(count * sizeof(glm::vec4)), gpu::BufferUse::kDynamic);
-    view = gpu::BufferTexture("direct lights", texels);
-  }
+  makeRoom();
   texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(head)));
-  for (std::size_t i = 0, at = head.size(); i < lights.size(); ++i) {
-    if (lights[i].polygons || voxels[i]->tree->entryCount == 0) continue;
-    const std::size_t texelCount = entryTexels(*voxels[i]);
-    glCopyNamedBufferSubData(voxels[i]->tree->entries.id(), texels.id(), 0, GLintptr(at * sizeof(glm::vec4)),
-                             GLsizeiptr(texelCount * sizeof(glm::vec4)));
-    at += texelCount;
+  std::size_t at = head.size();
+  for (const Part& part : parts) {
+    if (!part.before.empty()) texels.update(at * kTexel, gpu::bytesOf(std::span<const glm::vec4>(part.before)));
+    at += part.before.size();
+    if (part.texels > 0) {
+      glCopyNamedBufferSubData(part.from->id(), texels.id(), 0, GLintptr(at * kTexel),
+                               GLsizeiptr(part.texels * kTexel));
+    }
+    at += part.texels;
   }
+}
+
+void EmitterBufferList::makeRoom() {
+  if (texels.size() >= count * kTexel) return;
+  view = {};
+  texels = {};  // first the old memory, then the new
+  texels = gpu::Buffer("direct lights", std::bit_ceil(count * kTexel), gpu::BufferUse::kDynamic);
+  view = gpu::BufferTexture("direct lights", texels);
+}
+
+EmitterBufferList::Part EmitterBufferList::partOf(const PlacedEmitterTree& placed) const {
+  const glm::mat4 rows(glm::transpose(placed.treeFromGrid));
+  return {{rows[0], rows[1], rows[2]},
+          &trees_.at(placed.tree),
+          placed.tree->texels.size(),
+          placed.tree->entries,
+          layout::kPlainEntryTexels};
+}
+
+EmitterBufferList::Part EmitterBufferList::partOf(const LightVoxels& voxels) const {
+  const int ofEntry = voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
+  const std::size_t entries = voxels.tree->entryCount;
+  return {{}, &voxels.tree->entries, entries * std::size_t(ofEntry), entries, ofEntry};
 }
 
 }  // namespace lpv

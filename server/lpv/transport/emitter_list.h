@@ -1,20 +1,23 @@
 #pragma once
 // The lights as receivers look at them without a grid (MATHS.md 3c): on the GPU for frames, and for the CPU's probes.
 
+#include <map>
 #include <vector>
 
 #include "gpu/buffer.h"
 #include "gpu/buffer_texture.h"
 #include "lpv/cached.h"
+#include "lpv/pacing/gpu_task.h"
 #include "lpv/resources/light_field.h"
 #include "lpv/resources/light_voxels.h"
 #include "lpv/resources/lights.h"
 #include "scene/emitter_list.h"
+#include "scene/emitter_tree.h"
 
 namespace lpv {
 
-/// Which lights are polygons. `k`: the distance rule of the trees.
-void choosePolygons(std::vector<EmittingLight>& lights, Transport transport, double k);
+/// Which lights receivers look at as triangles, and how. `k`: the distance rule of the trees.
+void chooseTriangles(std::vector<EmittingLight>& lights, Transport transport, double k);
 
 /// What the list is made from.
 struct EmitterListInputs {
@@ -31,7 +34,25 @@ struct EmitterBufferList {
   bool everywhere = false;  ///< lookedAtEverywhere
 
   /// `k`: the distance rule of the trees.
-  void make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels, double k);
+  GpuTask make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels, double k);
+
+ private:
+  /// One light's texels: some of its own, then a buffer's.
+  struct Part {
+    std::vector<glm::vec4> before;
+    const gpu::Buffer* from = nullptr;
+    std::size_t texels = 0;
+    std::size_t entries = 0;
+    int texelsOfEntry = 0;
+  };
+  Part partOf(const PlacedEmitterTree& placed) const;
+  Part partOf(const LightVoxels& voxels) const;
+  void fill(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+            const std::vector<PlacedEmitterTree>& placed, double k);
+  void makeRoom();
+  void keepTrees(const std::vector<PlacedEmitterTree>& placed);
+
+  std::map<EmitterTreePtr, gpu::Buffer> trees_;  ///< of the lights that are there
 };
 
 }  // namespace lpv

@@ -207,7 +207,7 @@ TEST_F(SmallEmittersTest, AQuadOfManyTrianglesIsAQuad) {
         const EmittingLight light = test::placed(reference::quadOf(n), pose, kWhite);
         EXPECT_LE(apart(want, gathered(kGrid, {light}, kFastOpeningRatio)), 1e-5) << n << ", size " << size;
         std::vector<EmittingLight> lights = {light};
-        choosePolygons(lights, Transport::kGather, kFastOpeningRatio);
+        chooseTriangles(lights, Transport::kGather, kFastOpeningRatio);
         EXPECT_TRUE(lights[0].polygons) << "looked at as a tree, from near";
       }
     }

@@ -116,7 +116,9 @@ TEST_F(LightPlacesTest, OnlyFewSmallPolygonsAreLookedAtEverywhere) {
   EXPECT_TRUE(lookedAtEverywhere(std::vector<EmittingLight>(16, lamp)));
   EXPECT_FALSE(lookedAtEverywhere(std::vector<EmittingLight>(17, lamp)));
   EXPECT_FALSE(lookedAtEverywhere({lamp, lightOf(reference::quad(), 1.3, {8, 8, 8})}));
-  EXPECT_FALSE(lookedAtEverywhere({lightOf(reference::sphere(), 0.1, {8, 8, 8})}));
+  const EmittingLight bulb = lightOf(reference::sphere(), 0.1, {8, 8, 8});
+  EXPECT_TRUE(lookedAtEverywhere({bulb, bulb}));
+  EXPECT_FALSE(lookedAtEverywhere({bulb, bulb, bulb}));
   EXPECT_FALSE(lookedAtEverywhere({}));
 }
 

@@ -227,6 +227,8 @@ class Announcements : public SessionSettings, public ::testing::WithParamInterfa
 TEST_P(Announcements, AreWithinAFactorOfTwoOfTheError) {
   pb::SessionSettings wanted;
   wanted.set_quality(pb::QUALITY_ACCURATE);
+  wanted.set_bounces(0);
+  wanted.set_visibility(pb::VISIBILITY_OFF);
   wanted.mutable_grid()->set_longest(GetParam().cells);
   ASSERT_THAT(create(wanted), IsOk());
   apply(stubs_, made_.name(), GetParam().scene);
@@ -254,6 +256,21 @@ INSTANTIATE_TEST_SUITE_P(
                   {lampAt("a", 1, {-1.5, 3.5, 0}), lampAt("b", 1, {1.5, 3.5, 0}), lampAt("c", 1, {0, 2, -1.9}, 0),
                    lampAt("d", 1, {0, 2, 1.9}, 180), wallAt("floor", 4, {}), wallAt("back", 4, {0, 2, -2}, 0)}}),
     [](const auto& row) { return row.param.name; });
+
+// With bounces frames and probes do not look at the grid, and the session says so.
+// Broken by: the volume's error.
+TEST_F(SessionSettings, BouncesAreNotAsWrongAsTheGrid) {
+  pb::SessionSettings wanted;
+  wanted.mutable_grid()->set_longest(16);
+  ASSERT_THAT(create(wanted), IsOk());
+  apply(stubs_, made_.name(), {lampAt("lamp", 1, {0, 2, 0}), wallAt("floor", 8, {})});
+  probe(stubs_, made_.name());
+  ASSERT_TRUE(eventually([&] { return getSession(stubs_, made_.name()).has_measured_error(); }));
+  const pb::Session now = getSession(stubs_, made_.name());
+  EXPECT_LE(now.expected_error(), 0.001);
+  EXPECT_LE(now.measured_error(), 0.001);
+  EXPECT_THAT(now.choice(), AllOf(HasSubstr("look at the lights"), HasSubstr("Volumes: 16 cells")));
+}
 
 // Broken by: 32 cells whatever the scene; a choice that says nothing.
 TEST_F(SessionSettings, AnAutomaticGridIsTheScenes) {

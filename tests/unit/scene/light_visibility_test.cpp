@@ -16,7 +16,7 @@
 namespace lpv {
 namespace {
 
-Surface& addSurface(Scene& scene, const std::string& name, const MeshPtr& mesh, const Transform& transform) {
+Surface& placeSurface(Scene& scene, const std::string& name, const MeshPtr& mesh, const Transform& transform) {
   auto surface = std::make_shared<Surface>();
   surface->name = name;
   surface->mesh = mesh;
@@ -25,7 +25,7 @@ Surface& addSurface(Scene& scene, const std::string& name, const MeshPtr& mesh, 
   return *surface;
 }
 
-Light& addLight(Scene& scene, const std::string& name, const MeshPtr& mesh, const Transform& transform) {
+Light& placeLight(Scene& scene, const std::string& name, const MeshPtr& mesh, const Transform& transform) {
   auto light = std::make_shared<Light>();
   light->name = name;
   light->mesh = mesh;
@@ -38,12 +38,12 @@ Light& addLight(Scene& scene, const std::string& name, const MeshPtr& mesh, cons
 Scene plate() {
   Scene scene;
   scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
-  addLight(scene, "lamp", reference::quad(), {{0.0, 0.0, 2.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0})});
-  addSurface(scene, "plate", reference::quad(), {{0.1, 0.0, 1.0}, {1.0, 0.0, 0.0, 0.0}, glm::dvec3(0.5)});
+  placeLight(scene, "lamp", reference::quad(), {{0.0, 0.0, 2.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0})});
+  placeSurface(scene, "plate", reference::quad(), {{0.1, 0.0, 1.0}, {1.0, 0.0, 0.0, 0.0}, glm::dvec3(0.5)});
   return scene;
 }
 
-std::shared_ptr<const Scene> shared(const Scene& scene) { return std::make_shared<const Scene>(scene); }
+std::shared_ptr<const Scene> asShared(const Scene& scene) { return std::make_shared<const Scene>(scene); }
 
 std::vector<reference::Receiver> floorPoints() {
   std::vector<reference::Receiver> out;
@@ -56,7 +56,7 @@ std::vector<reference::Receiver> floorPoints() {
 // Broken by: a bit for the whole light; rays to its middle.
 TEST(LightVisibility, SharesFollowThePenumbra) {
   const Scene scene = plate();
-  const LightVisibility visibility(shared(scene));
+  const LightVisibility visibility(asShared(scene));
   const reference::ShadowedLights truth(scene, 24);
   const auto emitters = reference::emittersOf(scene).triangles;
   double squares = 0.0, all = 0.0;
@@ -74,23 +74,23 @@ TEST(LightVisibility, SharesFollowThePenumbra) {
 
 // Light with nothing in its way stays as it is, to the last bit.
 TEST(LightVisibility, NothingInTheWayIsExactlyOne) {
-  const LightVisibility visibility(shared(plate()));
+  const LightVisibility visibility(asShared(plate()));
   EXPECT_EQ(visibility.share({0.0, 0.0, 1.2}, {0.0, 0.0, 1.0}, 0), glm::dvec3(1.0));
   EXPECT_EQ(visibility.share({1.9, 1.9, 0.0}, {0.0, 0.0, 1.0}, 0), glm::dvec3(1.0));
 }
 
 // Under the plate's middle, 5 cm below it.
 TEST(LightVisibility, NothingArrivesRightBehindAPlate) {
-  const LightVisibility visibility(shared(plate()));
+  const LightVisibility visibility(asShared(plate()));
   EXPECT_EQ(visibility.share({0.1, 0.0, 0.95}, {0.0, 0.0, 1.0}, 0), glm::dvec3(0.0));
 }
 
 // A light counts among those that emit. Broken by: an index into all lights.
 TEST(LightVisibility, LightsThatDoNotEmitAreNotCounted) {
   Scene scene = plate();
-  addLight(scene, "a first one that is off", reference::quad(), {}).enabled = false;
-  addLight(scene, "a second one that is black", reference::quad(), {}).radiance = glm::dvec3(0.0);
-  const LightVisibility visibility(shared(scene));
+  placeLight(scene, "a first one that is off", reference::quad(), {}).enabled = false;
+  placeLight(scene, "a second one that is black", reference::quad(), {}).radiance = glm::dvec3(0.0);
+  const LightVisibility visibility(asShared(scene));
   EXPECT_EQ(visibility.share({0.1, 0.0, 0.95}, {0.0, 0.0, 1.0}, 0), glm::dvec3(0.0));
 }
 
@@ -98,9 +98,9 @@ TEST(LightVisibility, LightsThatDoNotEmitAreNotCounted) {
 TEST(LightVisibility, ALightIsInItsOwnWayOnly) {
   Scene scene;
   scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
-  addLight(scene, "folded", reference::bumpySphere(2000), {});
-  addLight(scene, "other", reference::quad(), {{0.0, 0.0, 1.5}, rotationFromEulerDegrees({180.0, 0.0, 0.0})});
-  const LightVisibility visibility(shared(scene));
+  placeLight(scene, "folded", reference::bumpySphere(2000), {});
+  placeLight(scene, "other", reference::quad(), {{0.0, 0.0, 1.5}, rotationFromEulerDegrees({180.0, 0.0, 0.0})});
+  const LightVisibility visibility(asShared(scene));
   EXPECT_EQ(visibility.share({0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}, 1), glm::dvec3(1.0));
   double least = 1.0;
   for (const reference::Receiver& r : floorPoints())
@@ -114,7 +114,7 @@ TEST(LightVisibility, SharesAreOfTheTexturesLight) {
   auto lamp = std::make_shared<Light>(*scene.lights.at("lamp"));
   lamp->texture = reference::noise(4, 4);
   scene.lights["lamp"] = lamp;
-  const LightVisibility visibility(shared(scene));
+  const LightVisibility visibility(asShared(scene));
   const glm::dvec3 share = visibility.share({0.1, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0);
   EXPECT_NE(share.x, share.y);
   EXPECT_GT(share.x, 0.0);
@@ -166,8 +166,8 @@ TEST(LightPoints, AMeshWithoutAreaHasNone) {
 /// A wall of 2 x 2 m at z = 1, front down, that sends radiance 1 everywhere.
 ReflectedLight litWall() {
   Scene scene;
-  Surface& wall = addSurface(scene, "wall", reference::quad(),
-                             {{0.0, 0.0, 1.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0}), glm::dvec3(2.0)});
+  Surface& wall = placeSurface(scene, "wall", reference::quad(),
+                               {{0.0, 0.0, 1.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0}), glm::dvec3(2.0)});
   wall.twoSided = false;
   ReflectedLight light;
   light.patches = patchesOf(scene, 512);
@@ -181,8 +181,8 @@ TEST(ReflectedLight, AWallIsALight) {
   const ReflectedLight wall = litWall();
   Scene scene;
   scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
-  addLight(scene, "wall", reference::quad(),
-           {{0.0, 0.0, 1.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0}), glm::dvec3(2.0)});
+  placeLight(scene, "wall", reference::quad(),
+             {{0.0, 0.0, 1.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0}), glm::dvec3(2.0)});
   const auto emitters = reference::emittersOf(scene).triangles;
   for (const double z : {0.0, 0.5, 0.9, 0.95, 0.99}) {
     for (const double x : {0.0, 0.33, 0.8, 1.1}) {
@@ -199,8 +199,8 @@ TEST(ReflectedLight, WhatIsHiddenDoesNotCount) {
   const ReflectedLight wall = litWall();
   Scene scene;
   scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
-  addSurface(scene, "screen", reference::quad(), {{1.0, 0.0, 0.5}, {1.0, 0.0, 0.0, 0.0}, {2.0, 8.0, 1.0}});
-  const LightVisibility visibility(shared(scene));
+  placeSurface(scene, "screen", reference::quad(), {{1.0, 0.0, 0.5}, {1.0, 0.0, 0.0, 0.0}, {2.0, 8.0, 1.0}});
+  const LightVisibility visibility(asShared(scene));
   const glm::dvec3 at(0.0), n(0.0, 0.0, 1.0);
   EXPECT_NEAR(wall.irradiance(at, n, &visibility).x, 0.5 * wall.irradiance(at, n, nullptr).x, 0.03);
 }

@@ -1,0 +1,227 @@
+#include "scene/emitter_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/gtx/component_wise.hpp>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "base/mutex.h"
+#include "scene/triangle_bvh.h"
+#include "shaders/layout.h"
+
+namespace lpv {
+
+namespace {
+
+constexpr std::uint32_t kTrianglesOfLeaf = 4;
+constexpr std::size_t kBins = layout::kNormalBins;
+constexpr double kOpenedEarlier = 1.15;  ///< than cubes of cells: boxes of triangles are filled to their edges
+constexpr double kNextLevel = 0.7;       ///< of a node's size: children that are larger are left out
+constexpr double kShapeSteps = 1e6;      ///< shapes that differ by less are one
+constexpr float kNoLeastDistance = 1e6F; ///< inverse: nodes are looked at from afar only
+
+struct Triangle {
+  glm::dvec3 corners[3];
+};
+
+/// Integrals over triangles of one bin.
+struct Moments {
+  double area = 0.0;
+  glm::dvec3 areaNormal{0.0}, first{0.0};
+  glm::dmat3 second{0.0};
+
+  void add(const Moments& more) {
+    area += more.area;
+    areaNormal += more.areaNormal;
+    first += more.first;
+    second += more.second;
+  }
+};
+using Bins = std::array<Moments, kBins>;
+
+/// 3 x 3 on each face of a cube, as in shaders/voxelize/normal_bins.glsl.
+std::size_t binOf(const glm::dvec3& normal) {
+  const glm::dvec3 size = glm::abs(normal);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto third = [&](int other) { return std::clamp(int(1.5 * (normal[other] / size[axis] + 1.0)), 0, 2); };
+  const int face = 2 * axis + (normal[axis] < 0.0 ? 1 : 0);
+  return std::size_t(9 * face + 3 * third((axis + 1) % 3) + third((axis + 2) % 3));
+}
+
+void add(const Triangle& t, Bins& bins) {
+  const glm::dvec3 &a = t.corners[0], &b = t.corners[1], &c = t.corners[2], middle = (a + b + c) / 3.0;
+  Moments m;
+  m.areaNormal = 0.5 * glm::cross(b - a, c - a);
+  m.area = glm::length(m.areaNormal);
+  m.first = m.area * middle;
+  m.second = m.area / 12.0 *
+             (glm::outerProduct(a, a) + glm::outerProduct(b, b) + glm::outerProduct(c, c) +
+              9.0 * glm::outerProduct(middle, middle));
+  bins[binOf(m.areaNormal)].add(m);
+}
+
+/// As in shaders/transport/vpls.glsl.
+double spreadOf(double area, double n) {
+  const double missing = std::max(area - n, 0.0);
+  if (missing <= 1e-6 * area) return std::max(1e-6 * area, 1e-30);
+  if (3.0 * area <= 4.0 * n) return std::sqrt(3.0 * n * missing);
+  return 0.5 * (area + std::sqrt(std::max(area * area - 4.0 / 3.0 * n * n, 0.0)));
+}
+
+void addVpl(const Moments& m, std::vector<glm::vec4>& texels) {
+  const glm::dvec3 position = m.first / m.area;
+  const glm::dmat3 v = m.second / m.area - glm::outerProduct(position, position);
+  texels.emplace_back(position, m.area);
+  texels.emplace_back(m.areaNormal, spreadOf(m.area, glm::length(m.areaNormal)));
+  texels.emplace_back(v[0][0], v[1][1], v[2][2], std::max(v[0][0] + v[1][1] + v[2][2], 0.0));
+  texels.emplace_back(v[0][1], v[0][2], v[1][2], kNoLeastDistance);
+}
+
+/// A mesh's triangles with area, in tree space.
+std::vector<Triangle> trianglesOf(const Mesh& mesh, const glm::dvec3& scale) {
+  const bool mirrors = scale.x * scale.y * scale.z < 0.0;
+  std::vector<Triangle> out;
+  for (glm::uvec3 t : mesh.evenTriangles()) {
+    if (mirrors) std::swap(t.y, t.z);
+    Triangle triangle;
+    for (int i = 0; i < 3; ++i) triangle.corners[i] = scale * glm::dvec3(mesh.positions[t[i]]);
+    const glm::dvec3* c = triangle.corners;
+    if (glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) > 0.0) out.push_back(triangle);
+  }
+  return out;
+}
+
+BvhBox boxOf(const Triangle& t) {
+  const glm::vec3 a(t.corners[0]), b(t.corners[1]), c(t.corners[2]);
+  return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+}
+
+double sizeOf(const BvhNode& node) { return glm::compMax(glm::dvec3(node.upper) - glm::dvec3(node.lower)); }
+
+/// Bottom-up: a node's children follow it.
+std::vector<Bins> momentsOf(const Bvh& bvh, const std::vector<Triangle>& triangles) {
+  std::vector<Bins> out(bvh.nodes.size());
+  for (std::size_t i = out.size(); i-- > 0;) {
+    const BvhNode& node = bvh.nodes[i];
+    for (std::uint32_t k = 0; k < node.items(); ++k) add(triangles[bvh.order[node.firstItem() + k]], out[i]);
+    for (std::size_t child = i + 1; node.leaf == 0 && child < node.skip; child = bvh.nodes[child].skip) {
+      for (std::size_t bin = 0; bin < kBins; ++bin) out[i][bin].add(out[child][bin]);
+    }
+  }
+  return out;
+}
+
+/// Puts nodes down in their order, those that are little smaller than the one above left out.
+class Entries {
+ public:
+  void add(std::uint32_t at, const BvhNode& node, const Bins& bins) {
+    closeThoseBefore(at);
+    const double size = sizeOf(node);
+    if (!open_.empty() && node.leaf == 0 && size > kNextLevel * open_.back().size) return;
+    open_.push_back({node.skip, count_, size});
+    const auto vpls = std::ranges::count_if(bins, [](const Moments& m) { return m.area > 0.0; });
+    texels.emplace_back(0.5F * (node.lower + node.upper), float(kOpenedEarlier * size));
+    texels.emplace_back(float(vpls), 0.0F, float(node.items()), float(node.firstItem()));
+    texels.resize(texels.size() + 2, glm::vec4(0.0F));
+    for (const Moments& m : bins) {
+      if (m.area > 0.0) addVpl(m, texels);
+    }
+    count_ += 1 + std::size_t(vpls);
+  }
+  std::size_t finish() {
+    closeThoseBefore(~0U);
+    return count_;
+  }
+
+  std::vector<glm::vec4> texels;
+
+ private:
+  struct Open {
+    std::uint32_t end;
+    std::size_t entry;
+    double size;
+  };
+  void closeThoseBefore(std::uint32_t at) {
+    for (; !open_.empty() && open_.back().end <= at; open_.pop_back())
+      texels[layout::kPlainEntryTexels * open_.back().entry + 1].y = float(count_);
+  }
+
+  std::vector<Open> open_;
+  std::size_t count_ = 0;
+};
+
+/// The trees of the meshes that are in use.
+class KnownTrees {
+ public:
+  using Shape = std::tuple<std::int64_t, std::int64_t, std::int64_t>;
+
+  EmitterTreePtr find(const MeshPtr& mesh, const Shape& shape) LPV_EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    const auto known = trees_.find(mesh);
+    if (known == trees_.end() || !known->second.contains(shape)) return nullptr;
+    return known->second.at(shape);
+  }
+  /// The tree that is kept: another thread's where that came first. Of one mesh so many shapes at most.
+  EmitterTreePtr keep(const MeshPtr& mesh, const Shape& shape, EmitterTreePtr tree) LPV_EXCLUDES(mutex_) {
+    constexpr std::size_t kMostShapes = 16;
+    const MutexLock lock(mutex_);
+    std::erase_if(trees_, [](const auto& entry) { return entry.first.expired(); });
+    auto& shapes = trees_[mesh];
+    if (shapes.size() >= kMostShapes) shapes.clear();
+    return shapes.try_emplace(shape, std::move(tree)).first->second;
+  }
+
+ private:
+  Mutex mutex_;
+  std::map<std::weak_ptr<const Mesh>, std::map<Shape, EmitterTreePtr>, std::owner_less<>> trees_ LPV_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+EmitterTree::EmitterTree(const Mesh& mesh, const glm::dvec3& shapeOfIt) : shape(shapeOfIt) {
+  const double longest = glm::compMax(glm::abs(shape) * glm::dvec3(mesh.bounds.extent()));
+  unit = longest > 0.0 ? 1.0 / longest : 1.0;
+  const std::vector<Triangle> triangles = trianglesOf(mesh, unit * shape);
+  std::vector<BvhBox> boxes;
+  for (const Triangle& t : triangles) boxes.push_back(boxOf(t));
+  const Bvh bvh = makeBvh(boxes, kTrianglesOfLeaf);
+  const std::vector<Bins> moments = momentsOf(bvh, triangles);
+  Entries nodes;
+  for (std::size_t i = 0; i < bvh.nodes.size(); ++i) nodes.add(std::uint32_t(i), bvh.nodes[i], moments[i]);
+  entries = nodes.finish();
+  texels = std::move(nodes.texels);
+  const std::size_t begin = texels.size();
+  for (std::size_t at = 0; at < begin;) {
+    glm::vec4& next = texels[at + 1];
+    if (next.z > 0.0F) next.w = float(layout::kTreeSpaceTexels + begin) + 3.0F * next.w;
+    at += layout::kPlainEntryTexels * (1 + std::size_t(next.x));
+  }
+  for (const std::uint32_t i : bvh.order) {
+    for (const glm::dvec3& corner : triangles[i].corners) texels.emplace_back(corner, 0.0);
+  }
+}
+
+PlacedEmitterTree emitterTreeOf(const MeshPtr& mesh, const glm::dmat4& gridFromObject) {
+  static KnownTrees known;
+  const glm::dmat3 linear(gridFromObject);
+  glm::dvec3 scale(glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]));
+  if (glm::determinant(linear) < 0.0) scale.x = -scale.x;
+  const double largest = glm::compMax(glm::abs(scale));
+  const glm::dvec3 steps = glm::round(scale / largest * kShapeSteps);
+  const KnownTrees::Shape shape(std::int64_t(steps.x), std::int64_t(steps.y), std::int64_t(steps.z));
+  EmitterTreePtr tree = known.find(mesh, shape);
+  if (tree == nullptr) {
+    const glm::dvec3 rounded = glm::max(glm::abs(steps), 1.0) * glm::sign(scale) / kShapeSteps;
+    tree = known.keep(mesh, shape, std::make_shared<const EmitterTree>(*mesh, rounded));
+  }
+  const glm::dmat3 rotation(linear[0] / scale.x, linear[1] / scale.y, linear[2] / scale.z);
+  const glm::dmat3 turn = tree->unit / largest * glm::transpose(rotation);
+  glm::dmat4 placed(turn);
+  placed[3] = glm::dvec4(-(turn * glm::dvec3(gridFromObject[3])), 1.0);
+  return {std::move(tree), placed};
+}
+
+}  // namespace lpv
