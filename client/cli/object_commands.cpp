@@ -162,6 +162,12 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
       ->type_name("NAME");
 }
 
+void ObjectFlags::addVisibilityTo(CLI::App& app) {
+  addSwitch(app, "--casts-shadow", castsShadow, "Stand in the way of light (default of add: on)");
+  addSwitch(app, "--visible", visibleToCamera,
+            "Show the object in frames; it does the rest unseen (default of add: on)");
+}
+
 CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
   CLI::App& app = commands.add(group, "add", "Add a mesh file as a " + kind.word + " and print its name",

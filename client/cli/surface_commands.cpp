@@ -25,6 +25,7 @@ struct SurfaceFlags : ObjectFlags {
     app.add_option("--roughness", roughness, "Roughness, 0..1 (default of add: 1)")->type_name("R");
     app.add_option("--metalness", metalness, "Metalness, 0..1 (default of add: 0)")->type_name("M");
     addSwitch(app, "--one-sided", oneSided, "Show and light the front only (default of add: off)");
+    addVisibilityTo(app);
     transform.addTo(app);
     addUpFlag(app, import);
   }
@@ -57,6 +58,7 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
   fields.set("roughness", flags.roughness, [&](double v) { surface.set_roughness(v); });
   fields.set("metalness", flags.metalness, [&](double v) { surface.set_metalness(v); });
   fields.set("two_sided", flags.oneSided, [&](bool on) { surface.set_two_sided(!on); });
+  flags.writeVisibility(fields, surface);
   return fields.paths();
 }
 

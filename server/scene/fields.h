@@ -44,6 +44,8 @@ struct LightFields {
   std::optional<bool> twoSided;
   std::optional<bool> enabled;
   std::optional<std::string> group;
+  std::optional<bool> castsShadow;
+  std::optional<bool> visibleToCamera;
 };
 
 /// Fields of a surface that an edit changes.
@@ -55,6 +57,8 @@ struct SurfaceFields {
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> twoSided;
+  std::optional<bool> castsShadow;
+  std::optional<bool> visibleToCamera;
 };
 
 /// LightFields of a Light, SurfaceFields of a Surface.
@@ -183,6 +187,8 @@ inline constexpr std::array kLight = {
     emission("radiance"),
     plain<&Light::enabled, &LightFields::enabled>("enabled"),
     plain<&Light::group, &LightFields::group, checkGroup>("group"),
+    plain<&Light::castsShadow, &LightFields::castsShadow>("casts_shadow"),
+    plain<&Light::visibleToCamera, &LightFields::visibleToCamera>("visible_to_camera"),
 };
 
 inline constexpr std::array kSurface = {
@@ -195,6 +201,8 @@ inline constexpr std::array kSurface = {
     plain<&Surface::albedo, &SurfaceFields::albedo, checkAlbedo>("albedo"),
     plain<&Surface::roughness, &SurfaceFields::roughness, checkUnit>("roughness"),
     plain<&Surface::metalness, &SurfaceFields::metalness, checkUnit>("metalness"),
+    plain<&Surface::castsShadow, &SurfaceFields::castsShadow>("casts_shadow"),
+    plain<&Surface::visibleToCamera, &SurfaceFields::visibleToCamera>("visible_to_camera"),
 };
 
 }  // namespace fields

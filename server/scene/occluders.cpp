@@ -6,12 +6,13 @@ namespace lpv {
 
 std::vector<Occluder> occludersOf(const Scene& scene) {
   std::vector<Occluder> out;
-  for (const auto& [name, surface] : scene.surfaces)
-    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights});
+  for (const auto& [name, surface] : scene.surfaces) {
+    if (surface->castsShadow) out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights});
+  }
   int index = 0;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    if (!isConvex(*light->mesh)) out.push_back({light->mesh, light->transform.worldFromObject(), index});
+    if (blocksItself(*light)) out.push_back({light->mesh, light->transform.worldFromObject(), index});
     ++index;
   }
   return out;

@@ -21,7 +21,8 @@ struct Occluder {
   bool operator==(const Occluder&) const = default;
 };
 
-/// Of a scene, surfaces first, in the order of names. Lights that are convex shadow nothing of themselves.
+/// Of a scene, surfaces first, in the order of names: those that cast shadows. Lights that are convex shadow nothing of
+/// themselves.
 std::vector<Occluder> occludersOf(const Scene& scene);
 
 /// The BVH over occluders in a space that `spaceFromWorld` leads to: its leaves have one item each.

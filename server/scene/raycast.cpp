@@ -38,10 +38,11 @@ struct Search {
 std::optional<Hit> raycast(const Scene& scene, const glm::dvec3& origin, const glm::dvec3& direction) {
   Search search{origin, direction, std::numeric_limits<double>::infinity(), std::nullopt};
   for (const auto& [name, surface] : scene.surfaces) {
+    if (!surface->visibleToCamera) continue;
     search.meet(name, *surface->mesh, surface->transform, false, surface->twoSided);
   }
   for (const auto& [name, light] : scene.lights) {
-    if (light->enabled) search.meet(name, *light->mesh, light->transform, true, true);
+    if (light->enabled && light->visibleToCamera) search.meet(name, *light->mesh, light->transform, true, true);
   }
   return search.hit;
 }

@@ -32,6 +32,8 @@ struct Light {
   bool twoSided = false;
   bool enabled = true;
   std::string group;                    ///< light group (a volume layer); "" is the default
+  bool castsShadow = true;              ///< blocks its own light where it is not convex
+  bool visibleToCamera = true;          ///< shown in frames
 };
 
 /// Radiance in W/(sr m^2) that the light's front emits, from `radiance` or `power`; 0 for a mesh without area.
@@ -47,6 +49,8 @@ struct Surface {
   double roughness = 1.0;   ///< 0..1
   double metalness = 0.0;   ///< 0..1
   bool twoSided = true;     ///< false: seen and lit from its front only
+  bool castsShadow = true;  ///< stands in the way of light
+  bool visibleToCamera = true;  ///< shown in frames
 };
 
 using LightPtr = std::shared_ptr<const Light>;

@@ -10,7 +10,7 @@ std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene,
   std::vector<DrawItem> items;
   for (const auto& [name, surface] : scene.surfaces) {
     const glm::dmat4 worldFromObject = surface->transform.worldFromObject();
-    if (!view.sees(surface->mesh->bounds, worldFromObject)) continue;
+    if (!surface->visibleToCamera || !view.sees(surface->mesh->bounds, worldFromObject)) continue;
     DrawItem& item = items.emplace_back();
     item.mesh = resources.meshes.at(surface->mesh).get();
     if (surface->albedoTexture != nullptr && item.mesh->uvs != nullptr)
