@@ -60,9 +60,10 @@ Expected<std::string> uploadMeshFile(client::Client& client, const std::string& 
 }
 
 /// Reads an image and uploads the texture; "none" gives "".
-Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path) {
+Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path,
+                                      ImageAlpha alpha) {
   if (path == "none") return std::string();
-  const Expected<Texture> texture = readImage(path);
+  const Expected<Texture> texture = readImage(path, alpha);
   if (!texture) return texture.status();
   ProgressBar bar("uploading");
   return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
@@ -201,7 +202,8 @@ Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& f
     out.mesh = *hash;
   }
   if (!flags.texture.empty()) {
-    const auto hash = uploadImageFile(client, flags.id, flags.texture);
+    const auto hash =
+        uploadImageFile(client, flags.id, flags.texture, flags.textureAlpha ? ImageAlpha::kKeep : ImageAlpha::kDrop);
     if (!hash) return hash.status();
     out.texture = *hash;
   }

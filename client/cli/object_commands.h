@@ -56,6 +56,7 @@ struct ObjectFlags {
   std::string name;
   std::string mesh;
   std::string texture;
+  bool textureAlpha = false;  ///< the texture keeps its alpha
   std::optional<bool> castsShadow;
   std::optional<bool> visibleToCamera;
   TransformFlags transform;

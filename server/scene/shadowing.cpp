@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/transparency.h"
+
 namespace lpv {
 
 namespace {
@@ -42,7 +44,7 @@ bool divides(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, cons
 }
 
 bool canStandBetween(const Surface& surface, const Points& points, double within) {
-  if (!surface.castsShadow) return false;
+  if (!canStop(surface)) return false;
   const std::vector<glm::uvec3>& triangles = surface.mesh->evenTriangles();
   if (triangles.size() > kMostPlanes) return true;
   Points corners;

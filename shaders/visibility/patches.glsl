@@ -20,3 +20,10 @@ float patchWeight(Patch from, vec3 x, vec3 n) {
   return from.place.w * max(-dot(from.normal.xyz, d), 0.0) * max(dot(n, d), 0.0) /
          max(r2 * (r2 + from.place.w * 0.3183098862), 1e-12);
 }
+
+/// A share per colour in ten bits each.
+uint packedShare(vec3 share) {
+  const uvec3 s = uvec3(share * 1023.0 + 0.5);
+  return s.r | s.g << 10 | s.b << 20;
+}
+vec3 unpackedShare(uint share) { return vec3(share & 1023u, (share >> 10) & 1023u, share >> 20) / 1023.0; }

@@ -14,6 +14,7 @@ struct StoredPatch {
   glm::vec4 corners[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
 };
 
+constexpr int kMostColours = 4096;  // patches whose pairs have colours, 64 MiB; of more, a pane is there or is not
 constexpr int kShadowPointTexels = 4;  // of shaders/visibility/shadow_points.glsl
 
 std::vector<StoredPatch> stored(const std::vector<Patch>& patches, const Grid& grid) {
@@ -42,10 +43,11 @@ std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 
 }  // namespace
 
-PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid)
+PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid, bool throughPanes)
     : source(std::move(all)),
       count(int(source.size())),
-      words((count + 31) / 32),
+      colours(throughPanes && count <= kMostColours),
+      words(colours ? count : (count + 31) / 32),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(source, grid)))),
       pairs("patch pairs", source.size() * std::size_t(words) * sizeof(std::uint32_t)),
       points(listOf(count)),

@@ -32,7 +32,7 @@ GpuTask BouncePass::findPairs(PatchSet& set, const GpuOccluders& occluders, Paci
     const int count = std::clamp(wanted, layout::kPatchGroup, std::max(threads - params.first, layout::kPatchGroup));
     bind(set, params);
     occluders.bind();
-    pairs_.get({}).dispatch(groupsFor(count));
+    pairs_.get({set.colours, occluders.transparent()}).dispatch(groupsFor(count));
     gpu::memoryBarrier();
     params.first += int(groupsFor(count)) * layout::kPatchGroup;
     co_yield submitted(Stage::kVisibility, double(count) * kPairsOfThread);
@@ -49,7 +49,7 @@ GpuTask BouncePass::run(PatchSet& set, int bounces, Pacing pacing) {
       const int count =
           std::clamp(wanted, layout::kPatchGroup, std::max(set.count - params.first, layout::kPatchGroup));
       bind(set, params);
-      bounce_.get({}).dispatch(groupsFor(count));
+      bounce_.get({set.colours}).dispatch(groupsFor(count));
       gpu::memoryBarrier();
       params.first += int(groupsFor(count)) * layout::kPatchGroup;
       queued += double(count) * set.count;

@@ -28,8 +28,19 @@ class BouncePass {
  private:
   void bind(const PatchSet& set, const layout::PatchParams& params);
 
-  gpu::ProgramVariants pairs_{{"transport/patch_visibility.comp"}};
-  gpu::ProgramVariants bounce_{{"transport/patch_bounce.comp"}};
+  struct BounceVariant {
+    bool colours = false;  ///< of PatchSet
+    gpu::Defines defines() const { return {gpu::define("LPV_PAIR_COLOURS", colours)}; }
+  };
+  struct PairVariant {
+    bool colours = false;
+    bool transparent = false;
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_PAIR_COLOURS", colours), gpu::define("LPV_TRANSPARENT", transparent)};
+    }
+  };
+  gpu::Programs<PairVariant> pairs_{{"transport/patch_visibility.comp"}};
+  gpu::Programs<BounceVariant> bounce_{{"transport/patch_bounce.comp"}};
   gpu::Buffer params_;
 };
 

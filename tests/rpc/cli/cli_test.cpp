@@ -210,6 +210,12 @@ TEST_F(Cli, SurfaceVerbs) {
   EXPECT_THAT(lpvctlOut({"surface", "list", id_, "--json"}),
               AllOf(HasSubstr("\"roughness\":0.5"), HasSubstr("\"castsShadow\":false"),
                     HasSubstr("\"visibleToCamera\":false")));
+  EXPECT_EQ(
+      lpvctlOut({"surface", "set", id_, "Wall", "--alpha", "blend", "--opacity", "0.25", "--transmission", "1,0,0"}),
+      "");
+  EXPECT_THAT(lpvctlOut({"surface", "list", id_}), HasSubstr("opacity 0.25"));
+  EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--opacity", "1.5"}).exit, 1);
+  EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--alpha", "some"}).exit, 2);
   EXPECT_EQ(lpvctlOut({"surface", "remove", id_, "Wall"}), "");
   EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--albedo", "0.5"}).exit, 1);
 }
