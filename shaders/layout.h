@@ -61,8 +61,9 @@ LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points 
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
-LPV_CONST int kPatchPairs = 30;  // a bit per pair of patches: whether they see each other
+LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its area
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
+LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
@@ -266,9 +267,9 @@ struct CellVisibilityParams {
 struct PatchParams {
   int count;  // of patches
   int first;  // threads before this dispatch's first
-  int words;  // of a patch's row of kPatchPairs
-  int bounce;  // 0: what comes from the lights
+  int bounce;  // 0: what comes from the lights; a turn of balancing
   int lastBounce;
+  int balanced;  // parity of the last turn of balancing
   int pad0, pad1, pad2;
 };
 

@@ -16,7 +16,6 @@
 namespace lpv::cli {
 namespace {
 
-constexpr int kAutoBounces = -1;  ///< SessionSettings.bounces: as many as the wanted error asks for
 /// Propagation iterations with PROPAGATE. More than a live session can afford: light spreads one cell per iteration,
 /// and a single frame may take its time.
 constexpr int kIterations = 512;
@@ -70,8 +69,6 @@ Status render(Context& context, const RenderOptions& options) {
   request.mutable_settings()->set_quality(v1::QUALITY_ACCURATE);
   request.mutable_settings()->set_iterations(kIterations);
   options.session.apply(*request.mutable_settings());
-  v1::SessionSettings& settings = *request.mutable_settings();
-  if (!settings.has_bounces() && settings.transport() != v1::TRANSPORT_PROPAGATE) settings.set_bounces(kAutoBounces);
   const auto created = client->createSession(request);
   if (!created) return created.status();
   const TemporarySession session(context, created->session().name());
@@ -97,10 +94,9 @@ Status render(Context& context, const RenderOptions& options) {
 
 void addRenderCommand(CLI::App& app, Commands& commands) {
   auto given = std::make_shared<RenderOptions>();
-  CLI::App& command = commands.add(
-      app, "render",
-      "Render one frame of a scene file in a temporary session (default quality: accurate; default bounces: auto)",
-      [given](Context& context) { return render(context, *given); });
+  CLI::App& command =
+      commands.add(app, "render", "Render one frame of a scene file in a temporary session (default quality: accurate)",
+                   [given](Context& context) { return render(context, *given); });
   command.add_option("file", given->file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
   command
       .add_option("-o,--output", given->out, "File to write: png or jpg; exr stores linear radiance without tone curve")

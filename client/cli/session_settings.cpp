@@ -116,7 +116,8 @@ struct SessionFlags::Given {
                               {{"auto", v1::VISIBILITY_AUTO}, {"on", v1::VISIBILITY_ON}, {"off", v1::VISIBILITY_OFF}},
                               "Whether surfaces cast shadows (default: auto)");
     app.add_option("--bounces", bounces,
-                   "Times that surfaces reflect light, 0..32, or auto: as often as --max-error asks for (default: 0)")
+                   "Times that surfaces reflect light, 0..32, or auto: as often as --max-error asks for (default: "
+                   "auto; 0 with propagate)")
         ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", -1}}))
         ->type_name("N|auto");
     app.add_option("--haze", haze, "Extinction of haze per metre (default: 0)")->type_name("D");

@@ -68,8 +68,11 @@ Expected<GridOptions> gridFromProto(const pb::GridSettings& in) {
 
 using Names = std::set<std::string>;
 
-/// Transport, injection and lookup, each with the default that the others give it: the named ones as they are asked
-/// for, the others as they belong to the transport where that is another one now.
+/// What a session has that was not told.
+int defaultBounces(Transport transport) { return transport == Transport::kPropagate ? 0 : kAutoBounces; }
+
+/// Transport, injection, lookup and bounces, each with the default that the others give it: the named ones as they are
+/// asked for, the others as they belong to the transport where that is another one now.
 Status takeTransport(const Names& named, const pb::SessionSettings& in, LightingSettings* o) {
   const Transport before = o->transport;
   if (named.contains("transport")) {
@@ -83,6 +86,8 @@ Status takeTransport(const Names& named, const pb::SessionSettings& in, Lighting
   belonging.followTransport();
   if (changed || named.contains("injection")) o->injection = belonging.injection;
   if (changed || named.contains("lookup")) o->lookup = belonging.lookup;
+  if (changed || named.contains("bounces")) o->bounces = defaultBounces(o->transport);
+  if (named.contains("bounces") && in.has_bounces()) o->bounces = in.bounces();
   if (named.contains("injection")) {
     if (Status s = take("injection", in.injection(), 2, &o->injection); !s.ok()) return s;
   }
@@ -99,7 +104,8 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Sessio
     return {};
   }
   const LightingSettings defaults;
-  if (field == "transport" || field == "injection" || field == "lookup") return {};
+  static const Names together = {"transport", "injection", "lookup", "bounces"};
+  if (together.contains(field)) return {};
   if (field == "method") return o.method = defaults.method, take("method", in.method(), 3, &o.method);
   if (field == "dense_samples") return o.denseSamples = in.dense_samples(), Status();
   if (field == "quality") return o.quality = defaults.quality, take("quality", in.quality(), 2, &o.quality);
@@ -109,7 +115,6 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Sessio
   if (field == "max_error") return o.maxError = in.max_error(), Status();
   if (field == "visibility")
     return o.visibility = defaults.visibility, take("visibility", in.visibility(), 3, &o.visibility);
-  if (field == "bounces") return o.bounces = in.bounces(), Status();
   if (field == "haze") return o.haze = in.haze(), Status();
   if (field == "display_name") {
     if (in.display_name().size() > kMaxDisplayName) return invalid("display_name", "display_name is above 200 bytes");

@@ -72,7 +72,7 @@ struct Transported {
   Stamp stamp;
 };
 
-/// What the patches, and which of them see each other, are made from.
+/// What the patches, and what they exchange, are made from.
 struct PatchInputs {
   std::vector<SurfacePtr> surfaces;
   Grid grid;
@@ -124,7 +124,7 @@ struct StageProducts {
   LightPointCache lightPoints;
   GpuOccluders occluders;
   CellVisibilities cellVisibilities;
-  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with the pairs that see each other
+  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
   Cached<ReflectInputs> reflected;
   /// Patches that send light, or null.
   const PatchSet* reflecting() const { return reflected.stamp() != 0 ? patches.product().get() : nullptr; }
@@ -349,7 +349,7 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
   auto set = patches.empty()
                  ? nullptr
                  : std::make_unique<PatchSet>(std::move(patches), s.field().grid, made.occluders.transparent());
-  if (set != nullptr) co_await bouncePass.findPairs(*set, made.occluders, pacing(s));
+  if (set != nullptr) co_await bouncePass.findExchange(*set, made.occluders, pacing(s));
   made.patches.set(std::move(inputs), std::move(set));
 }
 

@@ -13,6 +13,7 @@ using Scalar = double;
 using Real = double;
 using Across = double;
 using Vector = glm::dvec3;
+using glm::sign;
 using glm::vec4;
 using std::abs;
 using std::clamp;

@@ -116,43 +116,45 @@ class Triangles {
   std::vector<glm::dvec3> positions_;
 };
 
-/// Of one side: large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all,
-/// until their area is that of a piece.
-std::vector<Patch> patchesOfSide(const Surface& surface, double most) {
-  const Triangles triangles(surface);
-  std::vector<Patch> out;
-  double pending = 0.0;
-  const glm::uvec3* last = nullptr;
-  const auto flush = [&] {
-    if (last != nullptr && pending > 0.0) out.push_back(triangles.patch(*last, glm::dvec2(1.0 / 3.0), pending));
-    pending = 0.0;
-  };
-  for (const glm::uvec3& t : triangles.all()) {
-    const double area = triangles.area(t);
-    if (!(area > 0.0)) continue;
-    if (area > 0.5 * most) {
-      triangles.split(t, most, out);
-      continue;
-    }
-    if (pending < 0.5 * most) last = &t;
-    pending += area;
-    if (pending >= most) flush();
-  }
-  flush();
-  return out;
-}
+/// Large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all, until their area
+/// is that of a piece.
+class Patches {
+ public:
+  explicit Patches(double most) : most_(most) {}
 
-void addPatches(const Surface& surface, double most, std::vector<Patch>& out) {
-  const std::vector<Patch> patches = patchesOfSide(surface, most);
-  for (int side = 0; side < sidesOf(surface); ++side) {
-    for (Patch p : patches) {
-      if (side == 1) {
-        p.normal = -p.normal;
-        if (p.triangle) std::swap((*p.triangle)[1], (*p.triangle)[2]);
+  /// Of one side.
+  void add(const Triangles& triangles) {
+    for (const glm::uvec3& t : triangles.all()) {
+      const double area = triangles.area(t);
+      if (!(area > 0.0)) continue;
+      if (area > 0.5 * most_) {
+        triangles.split(t, most_, patches_);
+        continue;
       }
-      out.push_back(p);
+      if (pending_ < 0.5 * most_) last_ = triangles.patch(t, glm::dvec2(1.0 / 3.0), 0.0);
+      pending_ += area;
+      if (pending_ >= most_) flush();
     }
   }
+  /// What is left of small triangles gets a patch.
+  void flush() {
+    if (pending_ > 0.0) patches_.push_back(last_);
+    if (pending_ > 0.0) patches_.back().area = float(pending_);
+    pending_ = 0.0;
+  }
+  const std::vector<Patch>& all() const { return patches_; }
+
+ private:
+  double most_;
+  std::vector<Patch> patches_;
+  Patch last_;
+  double pending_ = 0.0;
+};
+
+Patch turned(Patch p) {
+  p.normal = -p.normal;
+  if (p.triangle) std::swap((*p.triangle)[1], (*p.triangle)[2]);
+  return p;
 }
 
 }  // namespace
@@ -160,10 +162,24 @@ void addPatches(const Surface& surface, double most, std::vector<Patch>& out) {
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) {
   constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
   double area = 0.0;
-  for (const auto& [name, surface] : scene.surfaces) area += areaOf(*surface);
-  std::vector<Patch> out;
+  std::vector<const Surface*> reflecting;
   for (const auto& [name, surface] : scene.surfaces) {
-    if (highestAlbedo(*surface) > 0.0) addPatches(*surface, kPieces * area / double(count), out);
+    area += areaOf(*surface);
+    if (highestAlbedo(*surface) > 0.0) reflecting.push_back(surface.get());
+  }
+  std::vector<Patch> out;
+  for (const int sides : {1, 2}) {
+    Patches patches(kPieces * area / double(count));
+    for (const Surface* surface : reflecting) {
+      if (sidesOf(*surface) != sides) continue;
+      patches.add(Triangles(*surface));
+      if (2 * reflecting.size() <= count) patches.flush();
+    }
+    patches.flush();
+    out.insert(out.end(), patches.all().begin(), patches.all().end());
+    for (const Patch& p : patches.all()) {
+      if (sides == 2) out.push_back(turned(p));
+    }
   }
   return out;
 }

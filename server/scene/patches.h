@@ -27,7 +27,8 @@ inline constexpr std::size_t kFastPatches = 1024;
 inline constexpr std::size_t kAccuratePatches = 2048;
 
 /// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their
-/// neighbours. One for each side of every surface at least. The same scene gives the same patches.
+/// neighbours. Every surface has one for each of its sides at least, unless there are more surfaces than half of
+/// `count`; twice `count` are the most. The same scene gives the same patches.
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count);
 
 /// The number of bounces after which what light is still under way is less than a third of the wanted error, bounded by

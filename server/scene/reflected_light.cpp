@@ -4,16 +4,17 @@
 #include <glm/gtx/component_wise.hpp>
 
 #include "scene/emitter_list.h"
-#include "scene/sh.h"
 
 namespace lpv {
 
 namespace {
 
 constexpr double kNearPatch = 9.0;  ///< as in the shader
+constexpr double kSizeOfArea = 0.44;
 constexpr int kRays = 256;
 
-/// E of unit radiance with nothing between: a triangle from near, else a disc (Wallace, Elmquist and Haines 1989).
+/// E of unit radiance with nothing between: a triangle from near, else to second order in the patch's size
+/// (shaders/visibility/patches.glsl).
 double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
   const glm::dvec3 d = glm::dvec3(patch.position) - at;
   const double r2 = glm::dot(d, d), area = double(patch.area);
@@ -22,8 +23,11 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
     const glm::dvec3 corners[3] = {glm::dvec3(t[0]) - at, glm::dvec3(t[1]) - at, glm::dvec3(t[2]) - at};
     return triangleIrradiance(corners, n, 1);
   }
-  const double facing = std::max(-glm::dot(glm::dvec3(patch.normal), d), 0.0) * std::max(glm::dot(n, d), 0.0);
-  return area * facing / std::max(r2 * (r2 + area / sh::kPi), 1e-30);
+  const double size = kSizeOfArea * area, p = glm::dot(n, d);
+  const double q = std::min(glm::dot(glm::dvec3(patch.normal), d), 0.0);
+  if (!(p > 0.0) || !(r2 > 0.0)) return 0.0;
+  const double across = glm::dot(n, glm::dvec3(patch.normal)) * q + 2.0 * p - 3.0 * p * q * q / r2;
+  return area * -q * std::max(p + size / (r2 + size) * across, 0.0) / (r2 * (r2 + size));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // What the patches of the surfaces reflect to the points that near_field.comp has listed, as if nothing lay between: the
-// last pool of lights (shadow_rays.comp). Far patches are taken for discs, as in patchWeight of visibility/patches.glsl;
-// beside them, and in corners, they are triangles. Threads per point.
+// last pool of lights (shadow_rays.comp). Far patches are patchWeight of visibility/patches.glsl; beside them, and in
+// corners, they are triangles. Threads per point.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "transport/polygons.glsl"
@@ -11,8 +11,6 @@
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
 layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
-
-const float kNearPatch = 9.0;  // by the square of the distance over its area: nearer triangles are taken as they are
 
 vec3 radianceOf(int i) {
   const float area = -texelFetch(lightPoints, kLightPointTexels * i + 1).w;
@@ -30,9 +28,7 @@ vec3 farLight(vec3 x, vec3 n) {
   for (int i = 0; i < shadow.pointCount; ++i) {
     const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
-    const vec3 d = place.xyz - x;
-    const float r2 = dot(d, d), area = -emits.w;
-    const float weight = max(-dot(emits.xyz, d), 0.0) * max(dot(n, d), 0.0) / max(r2 * (r2 + area / kPi), 1e-12);
+    const float weight = patchWeight(place.xyz - x, -emits.w, emits.xyz, n) / -emits.w;
     sum += near(i, x) ? vec3(0.0) : place.w * weight * texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
   }
   return sum;

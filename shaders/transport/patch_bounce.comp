@@ -1,6 +1,6 @@
 // One bounce: what arrives at each patch from the lights and from all patches that it sees, by what arrived there one
 // bounce before. The last turn of bounces puts what patches then send where receivers look (light_points.glsl). A thread
-// has a patch. LPV_PAIR_COLOURS: as in patch_visibility.comp.
+// has a patch. LPV_TRANSPARENT: patches may see each other through panes.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/patches.glsl"
@@ -8,32 +8,25 @@
 layout(local_size_x = kPatchGroup) in;
 
 layout(std140, binding = kParams) uniform Block { PatchParams params; };
-layout(std430, binding = kPatchPairs) readonly buffer Pairs { uint pairs[]; };
+layout(std430, binding = kPatchExchange) readonly buffer Exchange { float exchange[]; };
 layout(std430, binding = kPatchLights) writeonly buffer Lights { vec4 lights[]; };
 
-#ifndef LPV_PAIR_COLOURS
-#error "LPV_PAIR_COLOURS: 0 or 1"
+#ifndef LPV_TRANSPARENT
+#error "LPV_TRANSPARENT: 0 or 1"
+#elif LPV_TRANSPARENT
+layout(std430, binding = kPatchShares) readonly buffer Shares { uint shares[]; };
+vec3 shareOf(int pair) { return unpackedShare(shares[pair]); }
+#else
+vec3 shareOf(int pair) { return vec3(1.0); }
 #endif
-
-vec3 sentBy(int b, vec3 x, vec3 n, int before) {
-  return patchWeight(patches[b], x, n) * patches[b].albedo.rgb * patches[b].arriving[before].rgb / kPi;
-}
 
 vec3 reflectedTo(int a, int before) {
-  const vec3 n = patches[a].normal.xyz, x = patches[a].place.xyz + kShadowOffset * n;
   vec3 sum = vec3(0.0);
-#if LPV_PAIR_COLOURS
   for (int b = 0; b < params.count; ++b) {
-    const uint share = pairs[a * params.words + b];
-    if (share != 0u) sum += unpackedShare(share) * sentBy(b, x, n, before);
+    const vec3 radiance = patches[b].albedo.rgb * patches[b].arriving[before].rgb / kPi;
+    sum += shareOf(b * params.count + a) * exchange[b * params.count + a] * patches[b].scale[params.balanced] * radiance;
   }
-#else
-  for (int word = 0; word < params.words; ++word) {
-    for (uint bits = pairs[a * params.words + word]; bits != 0u; bits &= bits - 1u)
-      sum += sentBy(32 * word + findLSB(bits), x, n, before);
-  }
-#endif
-  return sum;
+  return patches[a].scale[params.balanced] / patches[a].place.w * sum;
 }
 
 void main() {

@@ -108,14 +108,15 @@ Arriving arrivingFrom(VplEntry v, Across dx, Across dy, Real dz, bool twoSided) 
 
 #if LPV_RECEIVERS == 1
 /// E on a surface with unit normal n, d as above. Where the surface's horizon goes through the VPL's extent, what is
-/// above it counts: heights over it are taken to be even over an interval of the VPL's variance.
+/// above it counts: heights over it are taken to be even over an interval of the VPL's variance. Nothing comes from a VPL
+/// that is below it as a whole.
 Scalar irradianceFrom(VplEntry v, Vector d, Vector n, bool twoSided) {
   const Arriving light = arrivingFrom(v, d.x, d.y, d.z, twoSided);
   const Vector flux = Vector(light.x, light.y, light.z);
   const Scalar height = dot(n, d);
   const Scalar heights = max(sqrt(max(3.0 * dot(n, covarianceTimes(v, n)), 0.0)), kLeastHeights);
   const Scalar above = emissionTowards(height, heights, false).intensity;
-  return max(0.0, dot(n, flux) + length(flux) * light.inverseDistance * (above - height));
+  return sign(above) * max(0.0, dot(n, flux) + length(flux) * light.inverseDistance * (above - height));
 }
 #elif defined LPV_RECEIVERS_APART
 /// The same for four receivers with a normal each.
@@ -128,6 +129,7 @@ Real irradianceFrom(VplEntry v, Real dx, Real dy, Real dz, Real nx, Real ny, Rea
   const Real within = clamp(height, -heights, heights) + heights;
   const Real above = within * within / (4.0 * heights) + max(height - heights, 0.0);
   const Real size = sqrt(light.x * light.x + light.y * light.y + light.z * light.z);
-  return max(nx * light.x + ny * light.y + nz * light.z + size * light.inverseDistance * (above - height), 0.0);
+  const Real e = nx * light.x + ny * light.y + nz * light.z + size * light.inverseDistance * (above - height);
+  return sign(above) * max(e, 0.0);
 }
 #endif

@@ -8,17 +8,21 @@ struct Patch {
   vec4 arriving[2];  // the same with what patches reflect, by the parity of bounces
   vec4 corners[3];  // counter-clockwise seen from the side that it is on; w: 1 where it is a triangle, 0 where it stands
                     // for several
+  float wanted;     // of what patches exchange (transport/patch_balance.comp): what this one gets from all
+  float scale[2];   // of its row and column, by the parity of turns
+  float pad;
 };
 
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };
 
-/// E at x with normal n from a patch of unit radiance with nothing between: that of a disc (Wallace, Elmquist and Haines
-/// 1989, "A ray tracing algorithm for progressive radiosity"), which stays finite beside an edge.
-float patchWeight(Patch from, vec3 x, vec3 n) {
-  const vec3 d = from.place.xyz - x;
-  const float r2 = dot(d, d);
-  return from.place.w * max(-dot(from.normal.xyz, d), 0.0) * max(dot(n, d), 0.0) /
-         max(r2 * (r2 + from.place.w * 0.3183098862), 1e-12);
+const float kNearPatch = 9.0;  // by the square of the distance over its area: nearer triangles are taken as they are
+
+/// E with normal n from a patch of unit radiance, seen at d, with nothing between: to second order in its size, which is
+/// .44 times its area (four times the variance along each axis of its plane: a right triangle's). Finite beside it.
+float patchWeight(vec3 d, float area, vec3 normal, vec3 n) {
+  const float r2 = max(dot(d, d), 1e-12), size = 0.44 * area, p = dot(n, d), q = min(dot(normal, d), 0.0);
+  const float second = size / (r2 + size) * (dot(n, normal) * q + 2.0 * p - 3.0 * p * q * q / r2);
+  return p > 0.0 ? area * -q * max(p + second, 0.0) / (r2 * (r2 + size)) : 0.0;
 }
 
 /// A share per colour in ten bits each.

@@ -209,6 +209,7 @@ double irradianceOf(const glm::dvec3& flux, const Vpl& vpl, const glm::dvec3& x,
   const glm::dvec3 d = vpl.position() - x;
   const double height = glm::dot(n, d), spread = std::sqrt(std::max(0.0, 3.0 * glm::dot(n, vpl.extent() * n)));
   const double above = positivePart(height, spread).value - height;
+  if (height < -spread) return 0.0;
   return std::max(0.0, glm::dot(n, flux) + glm::length(flux) * above / std::max(glm::length(d), 1e-3 * cellEdge));
 }
 

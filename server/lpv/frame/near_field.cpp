@@ -137,7 +137,6 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   params.turns = shadows.turns;
   params.pools = int(pools.size()) + (reflected != nullptr ? 1 : 0);
   params.jitter = from.jitter ? 1 : 0;
-  params.apart = params.jitter;
   for (const LightPool& pool : pools) {
     params.firstLight = pool.firstLight;
     params.lightsEnd = pool.lightsEnd;
@@ -148,6 +147,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   }
   if (reflected == nullptr) co_return;
   params.turns = std::min(params.turns, kReflectedTurns);
+  params.apart = params.jitter;
   params.firstPoint = 0;
   params.pointCount = reflected->count;
   co_await look(from, {params, reflected->lightTexels, true}, pacing);

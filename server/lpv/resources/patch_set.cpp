@@ -12,9 +12,9 @@ namespace {
 struct StoredPatch {
   glm::vec4 place{0.0F}, normal{0.0F}, albedo{0.0F}, direct{0.0F}, arriving[2] = {glm::vec4(0.0F), glm::vec4(0.0F)};
   glm::vec4 corners[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
+  float wanted = 0.0F, scale[2] = {1.0F, 1.0F}, pad = 0.0F;
 };
 
-constexpr int kMostColours = 4096;  // patches whose pairs have colours, 64 MiB; of more, a pane is there or is not
 constexpr int kShadowPointTexels = 4;  // of shaders/visibility/shadow_points.glsl
 
 std::vector<StoredPatch> stored(const std::vector<Patch>& patches, const Grid& grid) {
@@ -46,10 +46,10 @@ std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid, bool throughPanes)
     : source(std::move(all)),
       count(int(source.size())),
-      colours(throughPanes && count <= kMostColours),
-      words(colours ? count : (count + 31) / 32),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(source, grid)))),
-      pairs("patch pairs", source.size() * std::size_t(words) * sizeof(std::uint32_t)),
+      exchange("patch exchange", source.size() * source.size() * sizeof(float)),
+      shares(throughPanes ? gpu::Buffer("patch shares", source.size() * source.size() * sizeof(std::uint32_t))
+                          : gpu::Buffer()),
       points(listOf(count)),
       shadows("patch shadows", bytesOfVec4((source.size() + 3) / 4 * 4 * kShadowPointTexels)),
       lights("patch lights", bytesOfVec4(source.size() * layout::kLightPointTexels)),
@@ -58,7 +58,6 @@ PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid, bool throughPanes)
 layout::PatchParams PatchSet::params() const {
   layout::PatchParams params = {};
   params.count = count;
-  params.words = words;
   return params;
 }
 

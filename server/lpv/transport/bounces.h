@@ -10,7 +10,7 @@
 
 namespace lpv {
 
-/// Which patches see each other, in pairs (Stage::kVisibility: a ray each, if all send one), and light between them, in
+/// What two patches exchange, in pairs (Stage::kVisibility: a ray each, if all send one), and light between them, in
 /// pairs and bounces (Stage::kReflect).
 struct BounceWork {
   double patches = 0.0;
@@ -20,27 +20,34 @@ struct BounceWork {
 class BouncePass {
  public:
   BouncePass();
-  GpuTask findPairs(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
+  /// What every two patches exchange, by their shapes and by what stands between them.
+  GpuTask findExchange(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
   /// From what came to the patches from the lights to what they send after `bounces` - 1 reflections among them;
   /// receivers see the last one themselves. `bounces` is at least 1.
   GpuTask run(PatchSet& set, int bounces, Pacing pacing);
 
  private:
-  void bind(const PatchSet& set, const layout::PatchParams& params);
+  struct Step {
+    gpu::Program& program;
+    Stage stage;
+    int threads;
+    double units;  ///< of the stage, per thread
+  };
+  struct BalanceVariant {
+    int step;  ///< of shaders/transport/patch_balance.comp
+    gpu::Defines defines() const { return {gpu::define("LPV_STEP", step)}; }
+  };
+  struct PaneVariant {
+    bool transparent;
+    gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
+  };
+  /// One thread after the other, as many at a time as a piece of work may have.
+  GpuTask dispatch(const Step& step, PatchSet& set, layout::PatchParams params, const GpuOccluders* occluders,
+                   Pacing pacing);
 
-  struct BounceVariant {
-    bool colours = false;  ///< of PatchSet
-    gpu::Defines defines() const { return {gpu::define("LPV_PAIR_COLOURS", colours)}; }
-  };
-  struct PairVariant {
-    bool colours = false;
-    bool transparent = false;
-    gpu::Defines defines() const {
-      return {gpu::define("LPV_PAIR_COLOURS", colours), gpu::define("LPV_TRANSPARENT", transparent)};
-    }
-  };
-  gpu::Programs<PairVariant> pairs_{{"transport/patch_visibility.comp"}};
-  gpu::Programs<BounceVariant> bounce_{{"transport/patch_bounce.comp"}};
+  gpu::Programs<PaneVariant> exchange_{{"transport/patch_exchange.comp"}};
+  gpu::Programs<PaneVariant> bounce_{{"transport/patch_bounce.comp"}};
+  gpu::Programs<BalanceVariant> balance_{{"transport/patch_balance.comp"}};
   gpu::Buffer params_;
 };
 

@@ -1,0 +1,51 @@
+// How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets something.
+// A thread has eight partners of one patch; the lower patch of a pair answers for both. LPV_TRANSPARENT: what light keeps
+// through panes on the way is apart.
+#include "layout.h"
+#include "common/sh.glsl"
+#include "visibility/occluders.glsl"
+#include "visibility/patches.glsl"
+#include "transport/polygons.glsl"
+
+layout(local_size_x = kPatchGroup) in;
+
+layout(std140, binding = kParams) uniform Block { PatchParams params; };
+layout(std430, binding = kPatchExchange) writeonly buffer Exchange { float exchange[]; };
+
+#if LPV_TRANSPARENT
+layout(std430, binding = kPatchShares) writeonly buffer Shares { uint shares[]; };
+#endif
+
+vec3 beside(Patch p) { return p.place.xyz + kShadowOffset * p.normal.xyz; }
+
+bool faceEachOther(Patch a, Patch b) {
+  const vec3 d = beside(b) - beside(a);
+  return dot(d, a.normal.xyz) > 0.0 && dot(d, b.normal.xyz) < 0.0;
+}
+
+/// At the middle of a patch; from a triangle that is near exactly.
+float arrivesAt(Patch at, Patch from) {
+  const vec3 x = beside(at), d = from.place.xyz - x;
+  if (dot(d, d) > kNearPatch * from.place.w || from.corners[0].w == 0.0) return patchWeight(d, from.place.w, from.normal.xyz, at.normal.xyz);
+  return triangleIrradiance(from.corners[0].xyz - x, from.corners[1].xyz - x, from.corners[2].xyz - x, at.normal.xyz,
+                            1.0);
+}
+
+void main() {
+  const int eights = (params.count + 7) / 8, index = params.first + int(gl_GlobalInvocationID.x);
+  const int a = index / eights, begin = 8 * (index % eights);
+  if (a >= params.count || begin + 7 <= a) return;
+  const Patch here = patches[a];
+  for (int b = max(begin, a + 1); b < min(begin + 8, params.count); ++b) {
+    const Patch there = patches[b];
+    if (!faceEachOther(here, there)) continue;
+    const vec3 share = transmitted(beside(here), beside(there), -1);
+    if (share == vec3(0.0)) continue;
+#if LPV_TRANSPARENT
+    shares[b * params.count + a] = packedShare(share);
+    shares[a * params.count + b] = packedShare(share);
+#endif
+    exchange[b * params.count + a] = here.place.w * arrivesAt(here, there);
+    exchange[a * params.count + b] = there.place.w * arrivesAt(there, here);
+  }
+}

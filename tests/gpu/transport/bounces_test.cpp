@@ -1,0 +1,339 @@
+// Light between surfaces in frames and probes (MATHS.md 6, invariant 13): closed rooms, whose light is known without
+// following it, and one reflection by quadrature.
+
+#include <algorithm>
+#include <cmath>
+
+#include "gpu/frame/light_views.h"
+#include "reference/ground_truth.h"
+#include "reference/room.h"
+#include "reference/textures.h"
+#include "scene/lookup.h"
+#include "scene/sh.h"
+
+namespace lpv {
+namespace {
+
+class BouncesTest : public test::EngineTest {
+ protected:
+  /// What probes say.
+  std::vector<glm::dvec3> probed(const Scene& scene, const std::vector<reference::Receiver>& points,
+                                 SessionKey session = 1) {
+    TickRequest request = test::requestOf(scene, session);
+    request.transported = true;
+    const TickResult result = run(request);
+    if (result.transported == nullptr) return {};
+    std::vector<glm::dvec3> out;
+    for (const auto& p : points)
+      out.push_back(irradianceWithNearField(*result.transported, scene.options.lookup, p.position, p.normal).rgb);
+    return out;
+  }
+  FramePtr frameOf(const Scene& scene, const FrameRequest& frame, SessionKey session = 1) {
+    TickRequest request = test::requestOf(scene, session);
+    request.frames = {frame};
+    const TickResult result = run(request);
+    return result.frames.empty() ? nullptr : result.frames[0];
+  }
+};
+
+/// A closed room of 2 `half` m, its insides lit and of one albedo; the light is to be set.
+Scene closedRoom(double half, double albedo, int bounces) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.bounces = bounces;
+  scene.grid = {glm::dvec3(-half - 0.25), (2.0 * half + 0.5) / 16.0, glm::ivec3(16)};
+  Surface& room = test::addSurface(scene, "room", reference::box(glm::dvec3(-half), glm::dvec3(half), true));
+  room.albedo = glm::dvec3(albedo);
+  room.twoSided = false;
+  return scene;
+}
+
+/// Middles of n x n squares of each side of the room, normals inwards, none nearer to an edge than `margin`.
+std::vector<reference::Receiver> walls(double half, int n, double margin = 0.0) {
+  std::vector<reference::Receiver> out;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      for (int i = 0; i < n * n; ++i) {
+        glm::dvec3 at(0.0), normal(0.0);
+        at[axis] = side * half;
+        at[(axis + 1) % 3] = ((i % n + 0.5) / n * 2.0 - 1.0) * (half - margin);
+        at[(axis + 2) % 3] = ((i / n + 0.5) / n * 2.0 - 1.0) * (half - margin);
+        normal[axis] = -side;
+        out.push_back({at, normal});
+      }
+    }
+  }
+  return out;
+}
+
+double geometricSum(double albedo, int bounces) {
+  double sum = 0.0;
+  for (int i = 0; i <= bounces; ++i) sum += std::pow(albedo, i);
+  return sum;
+}
+
+double meanOf(const std::vector<glm::dvec3>& e) {
+  double sum = 0.0;
+  for (const glm::dvec3& v : e) sum += v.x / double(e.size());
+  return sum;
+}
+
+// Walls that all send Le and reflect: pi Le (1 + albedo + ... + albedo^n) everywhere. The light is a box just outside
+// of the walls, which nothing hides.
+// Broken by: patches that send once too often; discs from near (2 % of the mean at albedo .8); a patch's own plane.
+TEST_F(BouncesTest, WhiteFurnace) {
+  for (const double albedo : {0.5, 0.8}) {
+    for (const int bounces : {1, 2, 8}) {
+      Scene scene = closedRoom(1.0, albedo, bounces);
+      scene.options.visibility = Visibility::kOff;
+      Light& light = test::lightOf(scene);
+      light.mesh = reference::box(glm::dvec3(-1.01), glm::dvec3(1.01), true);
+      light.radiance = glm::dvec3(1.0);
+      const double want = sh::kPi * geometricSum(albedo, bounces);
+      constexpr double kHalfAPatch = 0.08;
+      const auto got = probed(scene, walls(1.0, 7, kHalfAPatch));
+      EXPECT_NEAR(meanOf(got), want, 0.01 * want) << albedo << ", " << bounces;
+      for (const glm::dvec3& e : got) EXPECT_NEAR(e.x, want, 0.03 * want) << albedo << ", " << bounces;
+    }
+  }
+}
+
+// What a lamp sends to the walls of a closed cube of 4 m is on them, and albedo of it again with every bounce: the mean
+// of E is the power over the area times 1 + albedo + ... + albedo^n, whatever the room's shape (the energy balance
+// behind CIE 171:2006, 5.8).
+TEST_F(BouncesTest, TheMeanInAClosedCubeIsTheEnergyBalance) {
+  for (const double albedo : {0.3, 0.5, 0.8, 0.95}) {
+    Scene scene = closedRoom(2.0, albedo, 32);
+    Light& light = test::lightOf(scene);
+    light.radiance = glm::dvec3(100.0);
+    light.transform.scale = glm::dvec3(0.1);
+    const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
+    const double want = power / (6.0 * 16.0) * geometricSum(albedo, 32);
+    EXPECT_NEAR(meanOf(probed(scene, walls(2.0, 12))), want, 0.01 * want) << albedo;
+  }
+}
+
+/// A lamp that faces down to a floor of 2 x 2 m, which sees nothing else.
+Scene lampOverFloor() {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.bounces = 1;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quad();
+  light.transform.rotation = rotationFromEulerDegrees({180.0, 0.0, 0.0});
+  light.transform.scale = glm::dvec3(0.5);
+  light.transform.translation = {0.2, 0.1, 0.5};
+  Surface& floor = test::addSurface(scene, "floor", reference::quad());
+  floor.transform.translation.z = -1.0;
+  floor.transform.scale = glm::dvec3(2.0);
+  floor.albedo = {0.8, 0.4, 0.2};
+  floor.twoSided = false;
+  return scene;
+}
+
+/// E of one reflection by the floor of lampOverFloor, by n x n points.
+glm::dvec3 reflectedBy(const Scene& scene, const reference::Receiver& receiver, int n) {
+  const auto emitters = reference::emittersOf(scene).triangles;
+  const glm::dvec3 albedo = scene.surfaces.at("floor")->albedo, up(0.0, 0.0, 1.0);
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < n * n; ++i) {
+    const glm::dvec3 x((i % n + 0.5) * 2.0 / n - 1.0, (i / n + 0.5) * 2.0 / n - 1.0, -1.0);
+    const glm::dvec3 d = x - receiver.position;
+    const double r2 = glm::dot(d, d);
+    const double facing = std::max(glm::dot(receiver.normal, d), 0.0) * std::max(-glm::dot(up, d), 0.0);
+    const double formFactor = facing / (sh::kPi * r2 * r2) * (4.0 / (n * n));
+    sum += formFactor * albedo * reference::irradianceOf(emitters, x, up);
+  }
+  return sum;
+}
+
+// Seen from below the lamp's height, where its front does not reach. Broken by: albedo twice; E for radiance.
+TEST_F(BouncesTest, OneReflectionIsItsIntegral) {
+  const Scene scene = lampOverFloor();
+  std::vector<reference::Receiver> points;
+  for (const double x : {-0.9, -0.3, 0.4, 0.9}) {
+    for (const double z : {-0.6, -0.2, 0.3}) points.push_back({{x, 0.13, z}, {0.0, 0.0, -1.0}});
+  }
+  const auto got = probed(scene, points);
+  ASSERT_EQ(got.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3 want = reflectedBy(scene, points[i], 120);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[i][c], want[c], 0.02 * want[c]) << i << ' ' << c;
+  }
+}
+
+// Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
+TEST_F(BouncesTest, TheDarkSideReflectsNothing) {
+  Scene scene = lampOverFloor();
+  scene.options.visibility = Visibility::kOn;  // AUTO looks at what stands between lights and surfaces
+  auto floor = std::make_shared<Surface>(*scene.surfaces.at("floor"));
+  floor->twoSided = true;
+  scene.surfaces["floor"] = floor;
+  const auto got = probed(scene, {{{0.2, 0.1, -1.5}, {0.0, 0.0, 1.0}}});
+  ASSERT_EQ(got.size(), 1U);
+  EXPECT_EQ(got[0], glm::dvec3(0.0));
+}
+
+/// A room that a wall divides, its lamp on the left.
+Scene dividedRoom() {
+  Scene scene = closedRoom(1.0, 0.8, 4);
+  Light& lamp = test::lightOf(scene);
+  lamp.transform.scale = glm::dvec3(0.3);
+  lamp.transform.translation = {-0.6, 0.2, 0.1};
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());
+  wall.transform.rotation = rotationFromEulerDegrees({0.0, 90.0, 0.0});
+  wall.transform.scale = glm::dvec3(2.0);
+  return scene;
+}
+
+// Broken by: pairs of patches that are not asked whether they see each other; a patch under the wall that sends to both
+// sides.
+TEST_F(BouncesTest, NothingComesThroughAClosedWall) {
+  std::vector<reference::Receiver> beyond;
+  for (const double x : {0.01, 0.05, 0.2, 0.7}) beyond.push_back({{x, 0.1, -1.0}, {0.0, 0.0, 1.0}});
+  for (const glm::dvec3& e : probed(dividedRoom(), beyond)) EXPECT_EQ(e, glm::dvec3(0.0));
+}
+
+/// smallRoom by GATHER.
+Scene room(int bounces) {
+  Scene scene = reference::smallRoom();
+  scene.options = {};
+  scene.options.bounces = bounces;
+  return scene;
+}
+
+double differenceOf(const Frame& a, const Frame& b) {
+  double squares = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < a.rgb32f.size(); ++i) {
+    squares += std::pow(double(a.rgb32f[i]) - double(b.rgb32f[i]), 2.0);
+    all += std::pow(double(b.rgb32f[i]), 2.0);
+  }
+  return std::sqrt(squares / all);
+}
+
+// Every bounce adds light, and ever less of it.
+TEST_F(BouncesTest, EveryBounceAddsLessThanTheOneBefore) {
+  double before = 0.0, added = 1e9;
+  for (const int bounces : {0, 1, 2, 3, 4}) {
+    const FramePtr frame = frameOf(room(bounces), test::linearFrame(reference::roomCamera()), SessionKey(bounces + 1));
+    ASSERT_NE(frame, nullptr);
+    double sum = 0.0;
+    for (const float v : frame->rgb32f) sum += double(v);
+    EXPECT_GT(sum, before) << bounces;
+    if (bounces > 1) {
+      EXPECT_LT(sum - before, added) << bounces;
+    }
+    added = bounces == 0 ? 1e9 : sum - before;
+    before = sum;
+  }
+}
+
+// The ceiling beside the lamp sees no light but what the room reflects, and the floor's colour tints it.
+// Broken by: frames without the last pool; one colour for all.
+TEST_F(BouncesTest, WallsColourWhatTheyLight) {
+  const std::vector<reference::Receiver> left = {{{-0.9, 0.999, 0.0}, {0.0, -1.0, 0.0}}},
+                                         right = {{{0.9, 0.999, 0.0}, {0.0, -1.0, 0.0}}};
+  const Scene lit = room(3);
+  const glm::dvec3 atRed = probed(lit, left, 1)[0], atGreen = probed(lit, right, 2)[0];
+  EXPECT_GT(atRed.x / atRed.y, 1.2 * atGreen.x / atGreen.y);
+}
+
+/// As differenceOf, of means over 4 x 4 pixels of the left two thirds: what rays leave of noise is left out.
+double coarseDifference(const Frame& a, const std::vector<glm::dvec3>& b) {
+  double squares = 0.0, all = 0.0;
+  for (int y = 0; y < a.size.y; y += 4) {
+    for (int x = 0; x < a.size.x * 2 / 3; x += 4) {
+      glm::dvec3 mine(0.0), other(0.0);
+      for (int i = 0; i < 16; ++i) {
+        mine += test::pixel(a, x + i % 4, y + i / 4);
+        other += b[std::size_t(y + i / 4) * std::size_t(a.size.x) + std::size_t(x + i % 4)];
+      }
+      squares += glm::dot(mine - other, mine - other);
+      all += glm::dot(other, other);
+    }
+  }
+  return std::sqrt(squares / all);
+}
+
+// The same light on the same floor, looked at by pixels and by probes.
+TEST_F(BouncesTest, FramesAndProbesAgree) {
+  Scene scene = test::floorScene(Transport::kGather, reference::quad());
+  scene.options.visibility = Visibility::kAuto;
+  scene.options.bounces = 3;
+  Surface& side = test::addSurface(scene, "side", reference::quad());
+  side.transform = {{0.9, 0.0, -0.4}, rotationFromEulerDegrees({0.0, 90.0, 0.0}), glm::dvec3(1.2)};
+  const test::FloorView view = test::floorView(scene, 4.0);
+  const FramePtr frame = frameOf(scene, view.frame);
+  ASSERT_NE(frame, nullptr);
+  std::vector<glm::dvec3> want = probed(scene, view.points);
+  for (glm::dvec3& e : want) e *= scene.surfaces.at("floor")->albedo / sh::kPi;
+  EXPECT_LE(coarseDifference(*frame, want), 0.03);
+}
+
+// Light that has gone, or changed, is not there in the next tick: nothing is fed back from one to another.
+// Broken by: what arrived in the tick before as a beginning.
+TEST_F(BouncesTest, AChangeIsAllThereInItsTick) {
+  Scene scene = room(4);
+  const FrameRequest view = test::linearFrame(reference::roomCamera());
+  ASSERT_NE(frameOf(scene, view), nullptr);
+  const auto change = [&](const auto& edit) {
+    auto lamp = std::make_shared<Light>(*scene.lights.at("lamp"));
+    edit(*lamp);
+    scene.lights["lamp"] = lamp;
+    ++scene.revision;
+  };
+  change([](Light& lamp) { lamp.transform.translation.x = 0.4; });
+  EXPECT_EQ(frameOf(scene, view)->rgb32f, frameOf(scene, view, 2)->rgb32f) << "moved";
+  change([](Light& lamp) { lamp.radiance *= 0.5; });
+  EXPECT_EQ(frameOf(scene, view)->rgb32f, frameOf(scene, view, 3)->rgb32f) << "dimmed";
+  auto wall = std::make_shared<Surface>(*scene.surfaces.at("left"));
+  wall->albedo = {0.1, 0.1, 0.9};
+  scene.surfaces["left"] = wall;
+  ++scene.revision;
+  EXPECT_EQ(frameOf(scene, view)->rgb32f, frameOf(scene, view, 4)->rgb32f) << "painted";
+  change([](Light& lamp) { lamp.enabled = false; });
+  const FramePtr dark = frameOf(scene, view);
+  EXPECT_EQ(std::count(dark->rgb32f.begin(), dark->rgb32f.end(), 0.0F), std::ptrdiff_t(dark->rgb32f.size()));
+}
+
+// White walls reflect everything: as many bounces as there may be, and every number is finite.
+TEST_F(BouncesTest, WhiteWallsEnd) {
+  Scene scene = room(kAutoBounces);
+  for (auto& [name, surface] : scene.surfaces) {
+    auto white = std::make_shared<Surface>(*surface);
+    white->albedo = glm::dvec3(1.0);
+    surface = white;
+  }
+  const FramePtr frame = frameOf(scene, test::linearFrame(reference::roomCamera()));
+  ASSERT_NE(frame, nullptr);
+  EXPECT_TRUE(std::ranges::all_of(frame->rgb32f, [](float v) { return std::isfinite(v) && v >= 0.0F; }));
+}
+
+// The picture with as many bounces as the wanted error asks for is the one with twice as many, but for a third of it.
+TEST_F(BouncesTest, AutoIsAsManyAsAreSeen) {
+  const FrameRequest view = test::linearFrame(reference::roomCamera());
+  const FramePtr automatic = frameOf(room(kAutoBounces), view, 1), many = frameOf(room(kMaxBounces), view, 2);
+  ASSERT_TRUE(automatic != nullptr && many != nullptr);
+  EXPECT_LE(differenceOf(*automatic, *many), 0.01);
+}
+
+// Nothing is paid where nothing is asked for, or nothing can be reflected. Broken by: patches of black walls.
+TEST_F(BouncesTest, NothingIsReflectedWithoutNeed) {
+  const auto stages = [this](const Scene& scene, SessionKey session) {
+    TickRequest request = test::requestOf(scene, session);
+    request.frames = {test::linearFrame(reference::roomCamera())};
+    return test::stagesOf(run(request));
+  };
+  EXPECT_EQ(std::ranges::count(stages(room(0), 1), "reflect"), 0);
+  EXPECT_EQ(std::ranges::count(stages(room(1), 2), "reflect"), 1);
+  Scene black = room(4);
+  for (auto& [name, surface] : black.surfaces) {
+    auto painted = std::make_shared<Surface>(*surface);
+    painted->albedo = glm::dvec3(0.0);
+    surface = painted;
+  }
+  EXPECT_EQ(std::ranges::count(stages(black, 3), "reflect"), 0);
+}
+
+}  // namespace
+}  // namespace lpv

@@ -1,0 +1,162 @@
+// Patches tile what they stand for, and bounces go on for as long as the wanted error asks.
+#include "scene/patches.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "reference/meshes.h"
+#include "reference/textures.h"
+
+namespace lpv {
+namespace {
+
+Surface& add(Scene& scene, const std::string& name, const MeshPtr& mesh) {
+  auto surface = std::make_shared<Surface>();
+  surface->name = name;
+  surface->mesh = mesh;
+  scene.surfaces[name] = surface;
+  return *surface;
+}
+
+Scene sceneWith(const MeshPtr& mesh, bool twoSided = false) {
+  Scene scene;
+  add(scene, "it", mesh).twoSided = twoSided;
+  return scene;
+}
+
+double areaOf(const std::vector<Patch>& patches) {
+  double sum = 0.0;
+  for (const Patch& p : patches) sum += double(p.area);
+  return sum;
+}
+
+// Broken by: the last small triangles, which no patch was made of.
+TEST(Patches, HaveTheSurfacesArea) {
+  for (const MeshPtr& mesh : {reference::quad(), reference::sphere(), reference::pyramid(), reference::tube(),
+                              reference::bumpySphere(2000)}) {
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh->triangles) {
+      const auto& p = mesh->positions;
+      area += 0.5 * double(glm::length(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x])));
+    }
+    EXPECT_NEAR(areaOf(patchesOf(sceneWith(mesh), 300)), area, 1e-4 * area);
+    EXPECT_NEAR(areaOf(patchesOf(sceneWith(mesh, true), 300)), 2.0 * area, 2e-4 * area);
+  }
+}
+
+TEST(Patches, AreAboutAsManyAsAskedFor) {
+  for (const MeshPtr& mesh : {reference::quad(), reference::sphere(), reference::bumpySphere(2000)}) {
+    const std::size_t count = patchesOf(sceneWith(mesh), 500).size();
+    EXPECT_GE(count, 250U);
+    EXPECT_LE(count, 1000U);
+  }
+}
+
+// A flat wall's patches differ by a factor of two at most. Broken by: halves along the first edge instead of the
+// longest.
+TEST(Patches, OfAWallAreAlikeInSizeAndShape) {
+  Scene scene = sceneWith(reference::quad());
+  auto wide = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  wide->transform.scale = {4.0, 1.0, 1.0};
+  scene.surfaces["it"] = wide;
+  float least = 1e9F, most = 0.0F;
+  for (const Patch& p : patchesOf(scene, 200)) {
+    least = std::min(least, p.area);
+    most = std::max(most, p.area);
+    ASSERT_TRUE(p.triangle.has_value());
+    const auto& c = *p.triangle;
+    const float longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
+    EXPECT_LE(longest * longest, 17.0F * p.area);  // the wall's own two triangles: 8.5
+    EXPECT_NEAR(glm::dot(p.normal, glm::cross(c[1] - c[0], c[2] - c[0])), 2.0F * p.area, 1e-5F);
+  }
+  EXPECT_LE(most, 2.01F * least);
+}
+
+// Corners turn as the side does, mirrored objects too. Broken by: the back's corners in the front's order.
+TEST(Patches, OfTheBackAreSeenFromTheBack) {
+  Scene scene = sceneWith(reference::quad(), true);
+  auto mirrored = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  mirrored->name = "mirrored";
+  mirrored->transform.scale = {-1.0, 1.0, 1.0};
+  scene.surfaces["mirrored"] = mirrored;
+  std::map<bool, int> sides;
+  for (const Patch& p : patchesOf(scene, 100)) {
+    const auto& c = p.triangle.value();
+    EXPECT_GT(glm::dot(p.normal, glm::cross(c[1] - c[0], c[2] - c[0])), 0.0F);
+    ++sides[p.normal.z > 0.0F];
+  }
+  EXPECT_EQ(sides[true], sides[false]);
+}
+
+// Broken by: the whole texture's mean for each patch.
+TEST(Patches, HaveTheTexturesColourAroundThem) {
+  Scene scene = sceneWith(reference::quad());
+  auto textured = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  textured->albedo = {1.0, 0.5, 0.25};
+  textured->albedoTexture = reference::noise(2, 2);
+  scene.surfaces["it"] = textured;
+  float least = 1.0F, most = 0.0F;
+  for (const Patch& p : patchesOf(scene, 200)) {
+    least = std::min(least, p.albedo.r);
+    most = std::max(most, p.albedo.r);
+    EXPECT_LE(p.albedo.g, 0.5F);
+    EXPECT_LE(p.albedo.b, 0.25F);
+  }
+  EXPECT_GT(most, least + 0.1F);
+}
+
+// A thousand small things have as many patches as a few, of the same area. Broken by: one of each at least.
+TEST(Patches, AreBoundedForManySurfaces) {
+  Scene scene;
+  for (int i = 0; i < 1000; ++i) {
+    Surface& ball = add(scene, std::to_string(i), reference::sphereOf(8, 6));
+    ball.twoSided = i % 3 == 0;
+    ball.transform.scale = glm::dvec3(0.01 * (1 + i % 7));
+    ball.transform.translation.x = i;
+  }
+  const std::vector<Patch> few = patchesOf(scene, 128), many = patchesOf(scene, 4096);
+  EXPECT_LE(few.size(), 256U);
+  EXPECT_GE(many.size(), 1000U);
+  EXPECT_NEAR(areaOf(few), areaOf(many), 1e-3 * areaOf(many));
+}
+
+TEST(Patches, BlackSurfacesHaveNone) {
+  Scene scene = sceneWith(reference::quad());
+  add(scene, "black", reference::quad()).albedo = glm::dvec3(0.0);
+  scene.surfaces.erase("it");
+  EXPECT_TRUE(patchesOf(scene, 100).empty());
+}
+
+int bounces(double albedo, int asked, double wanted = 0.0) {
+  Scene scene = sceneWith(reference::quad());
+  auto surface = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  surface->albedo = glm::dvec3(0.5 * albedo, albedo, 0.0);
+  scene.surfaces["it"] = surface;
+  scene.options.bounces = asked;
+  scene.options.maxError = wanted;
+  return bouncesFor(scene);
+}
+
+// After n bounces a share of albedo^(n + 1) at most is still under way.
+// Broken by: the mean albedo; the whole of the wanted error.
+TEST(Bounces, GoOnUntilAThirdOfTheWantedError) {
+  for (const double albedo : {0.2, 0.5, 0.8}) {
+    const int n = bounces(albedo, kAutoBounces, 0.03);
+    EXPECT_LE(std::pow(albedo, n + 1), 0.01) << albedo;
+    EXPECT_GT(std::pow(albedo, n), 0.01) << albedo;
+  }
+  EXPECT_GT(bounces(0.5, kAutoBounces, 0.001), bounces(0.5, kAutoBounces, 0.1));
+  EXPECT_EQ(bounces(1.0, kAutoBounces), kMaxBounces);
+}
+
+TEST(Bounces, AreWhatWasAskedFor) {
+  EXPECT_EQ(bounces(0.5, 0), 0);
+  EXPECT_EQ(bounces(0.5, 3), 3);
+  EXPECT_EQ(bounces(0.0, 3), 0) << "no surface reflects";
+  EXPECT_EQ(bouncesFor(Scene()), 0);
+}
+
+}  // namespace
+}  // namespace lpv
