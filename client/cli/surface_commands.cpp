@@ -34,9 +34,8 @@ struct SurfaceFlags : ObjectFlags {
     addChoice<v1::AlphaMode>(
         app, "--alpha", alpha,
         {{"opaque", v1::ALPHA_MODE_OPAQUE}, {"mask", v1::ALPHA_MODE_MASK}, {"blend", v1::ALPHA_MODE_BLEND}},
-        "How alpha, opacity times that of the texture, is read: not at all, as a mask that cuts out, or as the share "
-        "that "
-        "covers (default of add: opaque)");
+        "How alpha, opacity times the texture's, is read: not at all, as a mask that cuts out, or as the share that "
+        "covers (default of add: blend with --opacity or --transmission, else opaque)");
     app.add_option("--alpha-cutoff", cutoff, "Lowest alpha that a mask covers, 0..1 (default of add: 0.5)")
         ->type_name("A");
     app.add_option("--opacity", opacity,
@@ -89,6 +88,7 @@ Expected<v1::Operation> newSurface(const SurfaceFlags& flags, client::Client& cl
   const v1::Operation moved = client::moveSurface("", flags.transform.move());
   v1::Surface surface = moved.update_surface().surface();  // has the parts of the transform that were given
   surface.set_name(nameFor(flags));
+  if (flags.opacity || flags.transmission) surface.set_alpha_mode(v1::ALPHA_MODE_BLEND);
   const auto written = writeSurface(flags, client, surface);
   if (!written) return written.status();
   return client::createSurface(surface);

@@ -214,6 +214,9 @@ TEST_F(Cli, SurfaceVerbs) {
       lpvctlOut({"surface", "set", id_, "Wall", "--alpha", "blend", "--opacity", "0.25", "--transmission", "1,0,0"}),
       "");
   EXPECT_THAT(lpvctlOut({"surface", "list", id_}), HasSubstr("opacity 0.25"));
+  EXPECT_EQ(lpvctlOut({"surface", "add", id_, lamp_, "--name", "Pane", "--opacity", "0.125"}), "Pane");
+  EXPECT_THAT(lpvctlOut({"surface", "list", id_}), HasSubstr("opacity 0.125")) << "blends without being told";
+  EXPECT_EQ(lpvctlOut({"surface", "remove", id_, "Pane"}), "");
   EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--opacity", "1.5"}).exit, 1);
   EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--alpha", "some"}).exit, 2);
   EXPECT_EQ(lpvctlOut({"surface", "remove", id_, "Wall"}), "");
