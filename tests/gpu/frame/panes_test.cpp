@@ -4,6 +4,7 @@
 
 #include "gpu/engine/engine_rig.h"
 #include "reference/textures.h"
+#include "scene/lookup.h"
 
 namespace lpv {
 namespace {
@@ -150,6 +151,34 @@ TEST_F(PanesTest, AMaskIsDrawnByTexel) {
       const bool covered = (x < 32) == (y < 32);
       EXPECT_EQ(pixel(*picture, x, y), covered ? glm::dvec3(0.0) : pixel(*open, x, y)) << x << " " << y;
     }
+  }
+}
+
+// Red where cells take a pane for a wall, or see through it.
+TEST_F(PanesTest, CellsHaveTheMeanOfThreeColours) {
+  Scene scene = litWall();
+  scene.options.transport = Transport::kGather;
+  test::lightOf(scene).transform.translation.z = 1.8;
+  scene.surfaces["wall"] = [&] {  // at the far end of the grid
+    auto wall = std::make_shared<Surface>(*scene.surfaces["wall"]);
+    wall->transform.translation.z = -2.0;
+    return wall;
+  }();
+  const auto volumeOf = [&](SessionKey session) {
+    TickRequest request = test::requestOf(scene, session);
+    request.transported = true;
+    return run(request).transported;
+  };
+  const VolumePtr open = volumeOf(1);
+  addPane(scene, 1.0, {1.0, 0.5, 0.0}, 0.2);
+  const VolumePtr through = volumeOf(2);
+  ASSERT_TRUE(open != nullptr && through != nullptr);
+  const glm::dvec3 n(0.0, 0.0, 1.0);
+  for (const double x : {-1.0, 0.1, 0.8}) {
+    const glm::dvec3 behind(x, 0.3, -0.5), before(x, 0.3, 1.4);
+    expectShare(irradianceAt(*through, Lookup::kCap, behind, n).rgb, irradianceAt(*open, Lookup::kCap, behind, n).rgb,
+                glm::dvec3(0.4), 1e-3);
+    EXPECT_EQ(irradianceAt(*through, Lookup::kCap, before, n).rgb, irradianceAt(*open, Lookup::kCap, before, n).rgb);
   }
 }
 
