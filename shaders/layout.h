@@ -63,6 +63,7 @@ LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
 LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its area
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
+LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
@@ -92,6 +93,7 @@ LPV_CONST int kOccluders = 18;  // usamplerBuffer: what shadow rays can meet (sh
 LPV_CONST int kReflectedLight = 20;  // of a picture: E from surfaces as if nothing lay between, and which share of it
 LPV_CONST int kReflectedShare = 21;  // arrives, by few rays from each pixel; a: rays
 LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
+LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps of its radiance
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
@@ -242,8 +244,10 @@ LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llv
 // --- shadow rays (MATHS.md 3d)
 LPV_CONST int kLightPointTexels = 3;
 LPV_CONST int kLeafItems = 8;  // of a BVH's node: see BvhNode::leaf
-LPV_CONST int kInstanceTexels = 4;
+LPV_CONST int kInstanceTexels = 6;
 LPV_CONST int kTriangleTexels = 3;
+LPV_CONST int kUvTexels = 2;  // of a triangle whose alpha varies
+LPV_CONST int kAlphasOfTexel = 16;
 LPV_CONST float kShadowOffset = 2e-4;  // cells along the receiver's normal where rays begin
 LPV_CONST float kShadowEnd = 0.9999;  // of a ray's way, where it has arrived
 
@@ -404,6 +408,11 @@ struct DrawParams {
   mat4 normalFromObject;  // inverse transpose of the linear part
   LPV_VEC3 vec3 colour;  // albedo, or radiance of the front
   LPV_VEC3 vec3 backColour;  // radiance of the back
+  LPV_VEC3 vec3 transmission;  // of a surface: what passes where alpha is 0
+  float opacity;  // times the texture's alpha, where that varies
+  float leastAlpha;  // of what the G-buffer shows
+  float masked;  // 1: what the G-buffer shows has an alpha of 1, the rest of 0
+  float pad0, pad1;
 };
 
 #ifdef __cplusplus
@@ -441,7 +450,7 @@ static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
-static_assert(sizeof(DrawParams) == 160);
+static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 192);
 }  // namespace lpv::layout
 #undef LPV_CONST
 #undef LPV_FUNCTION

@@ -125,6 +125,8 @@ void requireSomeFlag(CLI::App& command) {
   });
 }
 
+void note(const std::string& message) { std::cerr << "lpvctl: " << message << "\n"; }
+
 void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << message << "\n"; }
 
 }  // namespace lpv::cli

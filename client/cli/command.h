@@ -76,6 +76,8 @@ void requireSomeFlag(CLI::App& command);
 
 /// Prints "lpvctl: warning: ..." on stderr.
 void warn(const std::string& message);
+/// Says on stderr what was assumed.
+void note(const std::string& message);
 
 // The commands; one function per file.
 void addSessionCommands(CLI::App& app, Commands& commands);

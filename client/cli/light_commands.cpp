@@ -32,6 +32,7 @@ struct LightFlags : ObjectFlags {
     app.add_option("--group", group,
                    "Light group; each group has its own volume layer (default of add: the unnamed group)")
         ->type_name("G");
+    addVisibilityTo(app);
     transform.addTo(app);
     addUpFlag(app, import);
   }
@@ -64,6 +65,7 @@ Expected<std::vector<std::string>> writeLight(const LightFlags& flags, client::C
   fields.set("two_sided", flags.twoSided, [&](bool on) { light.set_two_sided(on); });
   fields.set("enabled", flags.enabled, [&](bool on) { light.set_enabled(on); });
   fields.set("group", flags.group, [&](const std::string& group) { light.set_group(group); });
+  flags.writeVisibility(fields, light);
   return fields.paths();
 }
 

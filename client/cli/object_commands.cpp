@@ -60,9 +60,10 @@ Expected<std::string> uploadMeshFile(client::Client& client, const std::string& 
 }
 
 /// Reads an image and uploads the texture; "none" gives "".
-Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path) {
+Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path,
+                                      ImageAlpha alpha) {
   if (path == "none") return std::string();
-  const Expected<Texture> texture = readImage(path);
+  const Expected<Texture> texture = readImage(path, alpha);
   if (!texture) return texture.status();
   ProgressBar bar("uploading");
   return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
@@ -162,6 +163,12 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
       ->type_name("NAME");
 }
 
+void ObjectFlags::addVisibilityTo(CLI::App& app) {
+  addSwitch(app, "--casts-shadow", castsShadow, "Stand in the way of light (default of add: on)");
+  addSwitch(app, "--visible", visibleToCamera,
+            "Show the object in frames; it does the rest unseen (default of add: on)");
+}
+
 CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
   CLI::App& app = commands.add(group, "add", "Add a mesh file as a " + kind.word + " and print its name",
@@ -195,7 +202,8 @@ Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& f
     out.mesh = *hash;
   }
   if (!flags.texture.empty()) {
-    const auto hash = uploadImageFile(client, flags.id, flags.texture);
+    const auto hash =
+        uploadImageFile(client, flags.id, flags.texture, flags.textureAlpha ? ImageAlpha::kKeep : ImageAlpha::kDrop);
     if (!hash) return hash.status();
     out.texture = *hash;
   }

@@ -35,14 +35,40 @@ Status applyAndPrint(Context& context, client::Client& client, const std::string
 void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind);
 void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind);
 
+/// Writes the given fields into a message and collects their paths for the update mask.
+class MaskBuilder {
+ public:
+  template <typename T, typename Write>
+  void set(const char* path, const std::optional<T>& value, Write write) {
+    if (!value) return;
+    write(*value);
+    paths_.emplace_back(path);
+  }
+  const std::vector<std::string>& paths() const { return paths_; }
+
+ private:
+  std::vector<std::string> paths_;
+};
+
 /// Flags that lights and surfaces share.
 struct ObjectFlags {
   std::string id;  ///< of the session
   std::string name;
   std::string mesh;
   std::string texture;
+  bool textureAlpha = false;  ///< the texture keeps its alpha
+  std::optional<bool> castsShadow;
+  std::optional<bool> visibleToCamera;
   TransformFlags transform;
   ImportOptions import;
+
+  void addVisibilityTo(CLI::App& app);
+  /// Writes what was given of castsShadow and visibleToCamera.
+  template <typename Object>
+  void writeVisibility(MaskBuilder& fields, Object& object) const {
+    fields.set("casts_shadow", castsShadow, [&](bool on) { object.set_casts_shadow(on); });
+    fields.set("visible_to_camera", visibleToCamera, [&](bool on) { object.set_visible_to_camera(on); });
+  }
 };
 
 using MakeOperation = std::function<Expected<v1::Operation>(client::Client&)>;
@@ -66,21 +92,6 @@ struct UploadedFiles {
 /// order; "": none.
 Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& flags,
                                     const std::string& directions = {});
-
-/// Writes the given fields into a message and collects their paths for the update mask.
-class MaskBuilder {
- public:
-  template <typename T, typename Write>
-  void set(const char* path, const std::optional<T>& value, Write write) {
-    if (!value) return;
-    write(*value);
-    paths_.emplace_back(path);
-  }
-  const std::vector<std::string>& paths() const { return paths_; }
-
- private:
-  std::vector<std::string> paths_;
-};
 
 /// Declares the command `list`. `list` requests the objects, `row` formats one as a line of the table.
 template <typename List, typename Row>

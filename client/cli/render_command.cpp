@@ -59,6 +59,7 @@ Status render(Context& context, const RenderOptions& options) {
   const Expected<ImportedScene> scene = importScene(options.file, options.import);
   if (!scene) return scene.status();
   for (const std::string& warning : scene->warnings) warn(warning);
+  for (const std::string& assumed : scene->assumed) note(assumed);
   if (scene->lights.empty()) warn("the file has no emissive material: the frame will be black");
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();

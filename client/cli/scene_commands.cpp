@@ -59,6 +59,7 @@ void addSceneLoad(CLI::App& group, Commands& commands) {
         Expected<ImportedScene> scene = importScene(given->file, given->import);
         if (!scene) return scene.status();
         for (const std::string& warning : scene->warnings) warn(warning);
+        for (const std::string& assumed : scene->assumed) note(assumed);
         Expected<client::Client> client = context.connect();
         if (!client) return client.status();
         return asMember(*client, given->id, [&](client::Editor& editor) -> Status {

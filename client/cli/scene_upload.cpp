@@ -70,6 +70,12 @@ v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
   out.set_roughness(surface.roughness);
   out.set_metalness(surface.metalness);
   out.set_two_sided(surface.twoSided);
+  if (surface.alphaMode != AlphaMode::kOpaque) {
+    out.set_alpha_mode(v1::AlphaMode(surface.alphaMode));
+    out.set_alpha_cutoff(surface.alphaCutoff);
+    out.set_opacity(surface.opacity);
+    *out.mutable_transmission() = client::toProto(surface.transmission);
+  }
   return client::createSurface(std::move(out));
 }
 

@@ -13,10 +13,16 @@ namespace lpv::cli {
 namespace {
 
 struct SurfaceFlags : ObjectFlags {
+  SurfaceFlags() { textureAlpha = true; }
+
   std::optional<glm::dvec3> albedo;
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> oneSided;
+  std::optional<v1::AlphaMode> alpha;
+  std::optional<double> cutoff;
+  std::optional<double> opacity;
+  std::optional<glm::dvec3> transmission;
 
   void addTo(CLI::App& app) {
     addColour(app, "--albedo", albedo, "Linear reflectance, 0..1 (default of add: 0.8)");
@@ -25,6 +31,18 @@ struct SurfaceFlags : ObjectFlags {
     app.add_option("--roughness", roughness, "Roughness, 0..1 (default of add: 1)")->type_name("R");
     app.add_option("--metalness", metalness, "Metalness, 0..1 (default of add: 0)")->type_name("M");
     addSwitch(app, "--one-sided", oneSided, "Show and light the front only (default of add: off)");
+    addChoice<v1::AlphaMode>(
+        app, "--alpha", alpha,
+        {{"opaque", v1::ALPHA_MODE_OPAQUE}, {"mask", v1::ALPHA_MODE_MASK}, {"blend", v1::ALPHA_MODE_BLEND}},
+        "How alpha, opacity times the texture's, is read: not at all, as a mask that cuts out, or as the share that "
+        "covers (default of add: blend with --opacity or --transmission, else opaque)");
+    app.add_option("--alpha-cutoff", cutoff, "Lowest alpha that a mask covers, 0..1 (default of add: 0.5)")
+        ->type_name("A");
+    app.add_option("--opacity", opacity,
+                   "Opacity, 0..1 (default of add: 1); (1 - alpha) x transmission of light passes, unrefracted")
+        ->type_name("O");
+    addColour(app, "--transmission", transmission, "Colour of light that passes, 0..1 (default of add: 1)");
+    addVisibilityTo(app);
     transform.addTo(app);
     addUpFlag(app, import);
   }
@@ -57,6 +75,12 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
   fields.set("roughness", flags.roughness, [&](double v) { surface.set_roughness(v); });
   fields.set("metalness", flags.metalness, [&](double v) { surface.set_metalness(v); });
   fields.set("two_sided", flags.oneSided, [&](bool on) { surface.set_two_sided(!on); });
+  fields.set("alpha_mode", flags.alpha, [&](v1::AlphaMode mode) { surface.set_alpha_mode(mode); });
+  fields.set("alpha_cutoff", flags.cutoff, [&](double v) { surface.set_alpha_cutoff(v); });
+  fields.set("opacity", flags.opacity, [&](double v) { surface.set_opacity(v); });
+  fields.set("transmission", flags.transmission,
+             [&](const auto& v) { *surface.mutable_transmission() = client::toProto(v); });
+  flags.writeVisibility(fields, surface);
   return fields.paths();
 }
 
@@ -64,6 +88,7 @@ Expected<v1::Operation> newSurface(const SurfaceFlags& flags, client::Client& cl
   const v1::Operation moved = client::moveSurface("", flags.transform.move());
   v1::Surface surface = moved.update_surface().surface();  // has the parts of the transform that were given
   surface.set_name(nameFor(flags));
+  if (flags.opacity || flags.transmission) surface.set_alpha_mode(v1::ALPHA_MODE_BLEND);
   const auto written = writeSurface(flags, client, surface);
   if (!written) return written.status();
   return client::createSurface(surface);
@@ -97,7 +122,10 @@ std::vector<std::string> surfaceRow(const v1::Surface& surface) {
   const v1::Vec3& albedo = surface.albedo();
   return {surface.name(), std::to_string(surface.triangle_count()) + " triangles",
           "albedo " + shortText(albedo.x()) + "," + shortText(albedo.y()) + "," + shortText(albedo.z()),
-          surface.albedo_texture().empty() ? "" : "textured"};
+          surface.albedo_texture().empty() ? "" : "textured",
+          surface.alpha_mode() == v1::ALPHA_MODE_MASK    ? "mask from " + shortText(surface.alpha_cutoff())
+          : surface.alpha_mode() == v1::ALPHA_MODE_BLEND ? "opacity " + shortText(surface.opacity())
+                                                         : ""};
 }
 
 }  // namespace

@@ -38,6 +38,8 @@ Expected<TexelFormat> formatFromProto(pb::TextureFormat format) {
       return TexelFormat::kRgb16F;
     case pb::TEXTURE_FORMAT_RGB32F:
       return TexelFormat::kRgb32F;
+    case pb::TEXTURE_FORMAT_RGBA8_SRGB:
+      return TexelFormat::kRgba8Srgb;
     default:
       return invalid("format", "format has the unknown value " + std::to_string(int(format)));
   }

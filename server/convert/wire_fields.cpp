@@ -18,6 +18,8 @@ bool isPlain(const FieldDescriptor* field) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
     case FieldDescriptor::CPPTYPE_STRING:
       return true;
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return field->enum_type() == pb::AlphaMode_descriptor();
     case FieldDescriptor::CPPTYPE_MESSAGE:
       return field->message_type() == pb::Vec3::descriptor();
     default:
@@ -30,7 +32,8 @@ bool isPlain(const FieldDescriptor* field) {
 WireField wireField(const google::protobuf::Message& message, const char* path) {
   const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(path);
   if (isPlain(field)) return {message.GetReflection(), field, field->cpp_type(), field->has_presence()};
-  std::fprintf(stderr, "%s has no bool, double, string or Vec3 \"%s\"\n", message.GetTypeName().c_str(), path);
+  std::fprintf(stderr, "%s has no bool, double, string, AlphaMode or Vec3 \"%s\"\n", message.GetTypeName().c_str(),
+               path);
   std::abort();
 }
 
@@ -42,6 +45,10 @@ FieldValue readField(const google::protobuf::Message& in, const WireField& field
       return field.reflection->GetDouble(in, field.descriptor);
     case FieldDescriptor::CPPTYPE_STRING:
       return field.reflection->GetString(in, field.descriptor);
+    case FieldDescriptor::CPPTYPE_ENUM: {
+      const int mode = field.reflection->GetEnumValue(in, field.descriptor);
+      return mode == pb::ALPHA_MODE_UNSPECIFIED ? AlphaMode::kOpaque : AlphaMode(mode);
+    }
     default:
       return fromProto(static_cast<const pb::Vec3&>(field.reflection->GetMessage(in, field.descriptor)));
   }
@@ -55,6 +62,8 @@ void writeField(const FieldValue& value, const WireField& field, google::protobu
       return field.reflection->SetDouble(out, field.descriptor, std::get<double>(value));
     case FieldDescriptor::CPPTYPE_STRING:
       return field.reflection->SetString(out, field.descriptor, std::get<std::string>(value));
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return field.reflection->SetEnumValue(out, field.descriptor, int(std::get<AlphaMode>(value)));
     default:
       toProto(std::get<glm::dvec3>(value),
               static_cast<pb::Vec3*>(field.reflection->MutableMessage(out, field.descriptor)));

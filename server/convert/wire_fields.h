@@ -29,8 +29,8 @@ struct WireField {
   bool hasOwnDefault() const { return canBeAbsent && type != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE; }
 };
 
-/// The field `path` of messages like `message`; aborts if there is none, or its type is none of bool, double, string
-/// and Vec3.
+/// The field `path` of messages like `message`; aborts if there is none, or its type is none of bool, double, string,
+/// AlphaMode and Vec3.
 WireField wireField(const google::protobuf::Message& message, const char* path);
 
 /// The value in the message; an absent one is proto's default, an absent Vec3 0, 0, 0.

@@ -9,6 +9,7 @@
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
 #include "lpv/frame/near_field.h"
+#include "lpv/frame/panes.h"
 #include "lpv/frame/shading.h"
 #include "lpv/readback.h"
 #include "lpv/resources/scene_cache.h"
@@ -149,6 +150,7 @@ struct Pipeline::Stages {
   MeshDrawer drawer;
   GbufferRenderer gbufferRenderer;
   EmitterRenderer emitterRenderer;
+  PaneRenderer paneRenderer;
   NearFieldPass nearFieldPass;
   ShadingPass shadingPass;
 
@@ -167,6 +169,7 @@ struct Pipeline::Stages {
   GpuTask finishCopies(SessionState& s, const FrameViews& views);
   GpuTask takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies);
   GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+  GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
 };
 
@@ -343,7 +346,9 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   if (made.patches.holds(inputs)) co_return;
   std::vector<Patch> patches = patchesOf(scene, inputs.count);
-  auto set = patches.empty() ? nullptr : std::make_unique<PatchSet>(std::move(patches), s.field().grid);
+  auto set = patches.empty()
+                 ? nullptr
+                 : std::make_unique<PatchSet>(std::move(patches), s.field().grid, made.occluders.transparent());
   if (set != nullptr) co_await bouncePass.findExchange(*set, made.occluders, pacing(s));
   made.patches.set(std::move(inputs), std::move(set));
 }
@@ -443,6 +448,19 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
                              pacing(s));
 }
 
+GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+  if (!PaneRenderer::needed(frame, scene)) {
+    view.panes = nullptr;
+    co_return;
+  }
+  if (view.panes == nullptr || view.panes->target.size() != frame.size) {
+    view.panes = nullptr;
+    view.panes = std::make_unique<PaneBuffer>(frame.size);
+  }
+  co_await paneRenderer.run(*view.panes, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
+                            view.targets->frameParams, pacing(s));
+}
+
 GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
   if (view.targets == nullptr || !view.targets->fits(frame)) {
     view.targets = nullptr;
@@ -465,12 +483,17 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
     gbuffer.shown.set(shown);
   }
   co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
+  co_await drawPanes(s, scene, frame, view);
   const LightField& field = s.field();
   const bool sampled =
       s.shadowed || s.bounces > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
-  const IrradianceSources lit = {field.transport, scene.options.lookup, s.looksAtLights ? nullptr : &*field.textures,
-                                 &s.products->emitters, sampled ? &view.nearField->irradiance : nullptr};
+  const IrradianceSources lit = {field.transport,
+                                 scene.options.lookup,
+                                 s.looksAtLights ? nullptr : &*field.textures,
+                                 &s.products->emitters,
+                                 sampled ? &view.nearField->irradiance : nullptr,
+                                 view.panes != nullptr ? &view.panes->share : nullptr};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 

@@ -11,6 +11,7 @@
 #include "gpu/readback.h"
 #include "lpv/cached.h"
 #include "lpv/frame/near_field.h"
+#include "lpv/frame/panes.h"
 #include "lpv/frame/shading.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/light_field.h"
@@ -27,6 +28,7 @@ struct View {
   std::unique_ptr<Gbuffer> gbuffer;
   std::unique_ptr<FrameTargets> targets;
   std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced), or one with shadows
+  std::unique_ptr<PaneBuffer> panes;  ///< where panes are in the picture
   gpu::Readback readback;
 };
 

@@ -10,18 +10,22 @@ constexpr int kMostBoxes = 64, kRowsOfABox = 4;
 
 }  // namespace
 
-CoarseTexture::CoarseTexture(const Texture& texture)
+CoarseTexture::CoarseTexture(const Texture& texture, const std::vector<float>& factors)
     : size_(std::min(texture.width, kMostBoxes), std::min(texture.height, kMostBoxes)),
       means_(std::size_t(size_.x) * std::size_t(size_.y)) {
   std::vector<double> counts(means_.size());
   std::vector<glm::vec3> row;
+  std::vector<std::uint8_t> alphas;
   const int step = std::max(1, texture.height / (kMostBoxes * kRowsOfABox));
   for (int y = 0; y < texture.height; y += step) {
     row.clear();
     appendLinearRow(texture, y, row);
+    alphas.clear();
+    if (!factors.empty()) appendAlphaRow(texture, y, alphas);
     for (int x = 0; x < texture.width; ++x) {
       const std::size_t box = indexOf({x * size_.x / texture.width, y * size_.y / texture.height});
-      means_[box] += glm::dvec3(row[std::size_t(x)]);
+      const double factor = factors.empty() ? 1.0 : double(factors[alphas[std::size_t(x)]]);
+      means_[box] += factor * glm::dvec3(row[std::size_t(x)]);
       counts[box] += 1.0;
     }
   }

@@ -11,7 +11,8 @@ namespace lpv {
 /// A texture as 64 boxes across at most, each the mean of some of its rows: what a part of a mesh has on the whole.
 class CoarseTexture {
  public:
-  explicit CoarseTexture(const Texture& texture);
+  /// `factors`: by the alpha of a texel, 256 of them; empty: 1.
+  explicit CoarseTexture(const Texture& texture, const std::vector<float>& factors = {});
   /// Linear, of the box that holds uv; (0, 0) is the corner of the first texel, and the texture repeats.
   glm::vec3 at(const glm::dvec2& uv) const;
 

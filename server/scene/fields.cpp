@@ -47,6 +47,17 @@ Status checkGroup(const char* path, const std::string& group) { return checkWord
 
 Status checkAlbedo(const char* path, const glm::dvec3& albedo) { return checkColour(path, albedo, 1.0); }
 
+Status checkAlphaMode(const char* path, const AlphaMode& mode) {
+  switch (mode) {
+    case AlphaMode::kOpaque:
+    case AlphaMode::kMask:
+    case AlphaMode::kBlend:
+      return {};
+  }
+  return invalid(path, std::string(path) + " is " + std::to_string(int(mode)) +
+                           ", allowed are OPAQUE (1), MASK (2) and BLEND (3)");
+}
+
 Status checkUnit(const char* path, const double& value) {
   if (value >= 0.0 && value <= 1.0) return {};
   return invalid(path, std::string(path) + " is " + std::to_string(value) + ", allowed are 0 to 1");

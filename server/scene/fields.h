@@ -44,6 +44,8 @@ struct LightFields {
   std::optional<bool> twoSided;
   std::optional<bool> enabled;
   std::optional<std::string> group;
+  std::optional<bool> castsShadow;
+  std::optional<bool> visibleToCamera;
 };
 
 /// Fields of a surface that an edit changes.
@@ -55,6 +57,12 @@ struct SurfaceFields {
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> twoSided;
+  std::optional<bool> castsShadow;
+  std::optional<bool> visibleToCamera;
+  std::optional<AlphaMode> alphaMode;
+  std::optional<double> alphaCutoff;
+  std::optional<double> opacity;
+  std::optional<glm::dvec3> transmission;
 };
 
 /// LightFields of a Light, SurfaceFields of a Surface.
@@ -69,14 +77,14 @@ struct Emission {
 
 /// The value of one field. A camera is one field, as it is only ever replaced whole.
 using FieldValue =
-    std::variant<MeshPtr, TexturePtr, glm::dvec3, glm::dquat, Emission, bool, double, std::string, Camera>;
+    std::variant<MeshPtr, TexturePtr, glm::dvec3, glm::dquat, Emission, bool, double, std::string, AlphaMode, Camera>;
 
 enum class FieldKind {
   kMesh,       ///< named by hash or inline
   kTransform,  ///< translation, rotation or scale; the transform is checked as a whole
   kTexture,    ///< named by hash
   kEmission,   ///< radiance or power
-  kPlain,      ///< one value in one field of the message: bool, double, string or colour
+  kPlain,      ///< one value in one field of the message: bool, double, string, alpha mode or colour
 };
 
 /// One field of a T.
@@ -98,8 +106,10 @@ struct Field {
 
 /// A light group: as a name, but 0..64 bytes.
 Status checkGroup(const char* path, const std::string& group);
-/// Reflectance: each component 0..1.
+/// Reflectance, and what is let through: each component 0..1.
 Status checkAlbedo(const char* path, const glm::dvec3& albedo);
+/// One of the modes that there are.
+Status checkAlphaMode(const char* path, const AlphaMode& mode);
 /// A number in 0..1.
 Status checkUnit(const char* path, const double& value);
 /// Radiance and power: each component 0..1e9.
@@ -183,6 +193,8 @@ inline constexpr std::array kLight = {
     emission("radiance"),
     plain<&Light::enabled, &LightFields::enabled>("enabled"),
     plain<&Light::group, &LightFields::group, checkGroup>("group"),
+    plain<&Light::castsShadow, &LightFields::castsShadow>("casts_shadow"),
+    plain<&Light::visibleToCamera, &LightFields::visibleToCamera>("visible_to_camera"),
 };
 
 inline constexpr std::array kSurface = {
@@ -195,6 +207,12 @@ inline constexpr std::array kSurface = {
     plain<&Surface::albedo, &SurfaceFields::albedo, checkAlbedo>("albedo"),
     plain<&Surface::roughness, &SurfaceFields::roughness, checkUnit>("roughness"),
     plain<&Surface::metalness, &SurfaceFields::metalness, checkUnit>("metalness"),
+    plain<&Surface::castsShadow, &SurfaceFields::castsShadow>("casts_shadow"),
+    plain<&Surface::visibleToCamera, &SurfaceFields::visibleToCamera>("visible_to_camera"),
+    plain<&Surface::alphaMode, &SurfaceFields::alphaMode, checkAlphaMode>("alpha_mode"),
+    plain<&Surface::alphaCutoff, &SurfaceFields::alphaCutoff, checkUnit>("alpha_cutoff"),
+    plain<&Surface::opacity, &SurfaceFields::opacity, checkUnit>("opacity"),
+    plain<&Surface::transmission, &SurfaceFields::transmission, checkAlbedo>("transmission"),
 };
 
 }  // namespace fields

@@ -44,7 +44,7 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
     const glm::dvec3 light3 = weight * glm::dvec3(p.factor);
     const glm::dvec3 to = glm::mix(from, glm::dvec3(p.position), double(layout::kShadowEnd));
     all += light3;
-    if (!occluders_->blocked(from, to, int(light))) seen += light3;
+    seen += light3 * occluders_->transmitted(from, to, int(light));
   }
   glm::dvec3 out(1.0);
   for (int c = 0; c < 3; ++c) {
@@ -53,10 +53,10 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
   return out;
 }
 
-bool LightVisibility::sees(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const {
+glm::dvec3 LightVisibility::seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const {
   std::call_once(once_, [this] { prepare(); });
   const glm::dvec3 from = at + offset_ * n;
-  return !occluders_->blocked(from, glm::mix(from, place, double(layout::kShadowEnd)), kAllLights);
+  return occluders_->transmitted(from, glm::mix(from, place, double(layout::kShadowEnd)), kAllLights);
 }
 
 }  // namespace lpv

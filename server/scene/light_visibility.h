@@ -23,8 +23,8 @@ class LightVisibility {
   /// Per colour, the share of what `light` would send that arrives: 1 where nothing lies between. `light` counts those
   /// that emit, in the order of names. World space; n is a unit vector.
   glm::dvec3 share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const;
-  /// Whether nothing lies between a point with unit normal n and a place on a surface.
-  bool sees(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const;
+  /// Per colour, the share of light from a place on a surface that gets to a point with unit normal n.
+  glm::dvec3 seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const;
 
  private:
   struct Emitter {

@@ -1,17 +1,34 @@
 #include "scene/occluders.h"
 
+#include <utility>
+
 #include "scene/shadowing.h"
 
 namespace lpv {
 
+namespace {
+
+glm::dvec2 uvAt(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& weights) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  return weights.x * glm::dvec2(mesh.uvs[t.x]) + weights.y * glm::dvec2(mesh.uvs[t.y]) +
+         weights.z * glm::dvec2(mesh.uvs[t.z]);
+}
+
+}  // namespace
+
 std::vector<Occluder> occludersOf(const Scene& scene) {
   std::vector<Occluder> out;
-  for (const auto& [name, surface] : scene.surfaces)
-    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights});
+  for (const auto& [name, surface] : scene.surfaces) {
+    if (!canStop(*surface)) continue;
+    Coverage coverage = coverageOf(*surface);
+    if (coverage.letsAllThrough()) continue;
+    if (coverage.isOpaque()) coverage = Coverage();
+    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage)});
+  }
   int index = 0;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    if (!isConvex(*light->mesh)) out.push_back({light->mesh, light->transform.worldFromObject(), index});
+    if (blocksItself(*light)) out.push_back({light->mesh, light->transform.worldFromObject(), index, {}});
     ++index;
   }
   return out;
@@ -33,12 +50,38 @@ Occluders::Occluders(const Scene& scene) {
   nodes_ = std::move(bvh.nodes);
   for (const std::uint32_t i : bvh.order) {
     const Occluder& o = occluders[i];
-    instances_.push_back({bvhOf(o.mesh), glm::inverse(o.worldFromObject), o.blocks});
+    instances_.push_back(
+        {bvhOf(o.mesh), glm::inverse(o.worldFromObject), o.blocks, o.mesh, o.coverage, o.coverage == Coverage()});
   }
 }
 
-bool Occluders::blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const {
+/// In the mesh's space.
+glm::dvec3 Occluders::Instance::transmitted(const glm::dvec3& from, const glm::dvec3& to) const {
+  if (opaque) return glm::dvec3(meets(*bvh, from, to) ? 0.0 : 1.0);
   const BvhSegment segment(from, to);
+  glm::dvec3 share(1.0);
+  for (std::size_t at = 0; at < bvh->nodes.size() && share != glm::dvec3(0.0);) {
+    const BvhNode& node = bvh->nodes[at];
+    if (!segment.meets(node)) {
+      at = node.skip;
+      continue;
+    }
+    ++at;
+    for (std::uint32_t i = node.firstItem(); i < node.firstItem() + node.items(); ++i) {
+      const auto weights = segment.crossing(bvh->triangles[i]);
+      if (weights) share *= coverage.through(coverage.map ? uvAt(*mesh, bvh->indices[i], *weights) : glm::dvec2(0.0));
+    }
+  }
+  return share;
+}
+
+bool Occluders::blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const {
+  return transmitted(from, to, light) == glm::dvec3(0.0);
+}
+
+glm::dvec3 Occluders::transmitted(const glm::dvec3& from, const glm::dvec3& to, int light) const {
+  const BvhSegment segment(from, to);
+  glm::dvec3 share(1.0);
   for (std::size_t at = 0; at < nodes_.size();) {
     const BvhNode& node = nodes_[at];
     if (!segment.meets(node)) {
@@ -50,9 +93,10 @@ bool Occluders::blocked(const glm::dvec3& from, const glm::dvec3& to, int light)
     const Instance& instance = instances_[node.firstItem()];
     if (instance.blocks != kAllLights && instance.blocks != light) continue;
     const glm::dmat4& m = instance.objectFromWorld;
-    if (meets(*instance.bvh, glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)))) return true;
+    share *= instance.transmitted(glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)));
+    if (share == glm::dvec3(0.0)) break;
   }
-  return false;
+  return share;
 }
 
 }  // namespace lpv

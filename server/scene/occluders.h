@@ -1,12 +1,14 @@
 #pragma once
-// What stands in the way of light: the meshes of surfaces and lights as a BVH over BVHs (MATHS.md 3d). A surface blocks
-// all light; a light blocks only its own, since others see it where it is a surface, too.
+// What stands in the way of light: the meshes of surfaces and lights as a BVH over BVHs (MATHS.md 3d). A surface stops
+// light of all lights, or as much of it as it covers; a light blocks only its own, since others see it where it is a
+// surface, too.
 
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/transparency.h"
 #include "scene/triangle_bvh.h"
 
 namespace lpv {
@@ -17,11 +19,13 @@ struct Occluder {
   MeshPtr mesh;
   glm::dmat4 worldFromObject{1.0};
   int blocks = kAllLights;  ///< or the one light that it blocks, among those that emit in the order of names
+  Coverage coverage;        ///< opaque, or what of it stops light
 
   bool operator==(const Occluder&) const = default;
 };
 
-/// Of a scene, surfaces first, in the order of names. Lights that are convex shadow nothing of themselves.
+/// Of a scene, surfaces first, in the order of names: those that cast shadows and do not let all light through. Lights
+/// that are convex shadow nothing of themselves.
 std::vector<Occluder> occludersOf(const Scene& scene);
 
 /// The BVH over occluders in a space that `spaceFromWorld` leads to: its leaves have one item each.
@@ -32,14 +36,22 @@ class Occluders {
  public:
   explicit Occluders(const Scene& scene);
 
-  /// Whether something lies strictly between two points, for light of `light` (see Occluder::blocks).
+  /// Whether nothing of light of `light` (see Occluder::blocks) gets from one point to the other, by what lies strictly
+  /// between.
   bool blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const;
+  /// Per colour, what gets there, 0..1.
+  glm::dvec3 transmitted(const glm::dvec3& from, const glm::dvec3& to, int light) const;
 
  private:
   struct Instance {
     TriangleBvhPtr bvh;
     glm::dmat4 objectFromWorld{1.0};
     int blocks = kAllLights;
+    MeshPtr mesh;
+    Coverage coverage;
+    bool opaque = true;
+
+    glm::dvec3 transmitted(const glm::dvec3& from, const glm::dvec3& to) const;
   };
   std::vector<BvhNode> nodes_;
   std::vector<Instance> instances_;  ///< in the order of leaves

@@ -8,6 +8,7 @@
 
 #include "scene/coarse_texture.h"
 #include "scene/grid_choice.h"
+#include "scene/transparency.h"
 
 namespace lpv {
 
@@ -16,6 +17,17 @@ namespace {
 int sidesOf(const Surface& surface) { return surface.twoSided ? 2 : 1; }
 
 double areaOf(const Surface& surface) { return worldArea(*surface.mesh, surface.transform) * sidesOf(surface); }
+
+/// The highest reflectance that the surface has anywhere.
+double highestAlbedo(const Surface& surface) { return alphaOf(surface, 255) * glm::compMax(surface.albedo); }
+
+/// By the alpha of a texel, what of its albedo the surface reflects; empty: all.
+std::vector<float> alphaFactors(const Surface& surface) {
+  std::vector<float> out;
+  for (int texel = 0; alphaVaries(surface) && texel < 256; ++texel)
+    out.push_back(float(alphaOf(surface, std::uint8_t(texel))));
+  return out;
+}
 
 /// A piece of a triangle: places in its plane by the weights of its second and third corner.
 struct Piece {
@@ -31,7 +43,8 @@ class Triangles {
   explicit Triangles(const Surface& surface)
       : surface_(surface),
         varies_(surface.albedoTexture != nullptr && !surface.mesh->uvs.empty()),
-        texture_(varies_ ? std::make_unique<CoarseTexture>(*surface.albedoTexture) : nullptr) {
+        albedo_(alphaVaries(surface) ? surface.albedo : alphaOf(surface, 255) * surface.albedo),
+        texture_(varies_ ? std::make_unique<CoarseTexture>(*surface.albedoTexture, alphaFactors(surface)) : nullptr) {
     const glm::dmat4 worldFromObject = surface.transform.worldFromObject();
     for (const glm::vec3& p : surface.mesh->positions)
       positions_.emplace_back(worldFromObject * glm::dvec4(glm::dvec3(p), 1.0));
@@ -61,7 +74,7 @@ class Triangles {
   }
   Patch patch(const glm::uvec3& t, const glm::dvec2& w, double area) const {
     const glm::dvec3 normal = (surface_.transform.mirrors() ? -1.0 : 1.0) * glm::normalize(cross(t));
-    glm::vec3 albedo(surface_.albedo);
+    glm::vec3 albedo(albedo_);
     if (texture_ != nullptr) {
       const std::vector<glm::vec2>& uv = surface_.mesh->uvs;
       albedo *= texture_->at(glm::mix(glm::dvec2(uv[t.x]), glm::dvec2(uv[t.y]), w.x) +
@@ -98,6 +111,7 @@ class Triangles {
 
   const Surface& surface_;
   bool varies_;
+  glm::dvec3 albedo_;  ///< times alpha, where that is the same all over
   std::unique_ptr<CoarseTexture> texture_;
   std::vector<glm::dvec3> positions_;
 };
@@ -151,7 +165,7 @@ std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) {
   std::vector<const Surface*> reflecting;
   for (const auto& [name, surface] : scene.surfaces) {
     area += areaOf(*surface);
-    if (glm::compMax(surface->albedo) > 0.0) reflecting.push_back(surface.get());
+    if (highestAlbedo(*surface) > 0.0) reflecting.push_back(surface.get());
   }
   std::vector<Patch> out;
   for (const int sides : {1, 2}) {
@@ -173,7 +187,7 @@ std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) {
 int bouncesFor(const Scene& scene) {
   constexpr double kShareOfError = 1.0 / 3.0, kHighestAlbedo = 0.98;
   double highest = 0.0;
-  for (const auto& [name, surface] : scene.surfaces) highest = std::max(highest, glm::compMax(surface->albedo));
+  for (const auto& [name, surface] : scene.surfaces) highest = std::max(highest, highestAlbedo(*surface));
   if (scene.options.bounces != kAutoBounces || highest <= 0.0) return highest > 0.0 ? scene.options.bounces : 0;
   const double wanted = scene.options.maxError > 0.0 ? scene.options.maxError : kWantedError;
   const double goal = kShareOfError * wanted;

@@ -17,7 +17,7 @@ struct Patch {
   glm::vec3 position{0.0F};
   float area = 0.0F;       ///< m^2
   glm::vec3 normal{0.0F};  ///< unit, of the side that it is on
-  glm::vec3 albedo{0.0F};  ///< mean around it
+  glm::vec3 albedo{0.0F};  ///< mean of alpha x albedo around it
   std::optional<std::array<glm::vec3, 3>>
       triangle;  ///< counter-clockwise seen from its side; none: it stands for several
 };

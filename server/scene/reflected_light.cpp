@@ -54,7 +54,7 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
     if (rays == 0) continue;
     const glm::dvec3 colour = double(rays) / size * sent[i];
     tried += colour;
-    if (visibility->sees(at, n, glm::dvec3(patches[i].position))) seen += colour;
+    seen += colour * visibility->seen(at, n, glm::dvec3(patches[i].position));
   }
   for (int c = 0; c < 3; ++c) sum[c] *= tried[c] > 0.0 && seen[c] < tried[c] ? seen[c] / tried[c] : 1.0;
   return sum;

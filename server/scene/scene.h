@@ -32,12 +32,22 @@ struct Light {
   bool twoSided = false;
   bool enabled = true;
   std::string group;                    ///< light group (a volume layer); "" is the default
+  bool castsShadow = true;              ///< blocks its own light where it is not convex
+  bool visibleToCamera = true;          ///< shown in frames
 };
 
 /// Radiance in W/(sr m^2) that the light's front emits, from `radiance` or `power`; 0 for a mesh without area.
 glm::dvec3 emittedRadiance(const Light& light);
 
-/// A mesh that receives light (and, with later features, blocks and bounces it).
+/// How alpha is read: the numbers of scene.proto.
+enum class AlphaMode {
+  kOpaque = 1,  ///< 1 everywhere
+  kMask = 2,    ///< 1 from alphaCutoff on, else 0
+  kBlend = 3,   ///< as it is
+};
+
+/// A mesh that receives light, blocks and reflects it. Alpha is opacity x the texture's; the surface reflects alpha x
+/// albedo and lets (1 - alpha) x transmission through (scene/transparency.h).
 struct Surface {
   std::string name;
   MeshPtr mesh;
@@ -47,6 +57,12 @@ struct Surface {
   double roughness = 1.0;   ///< 0..1
   double metalness = 0.0;   ///< 0..1
   bool twoSided = true;     ///< false: seen and lit from its front only
+  bool castsShadow = true;  ///< stands in the way of light
+  bool visibleToCamera = true;  ///< shown in frames
+  AlphaMode alphaMode = AlphaMode::kOpaque;
+  double alphaCutoff = 0.5;  ///< 0..1
+  double opacity = 1.0;      ///< 0..1
+  glm::dvec3 transmission{1.0};  ///< linear Rec.709, 0..1
 };
 
 using LightPtr = std::shared_ptr<const Light>;

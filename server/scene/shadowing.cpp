@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/transparency.h"
+
 namespace lpv {
 
 namespace {
@@ -42,6 +44,7 @@ bool divides(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, cons
 }
 
 bool canStandBetween(const Surface& surface, const Points& points, double within) {
+  if (!canStop(surface)) return false;
   const std::vector<glm::uvec3>& triangles = surface.mesh->evenTriangles();
   if (triangles.size() > kMostPlanes) return true;
   Points corners;
@@ -64,13 +67,15 @@ bool isConvex(const Mesh& mesh) {
   });
 }
 
+bool blocksItself(const Light& light) { return light.castsShadow && !isConvex(*light.mesh); }
+
 bool shadowsPossible(const Scene& scene) {
   Points points;
   bool emits = false;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled) continue;
     emits = true;
-    if (!isConvex(*light->mesh)) return true;
+    if (blocksItself(*light)) return true;
     addPoints(*light->mesh, light->transform.worldFromObject(), points);
   }
   if (!emits) return false;

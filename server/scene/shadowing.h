@@ -18,4 +18,7 @@ bool shadowsPossible(const Scene& scene);
 /// between. False where that would take long to find out.
 bool isConvex(const Mesh& mesh);
 
+/// Whether a light may stand in the way of its own light.
+bool blocksItself(const Light& light);
+
 }  // namespace lpv

@@ -24,10 +24,13 @@ const std::array<float, 256>& linearOfSrgb() {
   return table;
 }
 
-/// Component `i` of all texels, linear.
+std::size_t componentsOf(TexelFormat format) { return format == TexelFormat::kRgba8Srgb ? 4 : 3; }
+
+/// Component `i` of all texels, linear; not of alpha.
 float linearComponent(const Texture& texture, std::size_t i) {
   switch (texture.format) {
     case TexelFormat::kRgb8Srgb:
+    case TexelFormat::kRgba8Srgb:
       return linearOfSrgb()[texture.texels[i]];
     case TexelFormat::kRgb16F: {
       std::uint16_t bits = 0;
@@ -54,6 +57,8 @@ std::size_t texelBytes(TexelFormat format) {
       return 6;
     case TexelFormat::kRgb32F:
       return 12;
+    case TexelFormat::kRgba8Srgb:
+      return 4;
   }
   return 0;
 }
@@ -71,7 +76,7 @@ Status checkTexture(const Texture& texture) {
                                  std::to_string(texture.width) + " x " + std::to_string(texture.height) +
                                  " texels of this format are " + std::to_string(want));
   }
-  if (texture.format == TexelFormat::kRgb8Srgb) return {};
+  if (texture.format == TexelFormat::kRgb8Srgb || hasAlpha(texture)) return {};
   const bool half = texture.format == TexelFormat::kRgb16F;
   const std::size_t step = half ? sizeof(std::uint16_t) : sizeof(float);
   for (std::size_t i = 0; i < want; i += step) {
@@ -93,9 +98,17 @@ Status checkTexture(const Texture& texture) {
 void appendLinearRow(const Texture& texture, int row, std::vector<glm::vec3>& out) {
   const auto width = std::size_t(texture.width);
   for (std::size_t x = 0; x < width; ++x) {
-    const std::size_t i = 3 * (std::size_t(row) * width + x);
+    const std::size_t i = componentsOf(texture.format) * (std::size_t(row) * width + x);
     out.emplace_back(linearComponent(texture, i), linearComponent(texture, i + 1), linearComponent(texture, i + 2));
   }
+}
+
+bool hasAlpha(const Texture& texture) { return texture.format == TexelFormat::kRgba8Srgb; }
+
+void appendAlphaRow(const Texture& texture, int row, std::vector<std::uint8_t>& out) {
+  const auto width = std::size_t(texture.width);
+  for (std::size_t x = 0; x < width; ++x)
+    out.push_back(hasAlpha(texture) ? texture.texels[4 * (std::size_t(row) * width + x) + 3] : std::uint8_t(255));
 }
 
 }  // namespace lpv

@@ -15,13 +15,14 @@ enum class TexelFormat {
   kRgb8Srgb,  ///< 3 bytes, sRGB-coded; decoded to linear before filtering
   kRgb16F,    ///< 3 IEEE halves, linear
   kRgb32F,    ///< 3 floats, linear
+  kRgba8Srgb, ///< 4 bytes: sRGB-coded colour, alpha
 };
 
 /// Bytes of one texel.
 std::size_t texelBytes(TexelFormat format);
 
-/// An RGB picture: albedo of a surface or radiance multiplier of a light. Rows from top (v = 0) to bottom, tightly
-/// packed, little-endian. Wrap: repeat.
+/// A picture: albedo of a surface, with its alpha where there is one, or radiance multiplier of a light. Rows from top
+/// (v = 0) to bottom, tightly packed, little-endian. Wrap: repeat.
 struct Texture {
   int width = 0;   ///< texels, 1..16384
   int height = 0;  ///< texels, 1..16384
@@ -37,5 +38,11 @@ Status checkTexture(const Texture& texture);
 
 /// Appends row `row` (0 is the first) as linear RGB. The texture passed checkTexture.
 void appendLinearRow(const Texture& texture, int row, std::vector<glm::vec3>& out);
+
+/// Whether the format has alpha.
+bool hasAlpha(const Texture& texture);
+
+/// Appends the alpha of row `row`, of 255; 255 where the format has none.
+void appendAlphaRow(const Texture& texture, int row, std::vector<std::uint8_t>& out);
 
 }  // namespace lpv

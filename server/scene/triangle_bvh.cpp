@@ -179,6 +179,12 @@ BvhTriangle triangleOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& 
 /// in order.
 double passes(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - b.x * a.y; }
 
+/// Whether a segment that passes an edge on `side` is on the triangle's: one through the edge itself belongs to the
+/// triangle that has it in this direction, which its neighbour has turned over.
+bool isWithin(double side, const glm::dvec2& edge) {
+  return side > 0.0 || (side == 0.0 && (edge.y > 0.0 || (edge.y == 0.0 && edge.x > 0.0)));
+}
+
 }  // namespace
 
 Bvh makeBvh(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) { return Builder(boxes, itemsOfLeaf).take(); }
@@ -259,20 +265,53 @@ bool BvhSegment::meets(const BvhNode& node) const {
   return enter <= leave;
 }
 
-bool BvhSegment::meets(const BvhTriangle& triangle) const {
-  const glm::dvec3 a = glm::dvec3(triangle.first) - from_, b = glm::dvec3(triangle.second) - from_,
-                   c = glm::dvec3(triangle.third) - from_;
+BvhSegment::Seen BvhSegment::seen(const BvhTriangle& triangle) const {
   const auto across = [&](const glm::dvec3& p) { return glm::dvec2(glm::dot(p, right_), glm::dot(p, up_)); };
-  const glm::dvec2 a2 = across(a), b2 = across(b), c2 = across(c);
-  const double u = passes(b2, c2), v = passes(c2, a2), w = passes(a2, b2);
-  const glm::dvec2 low = glm::min(a2, glm::min(b2, c2)), high = glm::max(a2, glm::max(b2, c2));
-  if (low.x > 0.0 || low.y > 0.0 || high.x < 0.0 || high.y < 0.0) return false;  // sides of 0 say nothing
-  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  Seen t{glm::dvec3(triangle.first) - from_,
+         glm::dvec3(triangle.second) - from_,
+         glm::dvec3(triangle.third) - from_,
+         {},
+         {},
+         {},
+         {}};
+  t.a = across(t.first);
+  t.b = across(t.second);
+  t.c = across(t.third);
+  t.sides = {passes(t.b, t.c), passes(t.c, t.a), passes(t.a, t.b)};
+  return t;
+}
+
+/// Sides of 0 say nothing where the segment passes beside the box of all corners.
+bool BvhSegment::Seen::near() const {
+  const glm::dvec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
+  return low.x <= 0.0 && low.y <= 0.0 && high.x >= 0.0 && high.y >= 0.0;
+}
+
+bool BvhSegment::isBetween(const Seen& t) const {
+  const glm::dvec3 normal = glm::cross(t.second - t.first, t.third - t.first);
   const double slope = glm::dot(normal, direction_);
-  if (!inside || slope == 0.0) return false;
-  const double at = glm::dot(normal, a) / slope;
+  if (slope == 0.0) return false;
+  const double at = glm::dot(normal, t.first) / slope;
   return at > 0.0 && at < 1.0;
+}
+
+bool BvhSegment::meets(const BvhTriangle& triangle) const {
+  const Seen t = seen(triangle);
+  if (!t.near()) return false;
+  const double u = t.sides.x, v = t.sides.y, w = t.sides.z;
+  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+  return inside && isBetween(t);
+}
+
+std::optional<glm::dvec3> BvhSegment::crossing(const BvhTriangle& triangle) const {
+  const Seen t = seen(triangle);
+  const double all = t.sides.x + t.sides.y + t.sides.z;
+  if (!t.near() || all == 0.0) return std::nullopt;
+  const double turn = all > 0.0 ? 1.0 : -1.0;
+  const bool inside = isWithin(turn * t.sides.x, turn * (t.c - t.b)) &&
+                      isWithin(turn * t.sides.y, turn * (t.a - t.c)) && isWithin(turn * t.sides.z, turn * (t.b - t.a));
+  if (!inside || !isBetween(t)) return std::nullopt;
+  return t.sides / all;
 }
 
 bool meets(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to) {

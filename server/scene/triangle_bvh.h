@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -75,8 +76,22 @@ class BvhSegment {
   bool meets(const BvhNode& node) const;
   /// Strictly between the ends, from either side. Not from within the triangle's plane.
   bool meets(const BvhTriangle& triangle) const;
+  /// The same with the weights of the corners where it meets; nothing where it does not. Of triangles that share an
+  /// edge or a corner, and that the segment goes through one after the other, one alone says that it was met there: so
+  /// that a pane of two triangles is one pane.
+  std::optional<glm::dvec3> crossing(const BvhTriangle& triangle) const;
 
  private:
+  /// A triangle as it is seen along the segment.
+  struct Seen {
+    glm::dvec3 first, second, third;  ///< corners, from the segment's start
+    glm::dvec2 a, b, c;  ///< across the segment
+    glm::dvec3 sides;  ///< on which the segment passes the edges across from the corners
+    bool near() const;
+  };
+  Seen seen(const BvhTriangle& triangle) const;
+  bool isBetween(const Seen& t) const;
+
   glm::dvec3 from_, direction_, inverse_;
   glm::dvec3 right_, up_;  ///< across the segment
 };

@@ -1,10 +1,10 @@
 // Albedo and normal of the nearest surface. The normal is the interpolated vertex normal (LPV_NORMALS), else the
-// triangle's; seen from behind it is turned over, towards the viewer.
+// triangle's; seen from behind it is turned over, towards the viewer. LPV_ALPHA: the texture's alpha says what is there.
 #include "layout.h"
 #include "common/octahedral.glsl"
 
-#if !defined(LPV_NORMALS) || !defined(LPV_TEXTURE)
-#error "LPV_NORMALS, LPV_TEXTURE: 0 or 1"
+#if !defined(LPV_NORMALS) || !defined(LPV_TEXTURE) || !defined(LPV_ALPHA)
+#error "LPV_NORMALS, LPV_TEXTURE, LPV_ALPHA: 0 or 1"
 #endif
 
 layout(std140, binding = kDrawParams) uniform DrawBlock { DrawParams draw; };
@@ -32,7 +32,13 @@ vec3 surfaceNormal() {
 void main() {
   albedo = vec4(draw.colour, 1.0);
 #if LPV_TEXTURE
-  albedo.rgb *= texture(albedoTexture, textureUv).rgb;
+  const vec4 texel = texture(albedoTexture, textureUv);
+  albedo.rgb *= texel.rgb;
+#endif
+#if LPV_ALPHA
+  const float alpha = draw.opacity * texel.a;
+  if (alpha < draw.leastAlpha) discard;
+  albedo.rgb *= max(alpha, draw.masked);
 #endif
   normal = octahedralFromDirection(surfaceNormal());
 }

@@ -1,5 +1,6 @@
 // Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
-// through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen.
+// through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen. LPV_PANES: some of it
+// is seen through panes.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
@@ -8,6 +9,11 @@
 
 #ifndef LPV_DISPLAY
 #error "LPV_DISPLAY: 0 or 1"
+#endif
+#ifndef LPV_PANES
+#error "LPV_PANES: 0 or 1"
+#elif LPV_PANES
+layout(binding = kPanes) uniform sampler2D panes;
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
@@ -70,6 +76,9 @@ void main() {
   } else if (surface > 0.0) {
     colour = vec4(reflected(pixel, surface), 1.0);
   }
+#if LPV_PANES
+  colour.rgb *= texelFetch(panes, pixel, 0).rgb;
+#endif
 #if LPV_DISPLAY
   colour = vec4(displayFromRadiance(colour.rgb, frame.exposure.factor), 1.0);
 #endif

@@ -1,6 +1,6 @@
 // How much of a pool of lights is seen from the points of a list: rays to points of the lights, four
 // a dispatch (MATHS.md 3d). A point goes on after the first four only if these, or those of the three points beside it,
-// disagree: elsewhere it is in the light or in the dark. Threads per point.
+// disagree: elsewhere it is in the light or in the dark, or behind an even pane. Threads per point.
 #include "layout.h"
 #include "visibility/receivers.glsl"
 #define LPV_FACING 1
@@ -10,16 +10,32 @@
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
-/// Whether the first rays of a point and of those beside it all met the same: the light, or something before it.
-bool agreed(uint four) {
-  float arrived = 0.0, sent = 0.0;
-  for (uint i = 4u * four; i < 4u * four + 4u; ++i) {
-    const float count = shadowPoints[i].light.a;
-    if (count < 0.0) continue;
-    arrived += count;
-    sent += 4.0;
+const float kMixed = -2.0;  // for the rays of a point that arrived (ShadowPoint): each with another share
+const float kSameShare = 1e-3;
+
+/// What first rays met, as ShadowPoint::light.a: `shares` of the `sent` ones, -1 for the others.
+float firstMet(vec4 shares, float sent) {
+  float least = 4.0, most = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    if (shares[i] < 0.0) continue;
+    least = min(least, shares[i]);
+    most = max(most, shares[i]);
   }
-  return arrived == 0.0 || arrived == sent;
+  if (sent == 0.0 || most == 0.0) return sent == 0.0 ? -1.0 : 0.0;
+  return sent < 4.0 || most - least > kSameShare ? kMixed : 4.0 * most;
+}
+
+/// Whether the first rays of a point and of those beside it all met the same: the light, or what stands before it.
+bool agreed(uint four) {
+  float least = 8.0, most = -1.0;
+  for (uint i = 4u * four; i < 4u * four + 4u; ++i) {
+    const float met = shadowPoints[i].light.a;
+    if (met == kMixed) return false;
+    if (met < 0.0) continue;
+    least = min(least, met);
+    most = max(most, met);
+  }
+  return most - least <= 4.0 * kSameShare;
 }
 
 /// A sequence over the picture whose neighbours differ much (Roberts 2018).
@@ -41,16 +57,17 @@ void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
   const ivec4 chosen =
       chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel));
-  vec4 all = vec4(0.0), seen = vec4(0.0);
+  vec4 all = vec4(0.0), seen = vec4(0.0), shares = vec4(-1.0);
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);
-    const vec4 ray = vec4(colour.rgb, 1.0);
-    all += ray;
-    seen += ray * open(x, mix(x, to, kShadowEnd), int(colour.a));
+    const vec3 share = transmitted(x, mix(x, to, kShadowEnd), int(colour.a));
+    all += vec4(colour.rgb, 1.0);
+    seen += vec4(share * colour.rgb, 0.0);
+    shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }
-  if (shadow.turn == 0) shadowPoints[point].light.a = all.a > 0.0 ? seen.a : -1.0;
+  if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);
   shadowPoints[point].all += all;
   shadowPoints[point].seen += seen;
 }

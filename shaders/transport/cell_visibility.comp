@@ -1,6 +1,7 @@
 // How much of one light the cells of the volume see (MATHS.md 3d): rays from their centres to points of the light, four a
 // dispatch, chosen in proportion to what each point sends, the same from every cell. A column of cells goes on after the
-// first four only if these disagree: elsewhere it is in the light or in the dark. A work-group has a block of cells.
+// first four only if these disagree: elsewhere it is in the light or in the dark. A work-group has a block of cells. Of
+// light that comes through a pane cells get the mean of the three colours.
 #include "layout.h"
 #include "common/field.glsl"
 #define LPV_FACING 0
@@ -37,7 +38,7 @@ CellVisibility rays(vec3 x) {
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 ray = vec4(normalize(to - x), 1.0);
     v.all += ray;
-    v.seen += ray * open(x, mix(x, to, kShadowEnd), params.light);
+    v.seen += ray * dot(transmitted(x, mix(x, to, kShadowEnd), params.light), vec3(1.0 / 3.0));
   }
   return v;
 }

@@ -1,6 +1,6 @@
 // One bounce: what arrives at each patch from the lights and from all patches that it sees, by what arrived there one
 // bounce before. The last turn of bounces puts what patches then send where receivers look (light_points.glsl). A thread
-// has a patch.
+// has a patch. LPV_TRANSPARENT: patches may see each other through panes.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/patches.glsl"
@@ -11,11 +11,20 @@ layout(std140, binding = kParams) uniform Block { PatchParams params; };
 layout(std430, binding = kPatchExchange) readonly buffer Exchange { float exchange[]; };
 layout(std430, binding = kPatchLights) writeonly buffer Lights { vec4 lights[]; };
 
+#ifndef LPV_TRANSPARENT
+#error "LPV_TRANSPARENT: 0 or 1"
+#elif LPV_TRANSPARENT
+layout(std430, binding = kPatchShares) readonly buffer Shares { uint shares[]; };
+vec3 shareOf(int pair) { return unpackedShare(shares[pair]); }
+#else
+vec3 shareOf(int pair) { return vec3(1.0); }
+#endif
+
 vec3 reflectedTo(int a, int before) {
   vec3 sum = vec3(0.0);
   for (int b = 0; b < params.count; ++b) {
     const vec3 radiance = patches[b].albedo.rgb * patches[b].arriving[before].rgb / kPi;
-    sum += exchange[b * params.count + a] * patches[b].scale[params.balanced] * radiance;
+    sum += shareOf(b * params.count + a) * exchange[b * params.count + a] * patches[b].scale[params.balanced] * radiance;
   }
   return patches[a].scale[params.balanced] / patches[a].place.w * sum;
 }

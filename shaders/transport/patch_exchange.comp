@@ -1,5 +1,6 @@
 // How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets something.
-// A thread has eight partners of one patch; the lower patch of a pair answers for both.
+// A thread has eight partners of one patch; the lower patch of a pair answers for both. LPV_TRANSPARENT: what light keeps
+// through panes on the way is apart.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"
@@ -10,6 +11,10 @@ layout(local_size_x = kPatchGroup) in;
 
 layout(std140, binding = kParams) uniform Block { PatchParams params; };
 layout(std430, binding = kPatchExchange) writeonly buffer Exchange { float exchange[]; };
+
+#if LPV_TRANSPARENT
+layout(std430, binding = kPatchShares) writeonly buffer Shares { uint shares[]; };
+#endif
 
 vec3 beside(Patch p) { return p.place.xyz + kShadowOffset * p.normal.xyz; }
 
@@ -33,7 +38,13 @@ void main() {
   const Patch here = patches[a];
   for (int b = max(begin, a + 1); b < min(begin + 8, params.count); ++b) {
     const Patch there = patches[b];
-    if (!faceEachOther(here, there) || open(beside(here), beside(there), -1) == 0.0) continue;
+    if (!faceEachOther(here, there)) continue;
+    const vec3 share = transmitted(beside(here), beside(there), -1);
+    if (share == vec3(0.0)) continue;
+#if LPV_TRANSPARENT
+    shares[b * params.count + a] = packedShare(share);
+    shares[a * params.count + b] = packedShare(share);
+#endif
     exchange[b * params.count + a] = here.place.w * arrivesAt(here, there);
     exchange[a * params.count + b] = there.place.w * arrivesAt(there, here);
   }

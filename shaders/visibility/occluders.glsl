@@ -3,8 +3,18 @@
 //   0: (texel of the first instance, -, -, -), then the nodes over instances
 //   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
 //   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
-//             triangles, which follow them, largest coordinate of its box, the light that it blocks or -1 for all)
+//             triangles, which follow them, largest coordinate of its box, the light that it blocks or -1 for all), then
+//             (transmission, alpha) and (first texel of a map of alpha or 0, its boxes across and down, first texel of
+//             the triangles' texture coordinates)
 //   triangle  its three corners, each with a component of the unit normal (BvhTriangle)
+//   texture coordinates of a triangle: (first, second), (third, -)
+//   map       alphas of 255, four to a number
+//
+// LPV_TRANSPARENT: some of what is there lets light through (server/scene/transparency.h); else all is opaque, and the
+// last two texels of instances are not read.
+#ifndef LPV_TRANSPARENT
+#error "LPV_TRANSPARENT: 0 or 1"
+#endif
 
 layout(binding = kOccluders) uniform usamplerBuffer occluders;
 
@@ -56,22 +66,37 @@ float passes(vec2 a, vec2 b) {
   return side;
 }
 
-/// Strictly between the ends, from either side. After Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection":
-/// triangles that share an edge agree about the side on which the segment passes it.
-bool meetsTriangle(int texel, Segment s) {
+/// A triangle as it is seen along a segment, from its start.
+struct SeenTriangle {
+  vec3 a, normal;
+  vec2 a2, b2, c2;  // corners across the segment
+  vec3 sides;       // on which the segment passes the edges across from the corners
+};
+
+SeenTriangle seenTriangle(int texel, Segment s) {
   const uvec4 first = texelFetch(occluders, texel), second = texelFetch(occluders, texel + 1);
   const uvec4 third = texelFetch(occluders, texel + 2);
   const vec3 a = uintBitsToFloat(first.xyz) - s.origin, b = uintBitsToFloat(second.xyz) - s.origin,
              c = uintBitsToFloat(third.xyz) - s.origin, normal = uintBitsToFloat(uvec3(first.w, second.w, third.w));
   const vec2 a2 = vec2(along(a, s.right), along(a, s.up)), b2 = vec2(along(b, s.right), along(b, s.up)),
              c2 = vec2(along(c, s.right), along(c, s.up));
-  const float u = passes(b2, c2), v = passes(c2, a2), w = passes(a2, b2);
-  const float least = min(u, min(v, w)), most = max(u, max(v, w));
-  const float at = dot(normal, a) / dot(normal, s.direction);  // along the plane no number in between
-  const vec2 low = min(a2, min(b2, c2)), high = max(a2, max(b2, c2));
-  const bool near = max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0;  // else sides of 0 say nothing
+  return SeenTriangle(a, normal, a2, b2, c2, vec3(passes(b2, c2), passes(c2, a2), passes(a2, b2)));
+}
+
+/// Where the plane lies between the ends, and the segment within the box of all corners: else sides of 0 say nothing.
+bool isBetween(SeenTriangle t, Segment s) {
+  const float at = dot(t.normal, t.a) / dot(t.normal, s.direction);  // along the plane no number in between
+  const vec2 low = min(t.a2, min(t.b2, t.c2)), high = max(t.a2, max(t.b2, t.c2));
+  return max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0 && at > 0.0 && at < 1.0;
+}
+
+/// Strictly between the ends, from either side. After Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection":
+/// triangles that share an edge agree about the side on which the segment passes it.
+bool meetsTriangle(int texel, Segment s) {
+  const SeenTriangle t = seenTriangle(texel, s);
+  const float least = min(t.sides.x, min(t.sides.y, t.sides.z)), most = max(t.sides.x, max(t.sides.y, t.sides.z));
   const bool inside = (least >= 0.0 && most > 0.0) || (least < 0.0 && most <= 0.0);
-  return near && inside && at > 0.0 && at < 1.0;
+  return inside && isBetween(t, s);
 }
 
 /// Goes on from node `at` of a tree to the next leaf that the segment may meet: its items as BvhNode::leaf has them, or 0
@@ -104,12 +129,65 @@ bool meetsMesh(uvec4 mesh, vec3 origin, vec3 direction, inout int rounds) {
   return met;
 }
 
-/// 1 where nothing lies strictly between two grid positions for light of `light`, else 0. `rounds`: of loops, added to.
-float open(vec3 from, vec3 to, int light, inout int rounds) {
+#if LPV_TRANSPARENT
+/// A segment through an edge itself belongs to the triangle that has it in this direction, which its neighbour has turned
+/// over: so a pane of two triangles is one pane.
+bool isWithin(float side, vec2 edge) {
+  return side > 0.0 || (side == 0.0 && (edge.y > 0.0 || (edge.y == 0.0 && edge.x > 0.0)));
+}
+
+/// As meetsTriangle, by one of the triangles that share an edge alone; the corners' weights where it is met.
+bool crossesTriangle(int texel, Segment s, out vec3 weights) {
+  const SeenTriangle t = seenTriangle(texel, s);
+  const float all = t.sides.x + t.sides.y + t.sides.z, turn = all > 0.0 ? 1.0 : -1.0;
+  weights = t.sides / all;
+  return all != 0.0 && isWithin(turn * t.sides.x, turn * (t.c2 - t.b2)) &&
+         isWithin(turn * t.sides.y, turn * (t.a2 - t.c2)) && isWithin(turn * t.sides.z, turn * (t.b2 - t.a2)) &&
+         isBetween(t, s);
+}
+
+/// What a map says at a place of a triangle, by the last texel of its instance; 1 without map.
+float alphaAt(uvec4 map, int triangle, vec3 weights) {
+  if (map.x == 0u) return 1.0;
+  const vec4 corners = uintBitsToFloat(texelFetch(occluders, int(map.w) + kUvTexels * triangle));
+  const vec2 third = uintBitsToFloat(texelFetch(occluders, int(map.w) + kUvTexels * triangle + 1).xy);
+  const vec2 uv = fract(weights.x * corners.xy + weights.y * corners.zw + weights.z * third);
+  const ivec2 size = ivec2(map.yz), box = min(ivec2(uv * vec2(size)), size - 1);
+  const int i = box.y * size.x + box.x, in16 = i % kAlphasOfTexel;
+  const uint four = texelFetch(occluders, int(map.x) + i / kAlphasOfTexel)[in16 / 4];
+  return float((four >> (8 * (in16 % 4))) & 0xffu) / 255.0;
+}
+
+/// What an instance lets through of a segment in its space; `instance`: its first texel.
+vec3 throughMesh(int instance, uvec4 mesh, vec3 origin, vec3 direction, inout int rounds) {
+  const vec4 coverage = uintBitsToFloat(texelFetch(occluders, instance + 4));
+  const uvec4 map = texelFetch(occluders, instance + 5);
+  if (coverage.w == 1.0 && map.x == 0u) return vec3(meetsMesh(mesh, origin, direction, rounds) ? 0.0 : 1.0);
+  const int begin = int(mesh.x), end = int(mesh.y);
+  const float reach = max(max(abs(origin.x), abs(origin.y)), abs(origin.z)) + uintBitsToFloat(mesh.z);
+  const SegmentBox box = segmentBox(origin, direction, kBoxMargin * reach);
+  const Segment segment = segmentOf(origin, direction);
+  vec3 share = vec3(1.0);
+  for (int at = begin; at < end && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, begin, end, box, rounds);
+    const int items = int(leaf % uint(kLeafItems)), first = int(leaf / uint(kLeafItems));
+    for (int i = first; i < first + items; ++i, ++rounds) {
+      vec3 weights;
+      if (!crossesTriangle(end + kTriangleTexels * i, segment, weights)) continue;
+      share *= (1.0 - coverage.w * alphaAt(map, i, weights)) * coverage.rgb;
+    }
+  }
+  return share;
+}
+#endif
+
+/// Per colour, what gets from one grid position to another of light of `light`, by what lies strictly between. `rounds`:
+/// of loops, added to.
+vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
   const int instances = int(texelFetch(occluders, 0).x);
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
-  bool met = false;
-  for (int at = 1; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
+  vec3 share = vec3(1.0);
+  for (int at = 1; at < instances && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
     const uint leaf = nextLeaf(at, 1, instances, box, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
@@ -117,12 +195,17 @@ float open(vec3 from, vec3 to, int light, inout int rounds) {
     const mat4x3 object = transpose(mat3x4(uintBitsToFloat(texelFetch(occluders, instance)),
                                            uintBitsToFloat(texelFetch(occluders, instance + 1)),
                                            uintBitsToFloat(texelFetch(occluders, instance + 2))));
-    met = meetsMesh(mesh, object * vec4(from, 1.0), object * vec4(to - from, 0.0), rounds);
+    const vec3 origin = object * vec4(from, 1.0), direction = object * vec4(to - from, 0.0);
+#if LPV_TRANSPARENT
+    share *= throughMesh(instance, mesh, origin, direction, rounds);
+#else
+    if (meetsMesh(mesh, origin, direction, rounds)) share = vec3(0.0);
+#endif
   }
-  return met ? 0.0 : 1.0;
+  return share;
 }
 
-float open(vec3 from, vec3 to, int light) {
+vec3 transmitted(vec3 from, vec3 to, int light) {
   int rounds = 0;
-  return open(from, to, light, rounds);
+  return transmitted(from, to, light, rounds);
 }

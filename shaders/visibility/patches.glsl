@@ -24,3 +24,10 @@ float patchWeight(vec3 d, float area, vec3 normal, vec3 n) {
   const float second = size / (r2 + size) * (dot(n, normal) * q + 2.0 * p - 3.0 * p * q * q / r2);
   return p > 0.0 ? area * -q * max(p + second, 0.0) / (r2 * (r2 + size)) : 0.0;
 }
+
+/// A share per colour in ten bits each.
+uint packedShare(vec3 share) {
+  const uvec3 s = uvec3(share * 1023.0 + 0.5);
+  return s.r | s.g << 10 | s.b << 20;
+}
+vec3 unpackedShare(uint share) { return vec3(share & 1023u, (share >> 10) & 1023u, share >> 20) / 1023.0; }

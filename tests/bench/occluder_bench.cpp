@@ -110,13 +110,13 @@ std::vector<glm::vec4> rays(const Scene& scene, bool toLamp) {
 gpu::Program& program() {
   static gpu::Program made = gpu::Program::computeOfText(
       "rays",
-      "#include \"layout.h\"\n#include \"visibility/occluders.glsl\"\n"
+      "#include \"layout.h\"\n#define LPV_TRANSPARENT 0\n#include \"visibility/occluders.glsl\"\n"
       "layout(local_size_x = 128) in;\n"
       "layout(std430, binding = kTestIn) readonly buffer In { vec4 rays[]; };\n"
       "layout(std430, binding = kTestOut) writeonly buffer Out { vec2 seen[]; };\n"
       "void main() {\n  const uint i = gl_GlobalInvocationID.x;\n"
       "  int rounds = 0;\n"
-      "  const float seenOf = open(rays[2u * i].xyz, rays[2u * i + 1u].xyz, int(rays[2u * i].w), rounds);\n"
+      "  const float seenOf = transmitted(rays[2u * i].xyz, rays[2u * i + 1u].xyz, int(rays[2u * i].w), rounds).x;\n"
       "  seen[i] = vec2(seenOf, float(rounds));\n}\n",
       {});
   return made;

@@ -52,9 +52,29 @@ std::vector<std::string> words() {
         "lookup", "max_error", "visibility", "bounces", "haze", "ttl", "display_name", "grid.bounds", "nothing"}) {
     out.push_back(std::string("settings.") + path);
   }
-  for (const char* path : {"mesh", "inline_mesh", "transform", "transform.translation", "transform.rotation",
-                           "transform.scale", "transform.matrix", "radiance", "power", "texture", "two_sided",
-                           "enabled", "group", "albedo", "albedo_texture", "roughness", "metalness"}) {
+  for (const char* path : {"mesh",
+                           "inline_mesh",
+                           "transform",
+                           "transform.translation",
+                           "transform.rotation",
+                           "transform.scale",
+                           "transform.matrix",
+                           "radiance",
+                           "power",
+                           "texture",
+                           "two_sided",
+                           "enabled",
+                           "group",
+                           "albedo",
+                           "albedo_texture",
+                           "roughness",
+                           "metalness",
+                           "casts_shadow",
+                           "visible_to_camera",
+                           "alpha_mode",
+                           "alpha_cutoff",
+                           "opacity",
+                           "transmission"}) {
     out.emplace_back(path);
   }
   out.push_back(api::meshHash(*reference::quad()));

@@ -27,11 +27,11 @@ double decodeHalf(std::uint16_t bits) {
 glm::dvec3 texel(const Texture& texture, int x, int y) {
   const std::size_t column = std::size_t(wrap(x, texture.width));
   const std::size_t row = std::size_t(wrap(y, texture.height));
-  const std::size_t first = (row * std::size_t(texture.width) + column) * 3;
+  const std::size_t first = (row * std::size_t(texture.width) + column) * (hasAlpha(texture) ? 4 : 3);
   glm::dvec3 out(0.0);
   for (int c = 0; c < 3; ++c) {
     const std::size_t i = first + std::size_t(c);
-    if (texture.format == TexelFormat::kRgb8Srgb) {
+    if (texture.format == TexelFormat::kRgb8Srgb || hasAlpha(texture)) {
       out[c] = decodeSrgb(texture.texels.at(i) / 255.0);
     } else if (texture.format == TexelFormat::kRgb16F) {
       out[c] = decodeHalf(std::uint16_t(texture.texels.at(2 * i) | (texture.texels.at(2 * i + 1) << 8)));

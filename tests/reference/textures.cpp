@@ -53,4 +53,16 @@ TexturePtr srgbTextureOf(int width, int height, const std::function<glm::u8vec3(
   return std::make_shared<const Texture>(std::move(texture));
 }
 
+TexturePtr alphaTextureOf(int width, int height, const std::function<std::uint8_t(int x, int y)>& alpha) {
+  Texture texture = emptyOf(width, height, TexelFormat::kRgba8Srgb);
+  std::size_t next = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int c = 0; c < 3; ++c) texture.texels[next++] = 255;
+      texture.texels[next++] = alpha(x, y);
+    }
+  }
+  return std::make_shared<const Texture>(std::move(texture));
+}
+
 }  // namespace lpv::reference

@@ -18,4 +18,7 @@ TexturePtr noise(int width, int height, std::uint32_t seed = 1);
 /// 8-bit sRGB codes, rows from v = 0.
 TexturePtr srgbTextureOf(int width, int height, const std::function<glm::u8vec3(int x, int y)>& code);
 
+/// White with an alpha of 0..255, rows from v = 0.
+TexturePtr alphaTextureOf(int width, int height, const std::function<std::uint8_t(int x, int y)>& alpha);
+
 }  // namespace lpv::reference

@@ -1,5 +1,6 @@
 #include "import/gltf_materials.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace lpv::cli {
@@ -60,6 +61,8 @@ class MaterialWriter {
     json out = json::object();
     if (place.at("name").present()) out["name"] = place.at("name").text();
     if (place.at("doubleSided").present()) out["doubleSided"] = place.at("doubleSided").flag();
+    if (place.at("alphaMode").present()) out["alphaMode"] = place.at("alphaMode").text();
+    copyNumber(place, "alphaCutoff", out);
     copyNumbers(place, "emissiveFactor", 3, out);
     copyTexture(place, "emissiveTexture", out);
     const JsonPlace pbr = place.at("pbrMetallicRoughness");
@@ -71,6 +74,7 @@ class MaterialWriter {
       copyNumber(pbr, "roughnessFactor", to);
     }
     addSpecularGlossiness(place, out);
+    addTransmission(place, out);
     return out;
   }
 
@@ -80,7 +84,22 @@ class MaterialWriter {
     json& to = out["extensions"]["KHR_materials_pbrSpecularGlossiness"] = json::object();
     copyNumbers(place, "diffuseFactor", 4, to);
     copyTexture(place, "diffuseTexture", to);
-    out_["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
+    use("KHR_materials_pbrSpecularGlossiness");
+  }
+
+  void addTransmission(const JsonPlace& material, json& out) {
+    const JsonPlace place = material.at("extensions").at("KHR_materials_transmission");
+    if (!place.present()) return;
+    copyNumber(place, "transmissionFactor", out["extensions"]["KHR_materials_transmission"]);
+    use("KHR_materials_transmission");
+    if (!place.at("transmissionTexture").present()) return;
+    warnings_.push_back("ignored " + place.at("transmissionTexture").name() + ": its factor holds all over");
+  }
+
+  void use(const char* extension) {
+    json& used = out_["extensionsUsed"];
+    if (!used.is_array()) used = json::array();
+    if (std::find(used.begin(), used.end(), extension) == used.end()) used.push_back(extension);
   }
 
   const JsonPlace& root_;

@@ -5,13 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <vector>
-
-#include "import/image_reader.h"
-#include "scene/tonemap.h"
-#include "wire/half.h"
 
 namespace lpv::cli {
 namespace {
@@ -53,39 +48,32 @@ class QuietStderr {
   int kept_;
 };
 
-Expected<Texture> read(const std::string& name, const std::string* bytes) {
+Expected<Texture> read(const std::string& name, const std::string* bytes, ImageAlpha alpha) {
   static const Reader reader = loadReader();
   if (reader.read == nullptr) return Status(Code::kInternal, "the image module cannot be loaded: " + reader.error);
   const QuietStderr quiet;
   Expected<Texture> out = Texture();
-  reader.read(name, bytes, out);
+  reader.read(name, bytes, alpha, out);
   return out;
 }
 
 }  // namespace
 
-Expected<Texture> readImage(const std::string& path) { return read(path, nullptr); }
+Expected<Texture> readImage(const std::string& path, ImageAlpha alpha) { return read(path, nullptr, alpha); }
 
-Expected<Texture> decodeImage(const std::string& bytes, const std::string& format) {
-  return read("embedded." + format, &bytes);
+Expected<Texture> decodeImage(const std::string& bytes, const std::string& format, ImageAlpha alpha) {
+  return read("embedded." + format, &bytes, alpha);
 }
 
 glm::dvec3 meanColour(const Texture& texture) {
-  const std::size_t texels = std::size_t(texture.width) * std::size_t(texture.height);
-  const std::size_t values = texels * 3;
-  std::vector<float> linear(values);
-  if (texture.format == TexelFormat::kRgb8Srgb) {
-    for (std::size_t i = 0; i < values; ++i) linear[i] = float(linearFromSrgb(texture.texels[i] / 255.0));
-  } else if (texture.format == TexelFormat::kRgb16F) {
-    std::vector<std::uint16_t> halves(values);
-    std::memcpy(halves.data(), texture.texels.data(), values * 2);
-    wire::floatsFromHalves(halves.data(), values, 1.0F, linear.data());
-  } else {
-    std::memcpy(linear.data(), texture.texels.data(), values * 4);
-  }
   glm::dvec3 sum(0.0);
-  for (std::size_t i = 0; i < values; i += 3) sum += glm::dvec3(linear[i], linear[i + 1], linear[i + 2]);
-  return sum / double(std::max<std::size_t>(texels, 1));
+  std::vector<glm::vec3> row;
+  for (int y = 0; y < texture.height; ++y) {
+    row.clear();
+    appendLinearRow(texture, y, row);
+    for (const glm::vec3& texel : row) sum += glm::dvec3(texel);
+  }
+  return sum / std::max(1.0, double(texture.width) * texture.height);
 }
 
 }  // namespace lpv::cli

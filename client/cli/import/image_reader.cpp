@@ -64,7 +64,25 @@ void setLinear(Texture& texture, std::vector<float> rgb) {
   texture.texels = bytesOf(halves);
 }
 
-Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name) {
+/// R, G, B and alpha of an image that has alpha, in 8 bits; empty where all is opaque.
+Expected<std::vector<std::uint8_t>> readWithAlpha(OIIO::ImageInput& input, const std::string& name) {
+  const OIIO::ImageSpec& spec = input.spec();
+  const auto channels = std::size_t(spec.nchannels), texels = std::size_t(spec.width) * std::size_t(spec.height);
+  std::vector<std::uint8_t> pixels(texels * channels);
+  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data()))
+    return unreadable(name, input.geterror());
+  std::vector<std::uint8_t> out(texels * 4);
+  bool opaque = true;
+  for (std::size_t i = 0; i < texels; ++i) {
+    rgbOf(&pixels[i * channels], spec.nchannels, &out[i * 4]);
+    out[i * 4 + 3] = pixels[i * channels + std::size_t(spec.alpha_channel)];
+    opaque = opaque && out[i * 4 + 3] == 255;
+  }
+  if (opaque) out.clear();
+  return out;
+}
+
+Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name, ImageAlpha alpha) {
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.width < 1 || spec.height < 1 || spec.width > kMaxEdge || spec.height > kMaxEdge || spec.nchannels < 1) {
     return unreadable(name, "the image has " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
@@ -73,6 +91,16 @@ Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name) 
   Texture texture;
   texture.width = spec.width;
   texture.height = spec.height;
+  const bool hasAlpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels;
+  if (alpha == ImageAlpha::kKeep && hasAlpha && !spec.format.is_floating_point()) {
+    auto rgba = readWithAlpha(input, name);
+    if (!rgba) return rgba.status();
+    if (!rgba->empty()) {
+      texture.format = TexelFormat::kRgba8Srgb;
+      texture.texels = std::move(*rgba);
+      return texture;
+    }
+  }
   if (spec.format == OIIO::TypeDesc::UINT8) {
     auto rgb = readPixels<std::uint8_t>(input, OIIO::TypeDesc::UINT8, name);
     if (!rgb) return rgb.status();
@@ -88,13 +116,13 @@ Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name) 
   return texture;
 }
 
-Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memory) {
+Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memory, ImageAlpha alpha) {
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
   if (memory != nullptr) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &memory);
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(name, &config, memory);
   if (!input) return unreadable(name, OIIO::geterror());
-  Expected<Texture> texture = readTexture(*input, name);
+  Expected<Texture> texture = readTexture(*input, name, alpha);
   OIIO::geterror();  // an error left pending would be printed at exit
   return texture;
 }
@@ -104,11 +132,12 @@ Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memor
 }  // namespace lpv::cli
 
 extern "C" lpv::cli::ReadImage lpvReadImage;
-void lpvReadImage(const std::string& name, const std::string* bytes, lpv::Expected<lpv::Texture>& out) {
+void lpvReadImage(const std::string& name, const std::string* bytes, lpv::cli::ImageAlpha alpha,
+                  lpv::Expected<lpv::Texture>& out) {
   if (bytes == nullptr) {
-    out = lpv::cli::open(name, nullptr);
+    out = lpv::cli::open(name, nullptr, alpha);
     return;
   }
   OIIO::Filesystem::IOMemReader memory(bytes->data(), bytes->size());
-  out = lpv::cli::open(name, &memory);
+  out = lpv::cli::open(name, &memory, alpha);
 }

@@ -1,5 +1,7 @@
 #include "import/materials.h"
 
+#include <assimp/GltfMaterial.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -31,6 +33,31 @@ std::optional<glm::dvec3> colour(const aiMaterial& material, const char* key, un
 std::string nameOf(const aiMaterial& material) {
   aiString name;
   return material.Get(AI_MATKEY_NAME, name) == AI_SUCCESS ? std::string(name.C_Str()) : std::string();
+}
+
+AlphaMode modeOf(const std::string& gltf) {
+  return gltf == "MASK" ? AlphaMode::kMask : gltf == "BLEND" ? AlphaMode::kBlend : AlphaMode::kOpaque;
+}
+
+std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+/// "glass: lets 90 % of light through, unrefracted".
+std::string assumedOf(const std::string& name, const Material& m) {
+  const std::string what = (name.empty() ? "a material without name" : name) + ": ";
+  const bool varies = m.texture != nullptr && hasAlpha(*m.texture);
+  if (m.alphaMode == AlphaMode::kMask) {
+    const bool nothing = m.opacity < m.alphaCutoff;
+    if (!varies && !nothing) return "";
+    return what + (nothing ? "all of it is cut out" : "cut out where alpha is below " + percent(m.alphaCutoff));
+  }
+  if (m.alphaMode == AlphaMode::kOpaque) return "";
+  const glm::dvec3 through = (1.0 - m.opacity) * m.transmission;
+  if (through == glm::dvec3(0.0) && !varies) return "";
+  std::string share = percent(through.x);
+  if (through.x != through.y || through.y != through.z)
+    share += ", " + percent(through.y) + ", " + percent(through.z) + " (red, green, blue)";
+  return what + "lets " + share + " of light through" + (varies ? ", more where its texture does" : "") +
+         ", unrefracted";
 }
 
 }  // namespace
@@ -67,9 +94,43 @@ Material Materials::read(const aiMaterial& material) {
       out.texture = nullptr;
     }
   } else {
+    readAlpha(material, out);
+    if (material.GetTextureCount(aiTextureType_OPACITY) > 0)
+      warnings_.push_back("ignored the opacity texture of " + nameOf(material) +
+                          ": put its values into the alpha of the colour's texture");
     setTexture(material, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, out);
+    if (out.alphaMode == AlphaMode::kBlend && out.texture && !hasAlpha(*out.texture) && out.tints)
+      out.transmission *= glm::min(meanColour(*out.texture), glm::dvec3(1.0));
+    out.passes = assumedOf(nameOf(material), out);
   }
   return out;
+}
+
+/// glTF: alpha of the base colour, and KHR_materials_transmission, which takes (1 - its factor) off what is covered;
+/// OBJ: d or Tr, and Tf. The base colour is what glass of glTF lets through.
+void Materials::readAlpha(const aiMaterial& material, Material& out) const {
+  aiString mode;
+  const bool gltf = extension_ == "glb" || extension_ == "gltf";
+  if (gltf && material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == AI_SUCCESS) out.alphaMode = modeOf(mode.C_Str());
+  out.textureAlpha = out.alphaMode != AlphaMode::kOpaque;
+  out.alphaCutoff = std::clamp(factor(material, AI_MATKEY_GLTF_ALPHACUTOFF, 0.5), 0.0, 1.0);
+  const double opacity = std::clamp(factor(material, AI_MATKEY_OPACITY, 1.0), 0.0, 1.0);
+  if (!gltf) {
+    if (opacity == 1.0) return;
+    out.alphaMode = AlphaMode::kBlend;
+    out.opacity = opacity;
+    out.transmission =
+        glm::min(colour(material, AI_MATKEY_COLOR_TRANSPARENT).value_or(out.transmission), glm::dvec3(1));
+    return;
+  }
+  if (out.alphaMode != AlphaMode::kOpaque) out.opacity = opacity;
+  if (out.alphaMode == AlphaMode::kBlend) out.transmission = out.albedo;
+  const double transmits = std::clamp(factor(material, AI_MATKEY_TRANSMISSION_FACTOR, 0.0), 0.0, 1.0);
+  out.tints = out.alphaMode == AlphaMode::kBlend || transmits > 0.0;
+  if (transmits == 0.0 || out.alphaMode == AlphaMode::kMask) return;
+  out.alphaMode = AlphaMode::kBlend;
+  out.opacity *= 1.0 - transmits;
+  out.transmission = out.albedo;
 }
 
 /// The first of the texture types that the material has.
@@ -78,34 +139,34 @@ void Materials::setTexture(const aiMaterial& material, const std::vector<aiTextu
     aiString name;
     unsigned channel = 0;
     if (material.GetTexture(type, 0, &name, nullptr, &channel) != AI_SUCCESS || name.length == 0) continue;
-    out.texture = texture(name.C_Str());
+    out.texture = texture(name.C_Str(), out.textureAlpha ? ImageAlpha::kKeep : ImageAlpha::kDrop);
     out.uvChannel = channel;
     return;
   }
 }
 
-TexturePtr Materials::texture(const std::string& name) {
-  const auto known = textures_.find(name);
+TexturePtr Materials::texture(const std::string& name, ImageAlpha alpha) {
+  const auto known = textures_.find({name, alpha});
   if (known != textures_.end()) return known->second;
-  Expected<Texture> loaded = load(name);
+  Expected<Texture> loaded = load(name, alpha);
   if (!loaded) warnings_.push_back("ignored texture " + loaded.status().message());
   TexturePtr result = loaded ? std::make_shared<const Texture>(std::move(*loaded)) : nullptr;
-  return textures_[name] = result;
+  return textures_[{name, alpha}] = result;
 }
 
-Expected<Texture> Materials::load(const std::string& name) const {
+Expected<Texture> Materials::load(const std::string& name, ImageAlpha alpha) const {
   if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str()); embedded != nullptr) {
     if (embedded->mHeight != 0) return invalid("texture", name + ": uncompressed embedded textures cannot be read");
     const std::string bytes(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth);
     const bool webp = bytes.compare(0, 4, "RIFF") == 0;  // Assimp keeps formats of three letters only
-    return decodeImage(bytes, webp ? "webp" : embedded->achFormatHint);
+    return decodeImage(bytes, webp ? "webp" : embedded->achFormatHint, alpha);
   }
   std::string relative = percentDecoded(name);
   std::replace(relative.begin(), relative.end(), '\\', '/');
   const std::filesystem::path path = std::filesystem::path(folder_) / relative;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return invalid("texture", path.string() + ": the file does not exist");
-  return readImage(path.string());
+  return readImage(path.string(), alpha);
 }
 
 }  // namespace lpv::cli

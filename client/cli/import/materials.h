@@ -7,9 +7,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "import/gltf_extras.h"
+#include "import/image.h"
 #include "import/scene_file.h"
 #include "scene/texture.h"
 
@@ -23,6 +25,13 @@ struct Material {
   double metalness = 0.0;
   bool doubleSided = false;
   bool oneSidedSurface = false;  ///< the file says that back faces are not drawn
+  AlphaMode alphaMode = AlphaMode::kOpaque;
+  double alphaCutoff = 0.5;
+  double opacity = 1.0;
+  glm::dvec3 transmission{1.0};  ///< of a surface, as scene.h has it
+  bool textureAlpha = false;     ///< that of the texture counts
+  bool tints = false;            ///< its texture colours what passes, where that has no alpha
+  std::string passes;            ///< what was assumed about light that passes, in words; empty: nothing
   TexturePtr texture;            ///< multiplies the radiance of an emitter, else the albedo
   unsigned uvChannel = 0;        ///< the texture's uv channel
 
@@ -38,16 +47,17 @@ class Materials {
 
  private:
   Material read(const aiMaterial& material);
+  void readAlpha(const aiMaterial& material, Material& out) const;
   void setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out);
-  TexturePtr texture(const std::string& name);
-  Expected<Texture> load(const std::string& name) const;
+  TexturePtr texture(const std::string& name, ImageAlpha alpha);
+  Expected<Texture> load(const std::string& name, ImageAlpha alpha) const;
 
   const aiScene& scene_;
   std::string folder_;
   std::string extension_;
   const GltfExtras& extras_;
   ImportOptions options_;
-  std::map<std::string, TexturePtr> textures_;
+  std::map<std::pair<std::string, ImageAlpha>, TexturePtr> textures_;
   std::vector<Material> materials_;
   std::vector<std::string> warnings_;
 };

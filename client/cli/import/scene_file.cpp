@@ -162,6 +162,13 @@ class SceneBuilder {
     surface.roughness = material.roughness;
     surface.metalness = material.metalness;
     surface.twoSided = !material.oneSidedSurface;
+    surface.alphaMode = material.alphaMode;
+    surface.alphaCutoff = material.alphaCutoff;
+    surface.opacity = material.opacity;
+    surface.transmission = material.transmission;
+    if (!material.passes.empty() &&
+        std::find(out_.assumed.begin(), out_.assumed.end(), material.passes) == out_.assumed.end())
+      out_.assumed.push_back(material.passes);
     out_.surfaces.push_back(std::move(surface));
   }
 

@@ -25,6 +25,7 @@ struct ImportedScene {
   std::vector<Surface> surfaces;    ///< the others
   std::vector<std::pair<std::string, Camera>> cameras;
   std::vector<std::string> warnings;  ///< sentences about what was ignored
+  std::vector<std::string> assumed;   ///< sentences about what light that passes surfaces was taken to do
 };
 
 /// Reads glb, gltf, obj, ply or stl, by extension. One light or surface per node and material, named after the node. A

@@ -76,6 +76,9 @@ v1::Texture toProto(const Texture& texture) {
     case TexelFormat::kRgb32F:
       out.set_format(v1::TEXTURE_FORMAT_RGB32F);
       break;
+    case TexelFormat::kRgba8Srgb:
+      out.set_format(v1::TEXTURE_FORMAT_RGBA8_SRGB);
+      break;
   }
   out.set_texels(bytesOf(texture.texels));
   return out;

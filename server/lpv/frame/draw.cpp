@@ -54,9 +54,16 @@ double trianglesOf(const std::vector<DrawItem>& items) {
 }
 
 /// As far as the scissor goes.
-void clear(const gpu::Framebuffer& target) {
-  for (int i = 0; i < target.colours(); ++i) target.clearColour(i, glm::vec4(0.0F));
-  target.clearDepth(0.0F);
+void clear(const gpu::Framebuffer& target, DrawMode mode) {
+  const glm::vec4 first(mode == DrawMode::kMultiply ? 1.0F : 0.0F);
+  for (int i = 0; i < target.colours(); ++i) target.clearColour(i, first);
+  if (mode == DrawMode::kNearest) target.clearDepth(0.0F);
+}
+
+/// A scissor would cut clears too.
+void end() {
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_BLEND);
 }
 
 }  // namespace
@@ -81,15 +88,17 @@ MeshDrawer::MeshDrawer() {
 
 MeshDrawer::~MeshDrawer() { glDeleteVertexArrays(1, &vertexArray_); }
 
-void MeshDrawer::begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams) const {
+void MeshDrawer::begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams,
+                       DrawMode mode) const {
   target.bind();
   frameParams.bindUniform(layout::kParams);
   glBindVertexArray(vertexArray_);
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
-  glEnable(GL_DEPTH_TEST);
+  (mode == DrawMode::kNearest ? glEnable : glDisable)(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
+  (mode == DrawMode::kMultiply ? glEnable : glDisable)(GL_BLEND);
+  glBlendFunc(GL_DST_COLOR, GL_ZERO);
   glEnable(GL_SCISSOR_TEST);
   glScissor(0, band.x, target.size().x, band.y);
   glCullFace(GL_BACK);
@@ -108,7 +117,7 @@ void MeshDrawer::bind(const DrawItem& item, std::size_t index, const gpu::Buffer
 }
 
 GpuTask MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-                        const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const {
+                        const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing, DrawMode mode) const {
   const gpu::Buffer params = drawParams(items);
   const glm::ivec2 size = target.size();
   const double all = trianglesOf(items);
@@ -116,16 +125,17 @@ GpuTask MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::
     band.y = std::min(rowsOfBand(size, all, pacing.unitsFor(stage)), size.y - band.x);
     const double bandPixels = double(size.x) * band.y;
     co_await drawBand(stage, target, frameParams, band, kTrianglePixels + bandPixels / std::max(1.0, all), items,
-                      params, programOf, pacing);
+                      params, programOf, pacing, mode);
   }
 }
 
 GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
                              const glm::ivec2& band, double unitsPerTriangle, const std::vector<DrawItem>& items,
-                             const gpu::Buffer& params, const ProgramOf& programOf, Pacing pacing) const {
+                             const gpu::Buffer& params, const ProgramOf& programOf, Pacing pacing,
+                             DrawMode mode) const {
   double queued = 0.0;  // since the last pause
-  begin(target, band, frameParams);
-  clear(target);
+  begin(target, band, frameParams, mode);
+  clear(target, mode);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const int triangles = int(items[i].mesh->triangleCount);
     for (int first = 0; first < triangles;) {
@@ -137,13 +147,13 @@ GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const 
       first += count;
       queued += count * unitsPerTriangle;
       if (count < int(room)) continue;
-      glDisable(GL_SCISSOR_TEST);  // it would cut clears too
+      end();
       co_yield submitted(stage, queued);
       queued = 0.0;
-      begin(target, band, frameParams);
+      begin(target, band, frameParams, mode);
     }
   }
-  glDisable(GL_SCISSOR_TEST);
+  end();
   co_yield submitted(stage, items.empty() ? double(target.size().x) * band.y : queued);
 }
 

@@ -20,11 +20,18 @@ struct DrawItem {
   const gpu::Texture* texture = nullptr;  ///< or null
   bool mirrored = false;                  ///< the transform turns its front over
   bool cullBack = false;
+  bool alphaVaries = false;  ///< with the texture
   layout::DrawParams params;
 };
 
 /// The part of DrawItem's params that follows from where the mesh is.
 layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject);
+
+/// What becomes of a pixel that several meshes are drawn to.
+enum class DrawMode {
+  kNearest,   ///< reversed depth test, from black
+  kMultiply,  ///< all multiply it, from white; no depth
+};
 
 /// Draws lists of meshes, a bounded number of pixels and triangles at a time.
 class MeshDrawer {
@@ -37,17 +44,19 @@ class MeshDrawer {
   MeshDrawer& operator=(const MeshDrawer&) = delete;
   ~MeshDrawer();
 
-  /// Clears `target` and draws all of `items` into it as pieces of `stage`: reversed depth test, no blending. The
-  /// arguments by reference outlive the coroutine.
+  /// Clears `target` and draws all of `items` into it as pieces of `stage`. `programOf` is asked before each draw, and
+  /// may bind more. The arguments by reference outlive the coroutine.
   GpuTask run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-              const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing) const;
+              const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing,
+              DrawMode mode = DrawMode::kNearest) const;
 
  private:
   /// `band`: first row and rows.
   GpuTask drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const glm::ivec2& band,
                    double unitsPerTriangle, const std::vector<DrawItem>& items, const gpu::Buffer& drawParams,
-                   const ProgramOf& programOf, Pacing pacing) const;
-  void begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams) const;
+                   const ProgramOf& programOf, Pacing pacing, DrawMode mode) const;
+  void begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams,
+             DrawMode mode) const;
   void bind(const DrawItem& item, std::size_t index, const gpu::Buffer& drawParams) const;
 
   std::uint32_t vertexArray_ = 0;

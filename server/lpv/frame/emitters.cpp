@@ -6,12 +6,13 @@ namespace lpv {
 
 namespace {
 
-/// Every enabled light, also one whose radiance is 0: it is there, and black. So is the back of a one-sided light.
+/// Every enabled light that cameras see, also one whose radiance is 0: it is there, and black. So is the back of a
+/// one-sided light.
 std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, const SceneResources& resources) {
   std::vector<DrawItem> items;
   for (const auto& [name, light] : scene.lights) {
     const glm::dmat4 worldFromObject = light->transform.worldFromObject();
-    if (!light->enabled || !view.sees(light->mesh->bounds, worldFromObject)) continue;
+    if (!light->enabled || !light->visibleToCamera || !view.sees(light->mesh->bounds, worldFromObject)) continue;
     DrawItem& item = items.emplace_back();
     item.mesh = resources.meshes.at(light->mesh).get();
     if (light->texture != nullptr && item.mesh->uvs != nullptr)

@@ -22,11 +22,14 @@ struct GbufferInputs {
 };
 GbufferInputs gbufferInputs(const FrameRequest& request, const Scene& scene);
 
+/// A surface to be drawn, alpha and all; nothing of it may be in the picture.
+DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneResources& resources);
+
 /// Albedo, normal and depth of the nearest surface in each pixel.
 struct Gbuffer {
   explicit Gbuffer(const glm::ivec2& size);
 
-  gpu::Texture albedo;  ///< RGBA16F, linear; alpha 1 where there is a surface
+  gpu::Texture albedo;  ///< RGBA16F, linear, times the surface's alpha; alpha 1 where there is a surface
   gpu::Texture normal;  ///< RG16, octahedral, world space, towards the viewer
   gpu::Texture depth;   ///< 32F, reversed: 0 where there is nothing
   gpu::Framebuffer target;

@@ -99,11 +99,12 @@ NearFieldPass::NearFieldPass()
 /// What is sent, how much of it arrives, and the sum so far.
 GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
   const ReceiverVariant receivers = {from.patches};
+  const RayVariant rays = {from.patches, from.shadows.occluders->transparent()};
   layout::ShadowParams params = at.params;
   double queued = 0.0;
   for (params.turn = -1; params.turn <= params.turns; ++params.turn) {
     const bool sends = params.turn < 0, sums = params.turn == params.turns;
-    gpu::Program& program = !sends         ? (sums ? sum_.get(receivers) : rays_.get(receivers))
+    gpu::Program& program = !sends         ? (sums ? sum_.get(receivers) : rays_.get(rays))
                             : at.reflected ? reflected_.get(receivers)
                                            : evaluate_.get({.shadowed = true, .patches = from.patches});
     shadowParams_.update(0, gpu::bytesOfValue(params));

@@ -95,10 +95,17 @@ class NearFieldPass {
     bool patches = false;
     gpu::Defines defines() const { return {gpu::define("LPV_PATCHES", patches)}; }
   };
+  struct RayVariant {
+    bool patches = false;
+    bool transparent = false;
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_PATCHES", patches), gpu::define("LPV_TRANSPARENT", transparent)};
+    }
+  };
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
   gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
   gpu::Programs<ReceiverVariant> reflected_{{"frame/patch_light.comp"}};
-  gpu::Programs<ReceiverVariant> rays_{{"frame/shadow_rays.comp"}};
+  gpu::Programs<RayVariant> rays_{{"frame/shadow_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::ProgramVariants filter_{{"frame/reflect_filter.comp"}};
   gpu::Buffer params_, shadowParams_;

@@ -35,6 +35,7 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
   }
   if (lit->transport != Transport::kPropagate) lit->emitters->view.bind(layout::kDirect);
   if (lit->nearField != nullptr) lit->nearField->bind(layout::kNearField);
+  if (lit->panes != nullptr) lit->panes->bind(layout::kPanes);
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
@@ -95,9 +96,9 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
 }
 
 gpu::Defines ShadingPass::Variant::defines() const {
-  return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_GROUPS", groups),
+  return {gpu::define("LPV_CHANNELS", channels),  gpu::define("LPV_GROUPS", groups),
           gpu::define("LPV_LOOKUP", int(lookup)), gpu::define("LPV_NEAR_FIELD", nearField),
-          gpu::define("LPV_DISPLAY", display)};
+          gpu::define("LPV_DISPLAY", display),    gpu::define("LPV_PANES", panes)};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -155,7 +156,8 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
                                       .groups = grid ? lit.volume->groups : 1,
                                       .lookup = lit.lookup,
                                       .nearField = int(nearFieldMode(lit)),
-                                      .display = direct});
+                                      .display = direct,
+                                      .panes = lit.panes != nullptr});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;
   co_await findExposure(targets, exposureParams(request.exposure), pacing);

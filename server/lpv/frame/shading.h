@@ -43,6 +43,7 @@ struct IrradianceSources {
   const IncidentTextures* volume = nullptr;  ///< null where pixels look at the lights everywhere
   const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
   const gpu::Texture* nearField = nullptr;  ///< of NearFieldBuffer; null: pixels look at the lights themselves
+  const gpu::Texture* panes = nullptr;  ///< of PaneBuffer; null: no pane is in the picture
 };
 
 class ShadingPass {
@@ -67,6 +68,7 @@ class ShadingPass {
     Lookup lookup = Lookup::kSh2;
     int nearField = 0;  ///< LPV_NEAR_FIELD_..
     bool display = false;
+    bool panes = false;
     gpu::Defines defines() const;
   };
   struct ExposureVariant {

@@ -20,7 +20,15 @@ EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, c
 }  // namespace
 
 Emission EmittingLight::emission() const {
-  return {mesh, gridFromObject, radiance, twoSided, mirrored, texture, source == nullptr ? "" : source->group};
+  const bool known = source != nullptr;
+  return {mesh,
+          gridFromObject,
+          radiance,
+          twoSided,
+          mirrored,
+          texture,
+          known ? source->group : "",
+          !known || source->castsShadow};
 }
 
 std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,

@@ -20,6 +20,7 @@ struct Emission {
   bool mirrored = false;
   TexturePtr texture;
   std::string group;  ///< by name
+  bool castsShadow = true;
 
   bool operator==(const Emission&) const = default;
 };

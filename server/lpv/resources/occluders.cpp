@@ -1,5 +1,6 @@
 #include "lpv/resources/occluders.h"
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cstring>
@@ -49,36 +50,84 @@ GpuTask send(gpu::Buffer& buffer, std::size_t texel, std::span<const std::byte> 
   }
 }
 
-std::map<MeshPtr, TriangleBvhPtr> bvhsOf(const std::vector<MeshPtr>& meshes) {
-  std::map<MeshPtr, TriangleBvhPtr> out;
-  for (const MeshPtr& mesh : meshes) {
-    if (!out.contains(mesh)) out.emplace(mesh, bvhOf(mesh));
+/// Texture coordinates of triangles in the order of the tree.
+std::vector<glm::vec2> uvsOf(const Mesh& mesh, const TriangleBvh& bvh) {
+  std::vector<glm::vec2> out;
+  out.reserve(4 * bvh.indices.size());
+  for (const std::uint32_t i : bvh.indices) {
+    const glm::uvec3& t = mesh.triangles[i];
+    out.insert(out.end(), {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z], glm::vec2(0.0F)});
   }
   return out;
+}
+static_assert(4 * sizeof(glm::vec2) == layout::kUvTexels * sizeof(Texel));
+static_assert(sizeof(Texel) == layout::kAlphasOfTexel);
+
+std::size_t texelsOf(const AlphaMap& map) {
+  return (map.alphas.size() + layout::kAlphasOfTexel - 1) / layout::kAlphasOfTexel;
 }
 
 }  // namespace
 
-GpuTask GpuOccluders::storeMeshes(std::map<MeshPtr, TriangleBvhPtr> meshes, std::size_t top) {
+/// Takes some time where trees are new.
+GpuOccluders::Contents GpuOccluders::contentsOf(const std::vector<Occluder>& occluders) {
+  Contents out;
+  for (const Occluder& o : occluders) {
+    if (!out.meshes.contains(o.mesh)) out.meshes.emplace(o.mesh, bvhOf(o.mesh));
+    if (o.coverage.map == nullptr) continue;
+    out.withUvs.insert(o.mesh);
+    out.maps.insert(o.coverage.map);
+  }
+  return out;
+}
+
+bool GpuOccluders::has(const Occluder& o) const {
+  const auto mesh = meshes_.find(o.mesh);
+  if (mesh == meshes_.end()) return false;
+  return o.coverage.map == nullptr || (mesh->second.uvs != 0 && maps_.contains(o.coverage.map));
+}
+
+GpuTask GpuOccluders::storeMesh(const MeshPtr& mesh, const TriangleBvh& bvh, bool withUvs, std::size_t& at,
+                                Place& place) {
+  const std::size_t triangles = at + bvh.nodes.size() * kTexelsOfNode;
+  place = {std::uint32_t(at), std::uint32_t(triangles), reachOf(*mesh), 0};
+  co_await send(texels_, at, gpu::bytesOf(std::span<const BvhNode>(bvh.nodes)));
+  co_await send(texels_, triangles, gpu::bytesOf(std::span<const BvhTriangle>(bvh.triangles)));
+  at += texelsOf(bvh);
+  if (!withUvs) co_return;
+  const std::vector<glm::vec2> uvs = uvsOf(*mesh, bvh);
+  co_await send(texels_, at, gpu::bytesOf(std::span<const glm::vec2>(uvs)));
+  place.uvs = std::uint32_t(at);
+  at += layout::kUvTexels * bvh.triangles.size();
+}
+
+GpuTask GpuOccluders::store(Contents contents, std::size_t top) {
   meshes_.clear();
+  maps_.clear();
   room_ = 0;
   view_ = {};
   texels_ = {};  // first the old memory, then the new
   const std::size_t room = std::bit_ceil(top);
   std::size_t count = room;
-  for (const auto& [mesh, bvh] : meshes) count += texelsOf(*bvh);
+  for (const auto& [mesh, bvh] : contents.meshes) {
+    count += texelsOf(*bvh);
+    if (contents.withUvs.contains(mesh)) count += layout::kUvTexels * bvh->triangles.size();
+  }
+  for (const AlphaMapPtr& map : contents.maps) count += texelsOf(*map);
   texels_ = gpu::Buffer("occluders", count * sizeof(Texel), gpu::BufferUse::kDynamic, gpu::Undefined{});
   view_ = gpu::BufferTexture("occluders", texels_, gpu::BufferTexel::kUvec4);
   std::map<MeshPtr, Place> places;
+  std::map<AlphaMapPtr, std::uint32_t> maps;
   std::size_t at = room;
-  for (const auto& [mesh, bvh] : meshes) {
-    const std::size_t triangles = at + bvh->nodes.size() * kTexelsOfNode;
-    places[mesh] = {std::uint32_t(at), std::uint32_t(triangles), reachOf(*mesh)};
-    co_await send(texels_, at, gpu::bytesOf(std::span<const BvhNode>(bvh->nodes)));
-    co_await send(texels_, triangles, gpu::bytesOf(std::span<const BvhTriangle>(bvh->triangles)));
-    at += texelsOf(*bvh);
+  for (const auto& [mesh, bvh] : contents.meshes)
+    co_await storeMesh(mesh, *bvh, contents.withUvs.contains(mesh), at, places[mesh]);
+  for (const AlphaMapPtr& map : contents.maps) {
+    co_await send(texels_, at, gpu::bytesOf(std::span<const std::uint8_t>(map->alphas)));
+    maps[map] = std::uint32_t(at);
+    at += texelsOf(*map);
   }
   meshes_ = std::move(places);
+  maps_ = std::move(maps);
   room_ = room;
 }
 
@@ -94,6 +143,10 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
     const Place& place = meshes_.at(o.mesh);
     texels.emplace_back(place.nodes, place.triangles, std::bit_cast<std::uint32_t>(place.reach),
                         std::uint32_t(o.blocks));
+    const Coverage& c = o.coverage;
+    texels.push_back(std::bit_cast<Texel>(glm::vec4(glm::vec3(c.transmission), float(c.alpha))));
+    const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
+    texels.emplace_back(c.map == nullptr ? 0U : maps_.at(c.map), size.x, size.y, place.uvs);
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }
@@ -101,18 +154,16 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
 GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid) {
   Inputs inputs = {std::move(occluders), grid};
   if (made_.holds(inputs)) co_return;
-  bool known = bool(texels_) && texelsOfTop(inputs.occluders.size()) <= room_;
-  std::vector<MeshPtr> meshes;
-  for (const Occluder& o : inputs.occluders) {
-    meshes.push_back(o.mesh);
-    known = known && meshes_.contains(o.mesh);
-  }
+  const std::size_t top = texelsOfTop(inputs.occluders.size());
+  const bool known = bool(texels_) && top <= room_ &&
+                     std::ranges::all_of(inputs.occluders, [this](const Occluder& o) { return has(o); });
   if (!known) {
-    auto trees = std::async(std::launch::async, bvhsOf, std::move(meshes));
-    while (trees.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();
-    co_await storeMeshes(trees.get(), texelsOfTop(inputs.occluders.size()));
+    auto contents = std::async(std::launch::async, contentsOf, inputs.occluders);
+    while (contents.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();
+    co_await store(contents.get(), top);
   }
   storeTop(inputs);
+  transparent_ = std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
   Inputs all = inputs;
   std::erase_if(all.occluders, [](const Occluder& o) { return o.blocks != kAllLights; });
   if (!surfaces_.holds(all)) surfaces_.set(std::move(all));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "gpu/buffer.h"
@@ -14,7 +15,7 @@
 namespace lpv {
 
 /// The BVH over BVHs as shaders/visibility/occluders.glsl reads it: the nodes over instances, the instances, then per
-/// mesh its nodes and triangles.
+/// mesh its nodes and triangles, with texture coordinates where alpha varies over an instance, then maps of alpha.
 class GpuOccluders {
  public:
   /// Makes what differs from the last scene. Trees over new meshes are made on another thread meanwhile.
@@ -22,6 +23,8 @@ class GpuOccluders {
   void bind() const;
   /// Changes with what blocks all lights.
   Stamp surfaces() const { return surfaces_.stamp(); }
+  /// Whether something there lets light through.
+  bool transparent() const { return transparent_; }
   std::size_t bytes() const { return texels_.size(); }
 
  private:
@@ -30,6 +33,13 @@ class GpuOccluders {
     std::uint32_t nodes = 0;
     std::uint32_t triangles = 0;  ///< and one past the last node
     float reach = 0.0F;           ///< the largest coordinate of the mesh's box
+    std::uint32_t uvs = 0;        ///< 0: none
+  };
+  /// What is kept while the scene's meshes and maps are among them.
+  struct Contents {
+    std::map<MeshPtr, TriangleBvhPtr> meshes;
+    std::set<MeshPtr> withUvs;
+    std::set<AlphaMapPtr> maps;
   };
   struct Inputs {
     std::vector<Occluder> occluders;
@@ -38,13 +48,18 @@ class GpuOccluders {
     bool operator==(const Inputs&) const = default;
   };
 
-  GpuTask storeMeshes(std::map<MeshPtr, TriangleBvhPtr> meshes, std::size_t top);
+  static Contents contentsOf(const std::vector<Occluder>& occluders);
+  bool has(const Occluder& occluder) const;
+  GpuTask store(Contents contents, std::size_t top);
+  GpuTask storeMesh(const MeshPtr& mesh, const TriangleBvh& bvh, bool withUvs, std::size_t& at, Place& place);
   void storeTop(const Inputs& inputs);
 
   std::map<MeshPtr, Place> meshes_;
+  std::map<AlphaMapPtr, std::uint32_t> maps_;  ///< first texel
   std::size_t room_ = 0;  ///< texels before the first mesh, for what is above
   gpu::Buffer texels_;
   gpu::BufferTexture view_;
+  bool transparent_ = false;
   Cached<Inputs> made_;
   Cached<Inputs> surfaces_;  ///< of these, what blocks all lights
 };

@@ -43,11 +43,13 @@ std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 
 }  // namespace
 
-PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid)
+PatchSet::PatchSet(std::vector<Patch> all, const Grid& grid, bool throughPanes)
     : source(std::move(all)),
       count(int(source.size())),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(source, grid)))),
       exchange("patch exchange", source.size() * source.size() * sizeof(float)),
+      shares(throughPanes ? gpu::Buffer("patch shares", source.size() * source.size() * sizeof(std::uint32_t))
+                          : gpu::Buffer()),
       points(listOf(count)),
       shadows("patch shadows", bytesOfVec4((source.size() + 3) / 4 * 4 * kShadowPointTexels)),
       lights("patch lights", bytesOfVec4(source.size() * layout::kLightPointTexels)),

@@ -13,8 +13,9 @@
 namespace lpv {
 
 struct PatchSet {
-  /// Nothing arrives yet, and none sees another. `patches` is not empty.
-  PatchSet(std::vector<Patch> patches, const Grid& grid);
+  /// Nothing arrives yet, and none sees another. `patches` is not empty. `throughPanes`: some may see others through
+  /// what lets light through.
+  PatchSet(std::vector<Patch> patches, const Grid& grid, bool throughPanes);
 
   layout::PatchParams params() const;
 
@@ -22,6 +23,7 @@ struct PatchSet {
   int count;
   gpu::Buffer patches;   ///< as shaders/visibility/patches.glsl has them
   gpu::Buffer exchange;  ///< layout::kPatchExchange
+  gpu::Buffer shares;    ///< layout::kPatchShares; empty without panes
   gpu::Buffer points;    ///< all patches, as a list of points to be evaluated (layout::kNearFieldPoints)
   gpu::Buffer shadows;   ///< layout::kShadowPoints
   gpu::Buffer lights;    ///< what they send, as shaders/visibility/light_points.glsl has points

@@ -58,6 +58,8 @@ TexelUpload uploadOf(TexelFormat format) {
       return {GL_SRGB8_ALPHA8, GL_RGB, GL_UNSIGNED_BYTE};
     case TexelFormat::kRgb16F:
       return {GL_RGBA16F, GL_RGB, GL_HALF_FLOAT};
+    case TexelFormat::kRgba8Srgb:
+      return {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
     case TexelFormat::kRgb32F:
       break;
   }

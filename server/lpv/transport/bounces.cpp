@@ -27,6 +27,7 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
     set.patches.bindStorage(layout::kPatches);
     set.exchange.bindStorage(layout::kPatchExchange);
     set.lights.bindStorage(layout::kPatchLights);
+    if (set.shares) set.shares.bindStorage(layout::kPatchShares);
     if (occluders != nullptr) occluders->bind();
     step.program.dispatch(groupsFor(count));
     gpu::memoryBarrier();
@@ -38,7 +39,7 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
 GpuTask BouncePass::findExchange(PatchSet& set, const GpuOccluders& occluders, Pacing pacing) {
   layout::PatchParams params = set.params();
   const int byEights = set.count * ((set.count + kPairsOfThread - 1) / kPairsOfThread);
-  const Step rays = {exchange_.get({}), Stage::kVisibility, byEights, double(kPairsOfThread)};
+  const Step rays = {exchange_.get({bool(set.shares)}), Stage::kVisibility, byEights, double(kPairsOfThread)};
   co_await dispatch(rays, set, params, &occluders, pacing);
   const Step sums = {balance_.get({0}), Stage::kReflect, set.count, double(set.count)};
   co_await dispatch(sums, set, params, nullptr, pacing);
@@ -53,7 +54,7 @@ GpuTask BouncePass::run(PatchSet& set, int bounces, Pacing pacing) {
   layout::PatchParams params = set.params();
   params.lastBounce = bounces - 1;
   params.balanced = kTurnsOfBalance & 1;
-  const Step step = {bounce_.get({}), Stage::kReflect, set.count, double(set.count)};
+  const Step step = {bounce_.get({bool(set.shares)}), Stage::kReflect, set.count, double(set.count)};
   for (params.bounce = 0; params.bounce < bounces; ++params.bounce)
     co_await dispatch(step, set, params, nullptr, pacing);
 }

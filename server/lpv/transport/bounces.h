@@ -37,12 +37,16 @@ class BouncePass {
     int step;  ///< of shaders/transport/patch_balance.comp
     gpu::Defines defines() const { return {gpu::define("LPV_STEP", step)}; }
   };
+  struct PaneVariant {
+    bool transparent;
+    gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
+  };
   /// One thread after the other, as many at a time as a piece of work may have.
   GpuTask dispatch(const Step& step, PatchSet& set, layout::PatchParams params, const GpuOccluders* occluders,
                    Pacing pacing);
 
-  gpu::ProgramVariants exchange_{{"transport/patch_exchange.comp"}};
-  gpu::ProgramVariants bounce_{{"transport/patch_bounce.comp"}};
+  gpu::Programs<PaneVariant> exchange_{{"transport/patch_exchange.comp"}};
+  gpu::Programs<PaneVariant> bounce_{{"transport/patch_bounce.comp"}};
   gpu::Programs<BalanceVariant> balance_{{"transport/patch_balance.comp"}};
   gpu::Buffer params_;
 };

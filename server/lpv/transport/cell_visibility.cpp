@@ -45,7 +45,7 @@ GpuTask CellVisibilityPass::sendRays(layout::CellVisibilityParams params, const 
       shadows.points->view.bind(layout::kLightPoints);
       shadows.occluders->bind();
       out.bindStorage(layout::kCellVisibility);
-      program_.get({}).dispatch(std::uint32_t(count));
+      program_.get({shadows.occluders->transparent()}).dispatch(std::uint32_t(count));
       gpu::memoryBarrier();
       queued += count * block.units();
       if (queued < 0.9 * pacing.unitsFor(Stage::kVisibility)) continue;

@@ -63,7 +63,11 @@ class CellVisibilityPass {
   GpuTask sendRays(layout::CellVisibilityParams params, const CellShadows& shadows, const gpu::Buffer& out,
                    Pacing pacing);
 
-  gpu::ProgramVariants program_{{"transport/cell_visibility.comp"}};
+  struct Variant {
+    bool transparent = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
+  };
+  gpu::Programs<Variant> program_{{"transport/cell_visibility.comp"}};
   gpu::Buffer params_;
 };
 

@@ -96,6 +96,28 @@ TEST_F(FrameTest, TheBackOfALightIsOpaque) {
   EXPECT_EQ(pixel(*frame(scene, test::linearFrame(test::frontCamera(-2.0))), 32, 32), glm::dvec3(0.0));
 }
 
+// Red where the G-buffer or the pass of the lights draws them.
+TEST_F(FrameTest, WhatCamerasDoNotSeeIsNotDrawnAndLights) {
+  Scene scene = sceneWithSquare({0.0, 0.0, 0.5});
+  scene.options.transport = Transport::kDirect;
+  test::addSurface(scene, "wall", reference::quad()).transform = {{0, 0, -0.5}, {1, 0, 0, 0}, glm::dvec3(3)};
+  Surface& screen = test::addSurface(scene, "screen", reference::quad());
+  screen.transform = {{0, 0, 0.75}, {1, 0, 0, 0}, glm::dvec3(3)};
+  screen.twoSided = false;
+  Light& light = test::lightOf(scene);
+  light.twoSided = true;
+  const auto middle = [&] { return pixel(*frame(scene, test::linearFrame(test::frontCamera())), 32, 32); };
+  EXPECT_EQ(middle(), glm::dvec3(0.0)) << "the screen's dark front";
+  screen.visibleToCamera = false;
+  scene.surfaces["screen"] = std::make_shared<Surface>(screen);
+  EXPECT_EQ(middle(), kRadiance);
+  light.visibleToCamera = false;
+  scene.lights["light"] = std::make_shared<Light>(light);
+  const glm::dvec3 wall = middle();
+  EXPECT_GT(wall.x, 0.05);
+  EXPECT_LT(wall.x, 0.5 * kRadiance.x);
+}
+
 TEST_F(FrameTest, OneSidedSurfacesAreNotSeenFromBehind) {
   Scene scene = sceneWithSquare({0.0, 0.0, 0.0});
   Surface& wall = test::addSurface(scene, "wall", reference::quad());

@@ -24,6 +24,7 @@ namespace lpv::cli {
 namespace {
 
 using testing::AnyOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -84,6 +85,73 @@ TEST_F(Import, GltfTexturesAndTheirCoordinates) {
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(screen.mesh->uvs[i], glm::vec2(screen.mesh->positions[i].x, 1.0F - screen.mesh->positions[i].y));
   }
+}
+
+/// The scene with other text in the floor's material, in its base colour's alpha, and the image from `leaf.png`.
+std::string gltfWithFloor(const std::string& members, const std::string& alpha) {
+  std::string json = gltfJson();
+  const auto replace = [&json](const std::string& from, const std::string& to) {
+    ASSERT_NE(json.find(from), std::string::npos) << from;
+    json.replace(json.find(from), from.size(), to);
+  };
+  replace(R"("name":"floor",)", R"("name":"floor",)" + members);
+  replace("0.125,1]", "0.125," + alpha + "]");
+  replace(R"({"bufferView":4,"mimeType":"image/png"})", R"({"uri":"leaf.png"})");
+  return json;
+}
+
+// Red where the rewritten file loses a member, or alpha is read of an opaque material.
+TEST_F(Import, GltfAlpha) {
+  folder_.write("leaf.png", halfClearPng());
+  const auto floorOf = [&](const std::string& members, const std::string& alpha) {
+    const ImportedScene scene = load(folder_.write("room.glb", glb(gltfWithFloor(members, alpha), gltfBuffer())));
+    EXPECT_THAT(scene.warnings, IsEmpty());
+    return std::pair(named(scene.surfaces, "Floor_1"), scene.assumed);
+  };
+  const auto [opaque, nothing] = floorOf("", "0.25");
+  EXPECT_EQ(opaque.alphaMode, AlphaMode::kOpaque);
+  EXPECT_EQ(opaque.albedoTexture->format, TexelFormat::kRgb8Srgb);
+  EXPECT_THAT(nothing, IsEmpty());
+  const auto [mask, cut] = floorOf(R"("alphaMode":"MASK","alphaCutoff":0.2,)", "1");
+  EXPECT_EQ(mask.alphaMode, AlphaMode::kMask);
+  EXPECT_NEAR(mask.alphaCutoff, 0.2, 1e-6);
+  EXPECT_EQ(mask.albedoTexture->format, TexelFormat::kRgba8Srgb);
+  EXPECT_EQ(mask.albedoTexture->texels, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 0, 64}));
+  EXPECT_NEAR3(mask.transmission, glm::dvec3(1));
+  EXPECT_THAT(cut, ElementsAre("floor: cut out where alpha is below 20 %"));
+  const auto [blend, less] = floorOf(R"("alphaMode":"BLEND",)", "0.25");
+  EXPECT_EQ(blend.alphaMode, AlphaMode::kBlend);
+  EXPECT_NEAR(blend.opacity, 0.25, 1e-6);
+  EXPECT_NEAR3(blend.transmission, glm::dvec3(0.5, 0.25, 0.125));
+  EXPECT_THAT(less,
+              ElementsAre("floor: lets 38 %, 19 %, 9 % (red, green, blue) of light through, more where its texture "
+                          "does, unrefracted"));
+}
+
+TEST_F(Import, GltfTransmission) {
+  folder_.write("leaf.png", halfClearPng());
+  const std::string glass = R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.8}},)";
+  const ImportedScene scene = load(folder_.write("room.glb", glb(gltfWithFloor(glass, "0.25"), gltfBuffer())));
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  const Surface& floor = named(scene.surfaces, "Floor_1");
+  EXPECT_EQ(floor.alphaMode, AlphaMode::kBlend);
+  EXPECT_NEAR(floor.opacity, 0.2, 1e-6);
+  EXPECT_EQ(floor.albedoTexture->format, TexelFormat::kRgb8Srgb) << "alpha of an opaque material";
+  EXPECT_NEAR3(floor.transmission, glm::dvec3(0.25, 0.125, 0.0));  // times the texture's mean
+  EXPECT_THAT(scene.assumed,
+              ElementsAre("floor: lets 20 %, 10 %, 0 % (red, green, blue) of light through, unrefracted"));
+}
+
+TEST_F(Import, ObjOpacity) {
+  folder_.write("room.mtl", mtlText() + "newmtl glass\nKd 0.1 0.1 0.1\nd 0.25\nTf 1 0.5 0.25\n");
+  std::string text = objText();
+  text.replace(text.find("usemtl white"), 12, "usemtl glass");
+  const ImportedScene scene = load(folder_.write("room.obj", text));
+  const Surface& floor = named(scene.surfaces, "floor");
+  EXPECT_EQ(floor.alphaMode, AlphaMode::kBlend);
+  EXPECT_NEAR(floor.opacity, 0.25, 1e-6);
+  EXPECT_NEAR3(floor.transmission, glm::dvec3(1.0, 0.5, 0.25));
+  EXPECT_THAT(scene.assumed, SizeIs(1));
 }
 
 TEST_F(Import, MeanColourInsteadOfEmissiveTextures) {

@@ -206,7 +206,19 @@ TEST_F(Cli, SurfaceVerbs) {
   EXPECT_EQ(lpvctlOut({"surface", "set", id_, "Wall", "--albedo", "0.1,0.2,0.3", "--roughness", "0.5"}), "");
   EXPECT_EQ(lpvctlOut({"surface", "set", id_, "Wall", "--texture", folder_.write("t.png", redGreenPng())}), "");
   EXPECT_THAT(lpvctlOut({"surface", "list", id_}), AllOf(HasSubstr("0.1,0.2,0.3"), HasSubstr("textured")));
-  EXPECT_THAT(lpvctlOut({"surface", "list", id_, "--json"}), HasSubstr("\"roughness\":0.5"));
+  EXPECT_EQ(lpvctlOut({"surface", "set", id_, "Wall", "--casts-shadow", "off", "--visible", "off"}), "");
+  EXPECT_THAT(lpvctlOut({"surface", "list", id_, "--json"}),
+              AllOf(HasSubstr("\"roughness\":0.5"), HasSubstr("\"castsShadow\":false"),
+                    HasSubstr("\"visibleToCamera\":false")));
+  EXPECT_EQ(
+      lpvctlOut({"surface", "set", id_, "Wall", "--alpha", "blend", "--opacity", "0.25", "--transmission", "1,0,0"}),
+      "");
+  EXPECT_THAT(lpvctlOut({"surface", "list", id_}), HasSubstr("opacity 0.25"));
+  EXPECT_EQ(lpvctlOut({"surface", "add", id_, lamp_, "--name", "Pane", "--opacity", "0.125"}), "Pane");
+  EXPECT_THAT(lpvctlOut({"surface", "list", id_}), HasSubstr("opacity 0.125")) << "blends without being told";
+  EXPECT_EQ(lpvctlOut({"surface", "remove", id_, "Pane"}), "");
+  EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--opacity", "1.5"}).exit, 1);
+  EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--alpha", "some"}).exit, 2);
   EXPECT_EQ(lpvctlOut({"surface", "remove", id_, "Wall"}), "");
   EXPECT_EQ(lpvctl({"surface", "set", id_, "Wall", "--albedo", "0.5"}).exit, 1);
 }

@@ -214,6 +214,43 @@ TEST_F(Durable, AVolumeIsTheSameAfterwardsUnderANewEpoch) {
   EXPECT_GT(after.epoch(), before.epoch());
 }
 
+TEST_F(Durable, WhatASurfaceLetsThroughIsThereAfterwards) {
+  const std::string session = makeSession(*stubs_);
+  pb::Surface pane = surface("Pane", sheet(5));
+  pane.set_casts_shadow(false);
+  pane.set_visible_to_camera(false);
+  pane.set_alpha_mode(pb::ALPHA_MODE_BLEND);
+  pane.set_alpha_cutoff(0.25);
+  pane.set_opacity(0.0);
+  *pane.mutable_transmission() = vec3(1, 0, 0.5);
+  apply(*stubs_, session, {client::createSurface(pane), client::createSurface(surface("Wall", sheet(5)))});
+  killAndStart();
+  pb::ListSurfacesRequest request;
+  request.set_session(session);
+  pb::ListSurfacesResponse found;
+  ASSERT_THAT(stubs_->scene->ListSurfaces(Call(), request, &found), IsOk());
+  ASSERT_EQ(found.surfaces_size(), 2);
+  const pb::Surface &kept = found.surfaces(0), &wall = found.surfaces(1);
+  EXPECT_FALSE(kept.casts_shadow());
+  EXPECT_FALSE(kept.visible_to_camera());
+  EXPECT_EQ(kept.alpha_mode(), pb::ALPHA_MODE_BLEND);
+  EXPECT_EQ(kept.alpha_cutoff(), 0.25);
+  EXPECT_EQ(kept.opacity(), 0.0);
+  EXPECT_EQ(kept.transmission().y(), 0.0);
+  EXPECT_TRUE(wall.casts_shadow());
+  EXPECT_TRUE(wall.visible_to_camera());
+  EXPECT_EQ(wall.alpha_mode(), pb::ALPHA_MODE_OPAQUE);
+  EXPECT_EQ(wall.opacity(), 1.0);
+  EXPECT_EQ(wall.transmission().y(), 1.0);
+  pb::Surface strange = surface("Strange", sheet(5));
+  strange.set_alpha_mode(pb::AlphaMode(7));
+  pb::ApplyEditRequest edit;
+  edit.set_session(session);
+  *edit.mutable_edit()->add_operations() = client::createSurface(strange);
+  pb::ApplyEditResponse answer;
+  EXPECT_EQ(stubs_->scene->ApplyEdit(Call(), edit, &answer).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
 TEST_F(Durable, NamesItsDurability) {
   const std::string session = makeSession(*stubs_);
   EXPECT_EQ(getSession(*stubs_, session).durability(), pb::DURABILITY_DISK);

@@ -11,6 +11,7 @@
 #include "reference/meshes.h"
 #include "reference/occlusion.h"
 #include "reference/room.h"
+#include "scene/shadowing.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -234,6 +235,21 @@ TEST(Occluders, ASurfaceBlocksAllLight) {
   Scene scene = sceneOf(reference::quad());
   addLight(scene, "a", reference::quad(), pose({0, 0, 3}, glm::dvec3(1), 0));
   for (const int light : {kAllLights, 0, 7}) EXPECT_TRUE(Occluders(scene).blocked({0.1, 0, 1}, {0.1, 0, -1}, light));
+}
+
+TEST(Occluders, WhatCastsNoShadowBlocksNothing) {
+  Scene scene = sceneOf(reference::quad());
+  auto surface = std::make_shared<Surface>(*scene.surfaces.begin()->second);
+  surface->castsShadow = false;
+  scene.surfaces.begin()->second = surface;
+  addLight(scene, "b", reference::bumpySphere(2000), pose({0, 0, 3}, glm::dvec3(1), 0));
+  EXPECT_TRUE(shadowsPossible(scene));
+  auto light = std::make_shared<Light>(*scene.lights["b"]);
+  light->castsShadow = false;
+  scene.lights["b"] = light;
+  EXPECT_FALSE(shadowsPossible(scene));
+  EXPECT_TRUE(occludersOf(scene).empty());
+  EXPECT_FALSE(Occluders(scene).blocked({0.1, 0.2, 1}, {0.1, 0.2, -1}, kAllLights));
 }
 
 TEST(Occluders, NothingBlocksWhereNothingHasArea) {

@@ -87,6 +87,7 @@ FieldValue otherThan(const FieldValue& value) {
   if (const bool* flag = std::get_if<bool>(&value)) return !*flag;
   if (const double* number = std::get_if<double>(&value)) return *number == 0.5 ? 0.25 : 0.5;
   if (std::holds_alternative<std::string>(value)) return std::string("other");
+  if (std::holds_alternative<AlphaMode>(value)) return AlphaMode::kBlend;
   return glm::dvec3(0.125, 0.25, 0.5);
 }
 
