@@ -117,7 +117,7 @@ void report(SessionEvent incident, const std::string& session, const std::string
 /// The endpoint of --ops-listen; null where it is not wanted.
 Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const ops::Health& health) {
   if (options.opsListen.empty()) return std::unique_ptr<ops::Endpoint>();
-  Expected<std::unique_ptr<ops::Endpoint>> endpoint = ops::Endpoint::open(options.opsListen, health);
+  Expected<std::unique_ptr<ops::Endpoint>> endpoint = ops::Endpoint::open(options.opsAt, health);
   if (!endpoint) return endpoint;
   if (Status s = writePortFile("--ops-port-file", options.opsPortFile, (*endpoint)->port()); !s.ok()) return s;
   spdlog::info("/live, /ready and /metrics on {} (port {})", options.opsListen, (*endpoint)->port());

@@ -96,34 +96,26 @@ void addOps(CLI::App& app, Options& o) {
   app.add_option("--log-format", o.logFormat, "text, or json: an object per line")->capture_default_str();
 }
 
-/// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
-bool isLoopback(const std::string& address) {
-  const std::string host = address.substr(0, address.rfind(':'));
-  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
-}
-
 /// Metrics are told to whoever asks, without TLS and tokens.
 Status checkOps(Options& options) {
-  std::string& listen = options.opsListen;
-  if (listen.empty()) return {};
-  if (listen.rfind(':') == std::string::npos) {
-    return invalid("ops-listen", "--ops-listen is \"" + listen + "\", the form is HOST:PORT");
-  }
-  if (listen.starts_with(":")) listen = "127.0.0.1" + listen;
-  if (isLoopback(listen) || options.insecure) return {};
-  return invalid("ops-listen", "--ops-listen " + listen +
+  if (options.opsListen.empty()) return {};
+  const Expected<HostPort> at = parseHostPort("ops-listen", options.opsListen);
+  if (!at) return at.status();
+  options.opsAt = *at;
+  options.opsListen = at->text();
+  if (isLoopback(at->host) || options.insecure) return {};
+  return invalid("ops-listen", "--ops-listen " + options.opsListen +
                                    " is not a loopback address, and what it tells is neither encrypted nor asked for a "
                                    "token; use 127.0.0.1, or --insecure on a network you trust");
 }
 
 Status check(Options& options) {
   if (Status s = checkOps(options); !s.ok()) return s;
-  if (options.listen.rfind(':') == std::string::npos) {
-    return invalid("listen", "--listen is \"" + options.listen + "\", the form is HOST:PORT");
-  }
-  if (options.listen.starts_with(":")) options.listen = "127.0.0.1" + options.listen;
+  const Expected<HostPort> at = parseHostPort("listen", options.listen);
+  if (!at) return at.status();
+  options.listen = at->text();
   const bool secured = options.tls.given() && !options.adminTokenFile.empty();
-  if (!isLoopback(options.listen) && !secured && !options.insecure) {
+  if (!isLoopback(at->host) && !secured && !options.insecure) {
     return invalid("listen", "--listen " + options.listen +
                                  " is not a loopback address: give --tls-cert, --tls-key and --admin-token-file, or "
                                  "--insecure on a network you trust");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/address.h"
 #include "engine/device_choice.h"
 #include "grpc/certificates.h"
 #include "session/limits.h"
@@ -16,6 +17,7 @@ struct Options {
   std::string listen = "127.0.0.1:50051";
   std::string portFile;
   std::string opsListen;  ///< empty: no endpoint
+  HostPort opsAt;         ///< opsListen, read
   std::string opsPortFile;
   std::string stateDir;                    ///< empty: sessions live in memory
   std::chrono::seconds retain{30 * 86400};  ///< of expired sessions in stateDir
