@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "interrupt.h"
+#include "output.h"
 
 namespace lpv::cli {
 namespace {
@@ -125,6 +126,6 @@ void requireSomeFlag(CLI::App& command) {
   });
 }
 
-void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << message << "\n"; }
+void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << visible(message) << "\n"; }
 
 }  // namespace lpv::cli

@@ -151,6 +151,16 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
   endpoint.publish([sources] { return ops::renderMetrics(sources); });
 }
 
+/// What is done about TLS files that changed and cannot be used, or can be again.
+grpc_door::OnTlsTrouble tlsTrouble(Counters& counters, ops::Health& health) {
+  return [&counters, &health](const Status& status) {
+    health.setWarning(status.message());
+    if (status.ok()) return spdlog::info("the TLS files are good again, and in use");
+    ++counters.certificateFailures;
+    spdlog::error("{}; the last good certificate stays in use", status.message());
+  };
+}
+
 /// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
 /// is kept, and before the first stream has its notice: who has that, and asks, must not be sent here again.
 void drain(Registry& registry, grpc_door::Door& door, ops::Health& health) {
@@ -241,7 +251,10 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   const api::Context context = callContext(registry, services);
   Expected<std::unique_ptr<grpc_door::Door>> entrance = grpc_door::Door::open(
-      context, {.address = options.listen, .tls = options.tls, .reflection = options.reflection || !access.required()});
+      context, {.address = options.listen,
+                .tls = options.tls,
+                .onTlsTrouble = tlsTrouble(counters, health),
+                .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   grpc_door::Door& door = **entrance;
   health.serve(*journal);
@@ -273,6 +286,8 @@ int main(int argc, char** argv) {
     std::cerr << "lpvd: " << status.message() << "\n";
     return 2;
   }
+  if (!parsed.options.ignoredVariables.empty())
+    spdlog::warn("variables that set no option of lpvd are ignored: {}", parsed.options.ignoredVariables);
   if (parsed.options.listDevices) {
     for (const std::string& line : describeDevices(parsed.options.choice)) std::cout << line << "\n";
     return 0;

@@ -33,6 +33,7 @@ struct Options {
   bool reflection = false;     ///< although tokens are asked for
   Limits limits;
   DeviceChoice choice;
+  std::string ignoredVariables;  ///< LPVD_* that set nothing: "LPVD_PORT, LPVD_X"
   std::map<std::string, std::string> given;  ///< every option by its flag, as text: what a reload compares
 };
 

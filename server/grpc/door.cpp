@@ -54,10 +54,17 @@ Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const Do
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();  // once; the library may have done so
   std::unique_ptr<Door> door(new Door);
+  std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  if (options.tls.given()) {
+    Expected<std::unique_ptr<Certificates>> followed = Certificates::follow(options.tls, options.onTlsTrouble);
+    if (!followed) return followed.status();
+    door->certificates_ = std::move(*followed);
+    credentials = door->certificates_->credentials();
+  }
   grpc::ServerBuilder builder;
   configure(builder);
   reflect(builder, options.reflection);
-  builder.AddListeningPort(address, serverCredentials(options.tls), &door->port_);
+  builder.AddListeningPort(address, credentials, &door->port_);
   door->services_ = makeServices(context);
   for (const auto& service : door->services_) builder.RegisterService(service.get());
   door->server_ = builder.BuildAndStart();

@@ -13,6 +13,13 @@ http::Answer answerOf(const Status& status) {
   return {.status = 503, .body = status.message() + "\n"};
 }
 
+/// Readiness, and below it what is to be seen to.
+http::Answer readyPage(const Health& health) {
+  http::Answer answer = answerOf(health.ready());
+  if (const std::string warning = health.warning(); !warning.empty()) answer.body += "warning: " + warning + "\n";
+  return answer;
+}
+
 /// "localhost" may be an address of either family; it is the older one here.
 HostPort numeric(HostPort at) {
   if (at.host == "localhost") at.host = "127.0.0.1";
@@ -40,7 +47,7 @@ Expected<std::unique_ptr<Endpoint>> Endpoint::open(const HostPort& at, const Hea
   auto parts = std::make_unique<Parts>();
   std::map<std::string, http::Handler> paths{
       {"/live", [&health](const http::Request&) { return answerOf(health.live()); }},
-      {"/ready", [&health](const http::Request&) { return answerOf(health.ready()); }},
+      {"/ready", [&health](const http::Request&) { return readyPage(health); }},
       {"/metrics", [page = parts.get()](const http::Request&) { return page->metricsPage(); }}};
   Expected<std::unique_ptr<http::Server>> server = http::Server::open(numeric(at), std::move(paths), {});
   if (!server) return Status(Code::kUnavailable, "--ops-listen: " + server.status().message(), "ops-listen");

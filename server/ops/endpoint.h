@@ -10,7 +10,8 @@
 
 namespace lpv::ops {
 
-/// Plain HTTP for operators: GET /live and /ready (200 "ok", or 503 and the reason), /metrics (Prometheus text format
+/// Plain HTTP for operators: GET /live and /ready (200 "ok", or 503 and the reason; /ready with a line "warning: ..." for
+/// what is to be seen to), /metrics (Prometheus text format
 /// 0.0.4; 503 before publish()). Other paths are 404.
 class Endpoint {
  public:
