@@ -31,8 +31,8 @@ class JsonObject {
 /// A JSON array of values that already are JSON.
 std::string jsonArray(const std::vector<std::string>& values);
 
-/// What a terminal may be shown of a text that a server sent: hidden characters (base/text.h), line ends too, as escapes
-/// that JSON reads back.
+/// What a terminal may be shown of a text that a server sent: hidden characters (base/text.h), line ends too, as
+/// escapes that JSON reads back.
 std::string visible(const std::string& text);
 
 /// Prints a line on stdout, visible(), and flushes.

@@ -17,8 +17,9 @@ struct ConfigEntry {
 /// "max_sessions" and "max-sessions" are one name.
 std::string withDashes(std::string name);
 
-/// Reads lines NAME = VALUE of TOML: numbers, true and false as they are, text in quotes, # before comments. Entries come
-/// in the file's order. INVALID_ARGUMENT, with file and line, for sections, anything else, and a name that comes twice.
+/// Reads lines NAME = VALUE of TOML: numbers, true and false as they are, text in quotes, # before comments. Entries
+/// come in the file's order. INVALID_ARGUMENT, with file and line, for sections, anything else, and a name that comes
+/// twice.
 Expected<std::vector<ConfigEntry>> readConfigFile(const std::string& path);
 
 /// NAME=VALUE as readConfigFile() reads it; text is quoted.

@@ -250,11 +250,11 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   const api::Context context = callContext(registry, services);
-  Expected<std::unique_ptr<grpc_door::Door>> entrance = grpc_door::Door::open(
-      context, {.address = options.listen,
-                .tls = options.tls,
-                .onTlsTrouble = tlsTrouble(counters, health),
-                .reflection = options.reflection || !access.required()});
+  Expected<std::unique_ptr<grpc_door::Door>> entrance =
+      grpc_door::Door::open(context, {.address = options.listen,
+                                      .tls = options.tls,
+                                      .onTlsTrouble = tlsTrouble(counters, health),
+                                      .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   grpc_door::Door& door = **entrance;
   health.serve(*journal);

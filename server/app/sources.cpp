@@ -26,8 +26,7 @@ std::vector<std::string> flagsOf(int argc, char** argv) {
     const std::string argument = argv[i];
     const std::string name = nameOf(argument);
     const std::size_t equals = argument.find('=');
-    out.push_back(name.empty() ? argument
-                               : "--" + name + (equals == std::string::npos ? "" : argument.substr(equals)));
+    out.push_back(name.empty() ? argument : "--" + name + (equals == std::string::npos ? "" : argument.substr(equals)));
   }
   return out;
 }

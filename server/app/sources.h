@@ -12,7 +12,7 @@ namespace lpv::app {
 struct Sources {
   std::vector<std::string> flags;    ///< of the command line, without the program; names with dashes
   std::vector<ConfigEntry> entries;  ///< of environment and file, without those that a flag or the environment replaces
-  std::string ignored;               ///< names of LPVD_* variables that are no options of ours: "LPVD_PORT, LPVD_X"
+  std::string ignored;  ///< names of LPVD_* variables that are no options of ours: "LPVD_PORT, LPVD_X"
 
   /// All in one command line, without the program.
   std::vector<std::string> arguments() const;

@@ -3,8 +3,8 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cctype>
+#include <charconv>
 #include <optional>
 
 #include "base/text.h"
@@ -54,7 +54,8 @@ Expected<HostPort> parseHostPort(const std::string& flag, const std::string& tex
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos) return wrong(flag, text, "the form is HOST:PORT, [IPV6]:PORT or :PORT");
   const std::optional<int> port = portOf(text.substr(colon + 1));
-  if (!port) return wrong(flag, text, "\"" + truncatedUtf8(text.substr(colon + 1)) + "\" is no port, allowed are 0 to 65535");
+  if (!port)
+    return wrong(flag, text, "\"" + truncatedUtf8(text.substr(colon + 1)) + "\" is no port, allowed are 0 to 65535");
   std::string host = text.substr(0, colon);
   if (host.empty()) return HostPort{"127.0.0.1", *port};
   if (host.front() == '[' && host.back() == ']') {
@@ -62,7 +63,8 @@ Expected<HostPort> parseHostPort(const std::string& flag, const std::string& tex
     if (isIpv6(host)) return HostPort{host, *port};
     return wrong(flag, text, "\"" + truncatedUtf8(host) + "\" is no IPv6 address");
   }
-  if (isIpv6(host)) return wrong(flag, text, "an IPv6 address stands in brackets, as in [::1]:" + std::to_string(*port));
+  if (isIpv6(host))
+    return wrong(flag, text, "an IPv6 address stands in brackets, as in [::1]:" + std::to_string(*port));
   if (isIpv4(host) || isName(host)) return HostPort{host, *port};
   return wrong(flag, text, "\"" + truncatedUtf8(host) + "\" is neither an address nor a name");
 }

@@ -21,7 +21,8 @@ inline std::string truncatedUtf8(const std::string& text, std::size_t most = kMo
 
 /// The first character of a text that people do not see as it is: control characters, line separators, characters that
 /// change the direction of what follows, invisible ones (Unicode's Cc, Zl, Zp, Bidi_Control and
-/// Default_Ignorable_Code_Point), and bytes that are no UTF-8. Joiners and emoji selectors after a symbol are part of it.
+/// Default_Ignorable_Code_Point), and bytes that are no UTF-8. Joiners and emoji selectors after a symbol are part of
+/// it.
 struct HiddenCharacter {
   std::size_t at = 0;     ///< byte in the text
   std::size_t bytes = 1;  ///< of the character

@@ -48,7 +48,9 @@ bool hasDeadline(const grpc::CallbackServerContext& call) {
 
 api::CallOrigin originOf(const grpc::CallbackServerContext& call) {
   const Expected<std::string> traceparent = header(call, "traceparent");
-  return {.token = shownToken(call), .peer = call.peer(), .traceparent = traceparent ? *traceparent : std::string(),
+  return {.token = shownToken(call),
+          .peer = call.peer(),
+          .traceparent = traceparent ? *traceparent : std::string(),
           .hasDeadline = hasDeadline(call)};
 }
 

@@ -31,7 +31,8 @@ constexpr int kLooksUntilTold = 2;
 constexpr const char* kCurrent = "current";
 
 Status noFolder() {
-  return {Code::kUnavailable, std::string("no private folder can be made for the certificate: ") + std::strerror(errno) +
+  return {Code::kUnavailable, std::string("no private folder can be made for the certificate: ") +
+                                  std::strerror(errno) +
                                   "; set RUNTIME_DIRECTORY or TMPDIR to one that can be written"};
 }
 

@@ -43,7 +43,8 @@ int noPassphrase(char*, int, int, void*) { return 0; }
 Expected<std::vector<Certificate>> certificatesOf(const char* flag, const std::string& path, const std::string& text) {
   const Memory memory = memoryOf(text);
   std::vector<Certificate> out;
-  while (X509* read = PEM_read_bio_X509(memory.get(), nullptr, noPassphrase, nullptr)) out.emplace_back(read, X509_free);
+  while (X509* read = PEM_read_bio_X509(memory.get(), nullptr, noPassphrase, nullptr))
+    out.emplace_back(read, X509_free);
   const bool atEnd = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
   if (out.empty()) return wrong(flag, path, "is no PEM file of certificates");
   if (!atEnd) return wrong(flag, path, "is cut off, or broken, after certificate " + std::to_string(out.size()));

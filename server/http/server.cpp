@@ -39,8 +39,10 @@ struct Path {
 
 /// What a request that cannot be read is answered with; nothing where nobody waits for an answer.
 std::optional<Answer> answerOf(const Error& error) {
-  if (error == HttpError::header_limit) return Answer{431, "text/plain; charset=utf-8", "the request's header is too long\n"};
-  if (error == HttpError::body_limit) return Answer{413, "text/plain; charset=utf-8", "the request's body is too long\n"};
+  if (error == HttpError::header_limit)
+    return Answer{431, "text/plain; charset=utf-8", "the request's header is too long\n"};
+  if (error == HttpError::body_limit)
+    return Answer{413, "text/plain; charset=utf-8", "the request's body is too long\n"};
   if (error == HttpError::end_of_stream || error == HttpError::partial_message) return std::nullopt;
   if (error.category() != make_error_code(HttpError::end_of_stream).category()) return std::nullopt;
   return Answer{400, "text/plain; charset=utf-8", "not a request of HTTP/1.1\n"};
@@ -124,8 +126,10 @@ class Server::Parts::Connection : public std::enable_shared_from_this<Connection
     if (found == parts_.paths_.end()) return write({404, "text/plain; charset=utf-8", "not found\n"});
     if (request.method() != beast::http::verb::get && request.method() != beast::http::verb::head)
       return write({405, "text/plain; charset=utf-8", "allowed are GET and HEAD\n"});
-    net::post(found->second.thread, [self = shared_from_this(), &handler = found->second.handler,
-                                     asked = std::move(asked)]() mutable { askHandler(std::move(self), handler, asked); });
+    net::post(found->second.thread,
+              [self = shared_from_this(), &handler = found->second.handler, asked = std::move(asked)]() mutable {
+                askHandler(std::move(self), handler, asked);
+              });
   }
 
   /// On the path's thread. The connection goes back to its own thread, which alone may end it.

@@ -34,7 +34,7 @@ struct Limits {
   std::size_t headerBytes = 8192;               ///< of a request; longer ones are answered 431
   std::size_t bodyBytes = 0;                    ///< of a request's body, which is not looked at; longer: 413
   std::chrono::milliseconds request{5'000};     ///< from the connection to the last byte of its request
-  std::chrono::milliseconds answer{10'000};     ///< from the answer's first byte to its last; slower readers are cut off
+  std::chrono::milliseconds answer{10'000};  ///< from the answer's first byte to its last; slower readers are cut off
 };
 
 /// Answers one request on every connection, then closes it. Connections share one thread that never waits for any of

@@ -10,9 +10,8 @@
 
 namespace lpv::ops {
 
-/// Plain HTTP for operators: GET /live and /ready (200 "ok", or 503 and the reason; /ready with a line "warning: ..." for
-/// what is to be seen to), /metrics (Prometheus text format
-/// 0.0.4; 503 before publish()). Other paths are 404.
+/// Plain HTTP for operators: GET /live and /ready (200 "ok", or 503 and the reason; /ready with a line "warning: ..."
+/// for what is to be seen to), /metrics (Prometheus text format 0.0.4; 503 before publish()). Other paths are 404.
 class Endpoint {
  public:
   /// Listens; the host is an address or "localhost". UNAVAILABLE if it cannot listen. `health` must outlive this.

@@ -4,11 +4,11 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
+#include <signal.h>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <signal.h>
 
 #include <thread>
 
@@ -142,7 +142,8 @@ TEST(Configuration, VariablesThatAreNoneOfOursAreNamedOnce) {
 // Broken by: text without quotes; the content of a secret.
 TEST(Configuration, WhatIsPrintedIsTakenAgain) {
   const ConfigFile secret("not to be told\n");
-  const Finished first = printedWith({"--admin-token-file", secret.path(), "--insecure", "--retain", "5d", "--state-dir", "a \"b\" \\c#"});
+  const Finished first =
+      printedWith({"--admin-token-file", secret.path(), "--insecure", "--retain", "5d", "--state-dir", "a \"b\" \\c#"});
   ASSERT_EQ(first.status, 0) << first.errors;
   EXPECT_THAT(first.output, HasSubstr("admin-token-file=\"" + secret.path() + "\""));
   EXPECT_EQ(first.output.find("not to be told"), std::string::npos);

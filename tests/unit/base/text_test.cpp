@@ -45,12 +45,13 @@ TEST(Hidden, AreCharactersThatPeopleDoNotSee) {
   EXPECT_EQ(hiddenIn("x\u3164"), "U+3164@1");
   EXPECT_EQ(hiddenIn("x\U000E0041"), "U+E0041@1");
   EXPECT_EQ(hiddenIn("lamp\u200d"), "U+200D@4") << "a joiner after a letter makes two names look the same";
-  for (const char* broken : {"\xff", "\xc0\xaf", "\xed\xa0\x80", "\xe2\x82"}) EXPECT_EQ(hiddenIn(broken).substr(0, 2), "U+") << broken;
+  for (const char* broken : {"\xff", "\xc0\xaf", "\xed\xa0\x80", "\xe2\x82"})
+    EXPECT_EQ(hiddenIn(broken).substr(0, 2), "U+") << broken;
 }
 
 TEST(Hidden, AreNotLettersSymbolsAndWhatEmojiAreMadeOf) {
-  for (const char* shown : {"Lamp 1", "L\u00e4mpchen", "\u706f", "\u0644\u0645\u0628\u0629", "\U0001F4A1", "\u2600\ufe0f",
-                            "\U0001F468\u200d\U0001F680", "\u2764\ufe0f\u200d\U0001F525"})
+  for (const char* shown : {"Lamp 1", "L\u00e4mpchen", "\u706f", "\u0644\u0645\u0628\u0629", "\U0001F4A1",
+                            "\u2600\ufe0f", "\U0001F468\u200d\U0001F680", "\u2764\ufe0f\u200d\U0001F525"})
     EXPECT_EQ(hiddenIn(shown), "none") << shown;
 }
 

@@ -85,17 +85,19 @@ Handler hello() {
 
 TEST(HttpServer, AnswersByPath) {
   const auto server = serve({{"/hello", hello()}, {"/query", [](const Request& request) {
-                                                      return Answer{503, "text/x", request.path + "|" + request.query};
-                                                    }}});
+                                                     return Answer{503, "text/x", request.path + "|" + request.query};
+                                                   }}});
   EXPECT_THAT(ask(*server, get("/hello")),
               AllOf(StartsWith("HTTP/1.1 200 OK\r\n"), HasSubstr("\r\nContent-Length: 6\r\n"),
                     HasSubstr("\r\nConnection: close\r\n"), HasSubstr("\r\nCache-Control: no-store\r\n"),
                     EndsWith("\r\n\r\nhello\n")));
-  EXPECT_THAT(ask(*server, get("/query?a=b?c")),
-              AllOf(StartsWith("HTTP/1.1 503 "), HasSubstr("Content-Type: text/x\r\n"), EndsWith("\r\n\r\n/query|a=b?c")));
+  EXPECT_THAT(
+      ask(*server, get("/query?a=b?c")),
+      AllOf(StartsWith("HTTP/1.1 503 "), HasSubstr("Content-Type: text/x\r\n"), EndsWith("\r\n\r\n/query|a=b?c")));
   for (const char* path : {"/", "/hello/on", "/hell", "/../hello"})
     EXPECT_THAT(ask(*server, get(path)), StartsWith("HTTP/1.1 404 ")) << path;
-  EXPECT_THAT(ask(*server, "HEAD /hello HTTP/1.1\r\n\r\n"), AllOf(HasSubstr("Content-Length: 6\r\n"), EndsWith("\r\n\r\n")));
+  EXPECT_THAT(ask(*server, "HEAD /hello HTTP/1.1\r\n\r\n"),
+              AllOf(HasSubstr("Content-Length: 6\r\n"), EndsWith("\r\n\r\n")));
   EXPECT_THAT(ask(*server, "POST /hello HTTP/1.1\r\nContent-Length: 0\r\n\r\n"),
               AllOf(StartsWith("HTTP/1.1 405 "), HasSubstr("\r\nAllow: GET, HEAD\r\n")));
 }
@@ -149,8 +151,11 @@ TEST(HttpServer, ARequestThatTakesTooLongIsCutOff) {
 
 TEST(HttpServer, AnAnswerThatIsNotReadIsCutOff) {
   const std::string large(64 << 20, 'x');
-  const auto server =
-      serve({{"/large", [&](const Request&) { return Answer{200, "text/plain", large}; }}}, {.answer = 200ms});
+  const auto server = serve({{"/large",
+                              [&](const Request&) {
+                                return Answer{200, "text/plain", large};
+                              }}},
+                            {.answer = 200ms});
   const Socket slow(server->port(), 4096);
   ASSERT_TRUE(slow.send(get("/large")));
   std::this_thread::sleep_for(1s);
@@ -162,11 +167,13 @@ TEST(HttpServer, AnAnswerThatIsNotReadIsCutOff) {
 TEST(HttpServer, AHandlerThatWaitsHoldsUpItsOwnPathOnly) {
   std::promise<void> go;
   std::promise<void> asked;
-  const auto server = serve({{"/hello", hello()}, {"/waits", [&](const Request&) {
-                                                      asked.set_value();
-                                                      go.get_future().wait();
-                                                      return Answer{200, "text/plain", "waited\n"};
-                                                    }}},
+  const auto server = serve({{"/hello", hello()},
+                             {"/waits",
+                              [&](const Request&) {
+                                asked.set_value();
+                                go.get_future().wait();
+                                return Answer{200, "text/plain", "waited\n"};
+                              }}},
                             kPatient);
   const Socket waiting(server->port());
   ASSERT_TRUE(waiting.send(get("/waits")));
@@ -180,11 +187,13 @@ TEST(HttpServer, AHandlerThatWaitsHoldsUpItsOwnPathOnly) {
 TEST(HttpServer, AFloodOfRequestsCostsTheHandlerNoMoreThanTheOpenConnections) {
   std::promise<void> go;
   std::atomic<int> calls = 0;
-  const auto server = serve({{"/hello", hello()}, {"/waits", [&, held = go.get_future().share()](const Request&) {
-                                                      held.wait();
-                                                      ++calls;
-                                                      return Answer{};
-                                                    }}},
+  const auto server = serve({{"/hello", hello()},
+                             {"/waits",
+                              [&, held = go.get_future().share()](const Request&) {
+                                held.wait();
+                                ++calls;
+                                return Answer{};
+                              }}},
                             {.connections = 8, .request = 1h, .answer = 1h});
   const auto flood = idle(*server, 200, get("/waits"));
   EXPECT_THAT(ask(*server, get("/hello")), EndsWith("hello\n")) << "all are read, and most were cut off";
@@ -196,7 +205,8 @@ TEST(HttpServer, AFloodOfRequestsCostsTheHandlerNoMoreThanTheOpenConnections) {
 TEST(HttpServer, EndsWithConnectionsAndRequestsOpen) {
   std::promise<void> asked;
   std::promise<void> go;
-  auto server = serve({{"/waits", [&](const Request&) {
+  auto server = serve({{"/waits",
+                        [&](const Request&) {
                           asked.set_value();
                           go.get_future().wait();
                           return Answer{};

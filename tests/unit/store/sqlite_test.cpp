@@ -50,10 +50,10 @@ TEST_F(SqliteStoreTest, ItsFilesAreTheOwnersWhateverTheFolderIs) {
   };
   EXPECT_EQ(othersMay(), 0);
   fs::permissions(folder_.path(), fs::perms::all);
-  keep(1);
+  keep(createSession(*store_, "hall"));
   for (const auto& file : fs::directory_iterator(folder_.path())) fs::permissions(file.path(), fs::perms(0644));
   reopen();
-  keep(2);
+  keep(store_->append("hall", lampStep(1)));
   EXPECT_EQ(othersMay(), 1) << "the lock file, which says nothing but a process id";
 }
 
