@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,11 +30,33 @@ constexpr unsigned kGrpcLooksEverySeconds = 1;
 constexpr std::chrono::milliseconds kLookEvery{250};
 constexpr int kLooksUntilTold = 2;
 constexpr const char* kCurrent = "current";
+constexpr const char* kFolderPrefix = "lpvd-";
 
 Status noFolder() {
   return {Code::kUnavailable, std::string("no private folder can be made for the certificate: ") +
                                   std::strerror(errno) +
                                   "; set RUNTIME_DIRECTORY or TMPDIR to one that can be written"};
+}
+
+/// Holds a folder for as long as this process lives; -1 where another one does.
+int lockFolder(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0 || ::flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  ::close(file);
+  return -1;
+}
+
+/// Removes what servers that were killed have left. A folder that is just being made has no link yet, and stays.
+void removeAbandoned(const std::string& parent) {
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(parent, failed)) {
+    const bool ours = entry.path().filename().string().starts_with(kFolderPrefix);
+    if (!ours || !fs::is_symlink(entry.path() / kCurrent, failed)) continue;
+    const int file = lockFolder(entry.path());
+    if (file < 0) continue;
+    fs::remove_all(entry.path(), failed);
+    ::close(file);
+  }
 }
 
 /// A folder of our own for the key: that of the service manager, else in memory, else among temporary files.
@@ -42,8 +65,10 @@ Expected<std::string> makePrivateFolder() {
   std::error_code failed;
   for (const std::string& parent : {std::string(runtime == nullptr ? "" : runtime), std::string("/dev/shm"),
                                     fs::temp_directory_path(failed).string()}) {
-    std::string name = parent + "/lpvd-XXXXXX";
-    if (!parent.empty() && mkdtemp(name.data()) != nullptr) return name;
+    if (parent.empty()) continue;
+    removeAbandoned(parent);
+    std::string name = parent + "/" + kFolderPrefix + "XXXXXX";
+    if (mkdtemp(name.data()) != nullptr) return name;
   }
   return noFolder();
 }
@@ -64,7 +89,10 @@ bool writeFile(const std::string& path, const std::string& text, std::time_t sec
 class Certificates::Parts {
  public:
   Parts(TlsFiles files, OnTlsTrouble onTrouble, std::string folder)
-      : files_(std::move(files)), onTrouble_(std::move(onTrouble)), folder_(std::move(folder)) {}
+      : files_(std::move(files)),
+        onTrouble_(std::move(onTrouble)),
+        folder_(std::move(folder)),
+        lock_(lockFolder(folder_)) {}
   ~Parts();
 
   Status begin();
@@ -79,6 +107,7 @@ class Certificates::Parts {
   const TlsFiles files_;
   const OnTlsTrouble onTrouble_;
   const std::string folder_;
+  const int lock_;
   std::optional<PemFiles> inUse_;
   int number_ = 0;    ///< of the files in use
   int badLooks_ = 0;  ///< since the last good one
@@ -97,6 +126,7 @@ Certificates::Parts::~Parts() {
   if (thread_.joinable()) thread_.join();
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 Status Certificates::Parts::begin() {

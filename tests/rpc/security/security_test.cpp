@@ -351,6 +351,31 @@ TEST_F(ChangingCertificate, NoHandshakeFailsWhileItChanges) {
   EXPECT_EQ(failed, 0) << "of " << handshakes;
 }
 
+// Broken by: removing nothing; removing the folder of a server that lives.
+TEST(PrivateFolder, OfAKilledServerIsRemovedByTheNext) {
+  const std::string folder = makeDirectory();
+  setenv("RUNTIME_DIRECTORY", folder.c_str(), 1);
+  const auto folders = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+  };
+  const CertificateFiles files = authority().issue("kept");
+  const std::vector<std::string> arguments{"--tls-cert", files.certificate, "--tls-key", files.key};
+  {
+    const ServerProcess living(arguments);
+    ServerProcess killed(arguments);
+    EXPECT_EQ(folders(), 2);
+    killed.process().signal(SIGKILL);
+    killed.process().wait(std::chrono::seconds(20));
+    ServerProcess next(arguments);
+    EXPECT_EQ(folders(), 2) << "those that live";
+    next.process().signal(SIGTERM);
+    EXPECT_EQ(next.process().wait(std::chrono::seconds(20)), 0);
+    EXPECT_EQ(folders(), 1);
+  }
+  unsetenv("RUNTIME_DIRECTORY");
+  std::filesystem::remove_all(folder);
+}
+
 struct Start {
   std::vector<std::string> arguments;
   std::string says;
