@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "interrupt.h"
+#include "output.h"
 
 namespace lpv::cli {
 namespace {
@@ -125,8 +126,10 @@ void requireSomeFlag(CLI::App& command) {
   });
 }
 
-void note(const std::string& message) { std::cerr << "lpvctl: " << message << "\n"; }
+void note(const std::string& message) { std::cerr << "lpvctl: " << visible(message) << "
+"; }
 
-void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << message << "\n"; }
+void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << visible(message) << "
+"; }
 
 }  // namespace lpv::cli

@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "interrupt.h"
+#include "output.h"
 #include "progress.h"
 
 namespace lpv::cli {
@@ -45,7 +46,7 @@ int usage(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);  // --help
   std::string line = error.what();
   line = line.substr(0, line.find('\n'));
-  std::cerr << "lpvctl: " << line << " (see lpvctl --help)\n";
+  std::cerr << "lpvctl: " << visible(line) << " (see lpvctl --help)\n";
   return int(Exit::kUsage);
 }
 
@@ -59,7 +60,7 @@ int run(const Globals& globals, const Action& action) {
   }
   if (status.ok()) return int(Exit::kOk);
   if (interrupted()) status = Status(Code::kCancelled, "interrupted");
-  std::cerr << "lpvctl: " << describe(status) << "\n";
+  std::cerr << "lpvctl: " << visible(describe(status)) << "\n";
   return int(exitFor(status));
 }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <iostream>
 
+#include "base/text.h"
+
 namespace lpv::cli {
 namespace {
 
@@ -68,7 +70,9 @@ std::string jsonArray(const std::vector<std::string>& values) {
   return out + "]";
 }
 
-void print(const std::string& line) { std::cout << line << std::endl; }
+std::string visible(const std::string& text) { return withHiddenEscaped(text, "\t"); }
+
+void print(const std::string& line) { std::cout << visible(line) << std::endl; }
 
 std::string numberText(double value) {
   std::array<char, 32> text{};
@@ -86,13 +90,14 @@ void printTable(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], visible(row[i]).size());
   }
   for (const auto& row : rows) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
-      line += row[i];
-      if (i + 1 < row.size()) line.append(widths[i] - row[i].size() + 2, ' ');
+      const std::string cell = visible(row[i]);
+      line += cell;
+      if (i + 1 < row.size()) line.append(widths[i] - cell.size() + 2, ' ');
     }
     line.erase(line.find_last_not_of(' ') + 1);
     print(line);

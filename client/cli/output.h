@@ -31,7 +31,11 @@ class JsonObject {
 /// A JSON array of values that already are JSON.
 std::string jsonArray(const std::vector<std::string>& values);
 
-/// Prints a line on stdout and flushes.
+/// What a terminal may be shown of a text that a server sent: hidden characters (base/text.h), line ends too, as
+/// escapes that JSON reads back.
+std::string visible(const std::string& text);
+
+/// Prints a line on stdout, visible(), and flushes.
 void print(const std::string& line);
 
 /// The shortest text that reads back as the same double.

@@ -5,6 +5,8 @@
 #include <iostream>
 #include <utility>
 
+#include "output.h"
+
 namespace lpv::cli {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr auto kInterval = std::chrono::milliseconds(100);
 
 bool onTerminal() { return isatty(STDERR_FILENO) != 0; }
 
-void statusLine(const std::string& text) { std::cerr << "\r" << text << "\033[K" << std::flush; }
+void statusLine(const std::string& text) { std::cerr << "\r" << visible(text) << "\033[K" << std::flush; }
 
 ProgressBar::ProgressBar(std::string title) : title_(std::move(title)), terminal_(onTerminal()) {}
 

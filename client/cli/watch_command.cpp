@@ -87,7 +87,7 @@ class Report {
     lineBegan_ = Clock::now();
     if (json_) return;
     if (terminal_) {
-      std::cout << "\r" << line << "\033[K" << std::flush;
+      std::cout << "\r" << visible(line) << "\033[K" << std::flush;
     } else {
       print(line);
     }

@@ -96,10 +96,17 @@ class EditStream final : public StreamOf<EditStream, pb::StreamEditsRequest, pb:
     waiting_.pop_front();
   }
 
-  void apply(const pb::Edit& edit) {
+  EditOutcome outcomeOf(const pb::Edit& edit) {
+    if (Status s = checkSequence(client_, edit.sequence()); !s.ok()) {
+      return {.sequence = edit.sequence(), .status = s.within("edit"), .revision = session_->revision(), .names = {}};
+    }
     Expected<Edit> parsed = fromProto(edit, context_.limits);
-    const EditOutcome outcome = parsed ? session_->apply(client_, std::move(*parsed))
-                                       : session_->recordRejected(client_, edit.sequence(), parsed.status());
+    return parsed ? session_->apply(client_, std::move(*parsed))
+                  : session_->recordRejected(client_, edit.sequence(), parsed.status());
+  }
+
+  void apply(const pb::Edit& edit) {
+    const EditOutcome outcome = outcomeOf(edit);
     const auto place = std::make_shared<Place>();
     {
       const MutexLock lock(mutex_);

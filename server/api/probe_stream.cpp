@@ -2,6 +2,7 @@
 
 #include <deque>
 
+#include "api/results/longest_wait.h"
 #include "api/results/probing.h"
 #include "api/services.h"
 
@@ -12,7 +13,7 @@ constexpr std::size_t kMaxQueuedParts = 4;
 
 class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, pb::StreamProbeResponse> {
  public:
-  explicit ProbeStream(const Context& context) : context_(context) {}
+  explicit ProbeStream(const Context& context) : context_(context), wait_(context) {}
 
   void receive(pb::StreamProbeRequest request) override {
     if (hasEnded()) return;
@@ -55,6 +56,7 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
   }
 
   void release() override {
+    wait_.stop();
     if (call_) session_->delivery().forget(call_);
   }
 
@@ -68,7 +70,9 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
     call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
+    wait_.start(whileAlive([](ProbeStream& self, const Status& why) { self.end(why); }));
     call.done = whileAlive([](ProbeStream& self, Expected<Result> result) {
+      self.wait_.stop();
       if (!result) return self.end(result.status());
       {
         const MutexLock lock(self.mutex_);
@@ -101,6 +105,7 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
   }
 
   const Context context_;
+  LongestWait wait_;
   SessionPtr session_;
   bool asked_ = false;
   bool volumeOnly_ = false;

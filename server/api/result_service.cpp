@@ -1,6 +1,7 @@
 // Single answers: volumes, frames, probes, picks. Each waits for a result at or after its revision.
 
 #include "api/call/method_table.h"
+#include "api/results/longest_wait.h"
 #include "api/results/probing.h"
 #include "api/results/subscription_stream.h"
 #include "api/services.h"
@@ -15,7 +16,7 @@ namespace {
 template <typename Request, typename Response>
 class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>, Request, Response> {
  public:
-  explicit SingleResultStream(const Context& context) : context_(context) {}
+  explicit SingleResultStream(const Context& context) : context_(context), wait_(context) {}
 
   void receive(Request request) override {
     if (asked_) return;
@@ -28,6 +29,7 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
     call->minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
     call->done =
         this->whileAlive([](SingleResultStream& self, Expected<Result> result) { self.finish(std::move(result)); });
+    wait_.start(this->whileAlive([](SingleResultStream& self, const Status& why) { self.end(why); }));
     const std::shared_ptr<WaitingCall> waiting = session_->delivery().ask(std::move(*call));
     const MutexLock lock(mutex_);
     call_ = waiting;
@@ -45,6 +47,7 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
   }
 
   void release() override {
+    wait_.stop();
     std::shared_ptr<WaitingCall> call;
     {
       const MutexLock lock(mutex_);
@@ -65,6 +68,7 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
 
  private:
   void finish(Expected<Result> result) {
+    wait_.stop();
     if (!result) return this->end(result.status());
     Expected<Parts> made = parts(*result);
     if (!made) return this->end(made.status());
@@ -76,6 +80,7 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
   }
 
   bool asked_ = false;
+  LongestWait wait_;
   Mutex mutex_;
   Parts parts_ LPV_GUARDED_BY(mutex_);
   std::shared_ptr<WaitingCall> call_ LPV_GUARDED_BY(mutex_);

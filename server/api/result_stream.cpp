@@ -3,6 +3,7 @@
 #include "api/results/subscription_stream.h"
 #include "api/services.h"
 #include "base/text.h"
+#include "convert/session.h"
 
 namespace lpv::api {
 namespace {
@@ -35,7 +36,9 @@ class ResultStream final : public StreamOf<ResultStream<Traits>, typename Traits
   }
 
   void halfClosed() override {
-    if (Traits::kBidirectional) this->end(Status());
+    if (!Traits::kBidirectional) return;
+    if (const auto live = current()) return live->close(Closing::kClientClosed);
+    this->end(invalid("subscription", "the client closed its side before it sent a subscription"));
   }
 
   bool next(typename Traits::Response* response) override {
@@ -122,6 +125,14 @@ Status updateSubscription(const Context& context, const pb::UpdateSubscriptionRe
     return Status(Code::kNotFound,
                   "there is no subscriber \"" + truncatedUtf8(request.subscriber()) + "\"; its stream may have ended",
                   "subscriber");
+  }
+  const ClientIdentity client = fromProto(request.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return s;
+  if (client.id != (*session)->delivery().subscriptionOf(subscriber).clientId) {
+    return Status(Code::kPermissionDenied,
+                  "subscriber \"" + truncatedUtf8(request.subscriber()) +
+                      "\" was opened with another identity than client; send that of its subscription",
+                  "client");
   }
   return applyUpdate(*session, subscriber, request.update(), context.limits).within("update");
 }

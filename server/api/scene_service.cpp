@@ -12,6 +12,8 @@ void applyEdit(const Context& context, const pb::ApplyEditRequest& request, pb::
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
   const ClientIdentity client = fromProto(request.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return done(s);
+  if (Status s = checkSequence(client, request.edit().sequence()); !s.ok()) return done(s.within("edit"));
   Expected<Edit> edit = fromProto(request.edit(), context.limits);
   const EditOutcome outcome = edit ? (*session)->apply(client, std::move(*edit))
                                    : (*session)->recordRejected(client, request.edit().sequence(), edit.status());
@@ -29,7 +31,10 @@ template <typename Request, typename Response>
 void undoRedo(const Context& context, const Request& request, Response* response, UndoDirection direction, Done done) {
   const Expected<SessionPtr> session = findSession(context, "session", request.session());
   if (!session) return done(session.status());
-  const EditOutcome outcome = (*session)->undoRedo(fromProto(request.client()), request.sequence(), direction);
+  const ClientIdentity client = fromProto(request.client());
+  if (Status s = (*session)->verify(client); !s.ok()) return done(s);
+  if (Status s = checkSequence(client, request.sequence()); !s.ok()) return done(s);
+  const EditOutcome outcome = (*session)->undoRedo(client, request.sequence(), direction);
   (*session)->confirmWhenDurable(outcome,
                                  [session = *session, response, done = std::move(done)](const EditOutcome& confirmed) {
                                    if (confirmed.status.ok()) {

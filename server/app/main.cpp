@@ -117,7 +117,7 @@ void report(SessionEvent incident, const std::string& session, const std::string
 /// The endpoint of --ops-listen; null where it is not wanted.
 Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const ops::Health& health) {
   if (options.opsListen.empty()) return std::unique_ptr<ops::Endpoint>();
-  Expected<std::unique_ptr<ops::Endpoint>> endpoint = ops::Endpoint::open(options.opsListen, health);
+  Expected<std::unique_ptr<ops::Endpoint>> endpoint = ops::Endpoint::open(options.opsAt, health);
   if (!endpoint) return endpoint;
   if (Status s = writePortFile("--ops-port-file", options.opsPortFile, (*endpoint)->port()); !s.ok()) return s;
   spdlog::info("/live, /ready and /metrics on {} (port {})", options.opsListen, (*endpoint)->port());
@@ -149,6 +149,16 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
   sources.version = context.version;
   sources.started = context.started;
   endpoint.publish([sources] { return ops::renderMetrics(sources); });
+}
+
+/// What is done about TLS files that changed and cannot be used, or can be again.
+grpc_door::OnTlsTrouble tlsTrouble(Counters& counters, ops::Health& health) {
+  return [&counters, &health](const Status& status) {
+    health.setWarning(status.message());
+    if (status.ok()) return spdlog::info("the TLS files are good again, and in use");
+    ++counters.certificateFailures;
+    spdlog::error("{}; the last good certificate stays in use", status.message());
+  };
 }
 
 /// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
@@ -240,8 +250,11 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   const api::Context context = callContext(registry, services);
-  Expected<std::unique_ptr<grpc_door::Door>> entrance = grpc_door::Door::open(
-      context, {.address = options.listen, .tls = options.tls, .reflection = options.reflection || !access.required()});
+  Expected<std::unique_ptr<grpc_door::Door>> entrance =
+      grpc_door::Door::open(context, {.address = options.listen,
+                                      .tls = options.tls,
+                                      .onTlsTrouble = tlsTrouble(counters, health),
+                                      .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   grpc_door::Door& door = **entrance;
   health.serve(*journal);
@@ -273,6 +286,8 @@ int main(int argc, char** argv) {
     std::cerr << "lpvd: " << status.message() << "\n";
     return 2;
   }
+  if (!parsed.options.ignoredVariables.empty())
+    spdlog::warn("variables that set no option of lpvd are ignored: {}", parsed.options.ignoredVariables);
   if (parsed.options.listDevices) {
     for (const std::string& line : describeDevices(parsed.options.choice)) std::cout << line << "\n";
     return 0;

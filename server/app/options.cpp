@@ -7,6 +7,7 @@
 #include <iterator>
 #include <optional>
 
+#include "app/sources.h"
 #include "app/version.h"
 #include "session/limit_table.h"
 
@@ -17,6 +18,10 @@ namespace {
 constexpr const char* kLater[] = {"--web"};
 /// Options of this group change while the server runs.
 constexpr const char* kLimitsGroup = "Limits";
+constexpr const char* kLaterGroup = "Later versions";
+constexpr const char* kPrecedence =
+    "A flag wins over its LPVD_* variable, and the variable over the file of --config (or LPVD_CONFIG). Dashes and "
+    "underscores in names are the same.";
 
 std::string flagOf(const char* limit) {
   std::string flag = std::string("--") + limit;
@@ -96,34 +101,26 @@ void addOps(CLI::App& app, Options& o) {
   app.add_option("--log-format", o.logFormat, "text, or json: an object per line")->capture_default_str();
 }
 
-/// "127.0.0.1:0", "[::1]:50051" and "localhost:1234" are loopback.
-bool isLoopback(const std::string& address) {
-  const std::string host = address.substr(0, address.rfind(':'));
-  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
-}
-
 /// Metrics are told to whoever asks, without TLS and tokens.
 Status checkOps(Options& options) {
-  std::string& listen = options.opsListen;
-  if (listen.empty()) return {};
-  if (listen.rfind(':') == std::string::npos) {
-    return invalid("ops-listen", "--ops-listen is \"" + listen + "\", the form is HOST:PORT");
-  }
-  if (listen.starts_with(":")) listen = "127.0.0.1" + listen;
-  if (isLoopback(listen) || options.insecure) return {};
-  return invalid("ops-listen", "--ops-listen " + listen +
+  if (options.opsListen.empty()) return {};
+  const Expected<HostPort> at = parseHostPort("ops-listen", options.opsListen);
+  if (!at) return at.status();
+  options.opsAt = *at;
+  options.opsListen = at->text();
+  if (isLoopback(at->host) || options.insecure) return {};
+  return invalid("ops-listen", "--ops-listen " + options.opsListen +
                                    " is not a loopback address, and what it tells is neither encrypted nor asked for a "
                                    "token; use 127.0.0.1, or --insecure on a network you trust");
 }
 
 Status check(Options& options) {
   if (Status s = checkOps(options); !s.ok()) return s;
-  if (options.listen.rfind(':') == std::string::npos) {
-    return invalid("listen", "--listen is \"" + options.listen + "\", the form is HOST:PORT");
-  }
-  if (options.listen.starts_with(":")) options.listen = "127.0.0.1" + options.listen;
+  const Expected<HostPort> at = parseHostPort("listen", options.listen);
+  if (!at) return at.status();
+  options.listen = at->text();
   const bool secured = options.tls.given() && !options.adminTokenFile.empty();
-  if (!isLoopback(options.listen) && !secured && !options.insecure) {
+  if (!isLoopback(at->host) && !secured && !options.insecure) {
     return invalid("listen", "--listen " + options.listen +
                                  " is not a loopback address: give --tls-cert, --tls-key and --admin-token-file, or "
                                  "--insecure on a network you trust");
@@ -142,15 +139,28 @@ class CommandLine {
   CLI::App app{"lpvd: keeps light propagation volumes per session on the GPU and streams what they light", "lpvd"};
   /// The flag of a later version that was given, or null.
   const char* laterGiven() const;
+  /// Reads flags, environment and file. INVALID_ARGUMENT names the flag, or the place in the file or the variable.
+  Expected<Sources> gather(int argc, char** argv) const;
+  /// Throws CLI::ParseError.
+  void parse(const Sources& sources);
   /// Options::given.
   std::map<std::string, std::string> values() const;
+  /// A file for --config.
+  std::string printed() const;
 
  private:
+  /// An option that files and variables can set.
+  bool known(const std::string& name) const;
+
   std::string later_;
+  std::string config_;
 };
 
 CommandLine::CommandLine(Options& o) {
-  app.set_config("--config", "", "read options from a TOML file")->envname("LPVD_CONFIG");
+  app.add_option("--config", config_, "read options from a file of lines NAME = VALUE, as --print-config writes them")
+      ->type_name("FILE")
+      ->configurable(false);
+  app.footer(kPrecedence);
   app.add_option("--listen", o.listen, "gRPC address, HOST:PORT or :PORT on the loopback; port 0 takes a free one")
       ->capture_default_str();
   app.add_option("--port-file", o.portFile, "write the gRPC port here once listening");
@@ -163,13 +173,41 @@ CommandLine::CommandLine(Options& o) {
   app.add_flag("--print-config", o.printConfig, "print the configuration as TOML, then exit")->configurable(false);
   app.add_flag("--version", o.version, "print the version, then exit")->configurable(false);
   addLimits(app, o.limits);
-  for (const char* flag : kLater) app.add_option(flag, later_, "not built in this version")->group("Later versions");
+  for (const char* flag : kLater) app.add_option(flag, later_, "not built in this version")->group(kLaterGroup);
   for (CLI::Option* option : app.get_options()) {
     if (!option->get_envname().empty() || !option->get_configurable() || option->get_lnames().empty()) continue;
-    std::string name = "LPVD_" + option->get_lnames().front();
-    for (char& c : name) c = c == '-' ? '_' : char(std::toupper(static_cast<unsigned char>(c)));
-    option->envname(name);
+    option->envname(variableOf(option->get_lnames().front()));
   }
+}
+
+bool CommandLine::known(const std::string& name) const {
+  const CLI::Option* option = app.get_option_no_throw("--" + name);
+  return option != nullptr && option->get_configurable();
+}
+
+Expected<Sources> CommandLine::gather(int argc, char** argv) const {
+  return gatherSources(argc, argv, [this](const std::string& name) { return known(name); });
+}
+
+void CommandLine::parse(const Sources& sources) {
+  std::vector<std::string> arguments = sources.arguments();
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes the last one first
+  app.parse(arguments);
+}
+
+/// Options that are not given and have no default are comments: an empty text would be one too.
+std::string CommandLine::printed() const {
+  std::string out;
+  const auto all = values();
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_configurable() || option->get_lnames().empty() || option->get_group() == kLaterGroup) continue;
+    const std::string& name = option->get_lnames().front();
+    const std::string& value = all.at("--" + name);
+    const bool flag = option->get_expected_max() == 0;
+    out += "# " + option->get_description() + "\n" + (value.empty() && !flag ? "# " : "");
+    out += configLine(name, flag && value.empty() ? "false" : value) + "\n";
+  }
+  return out;
 }
 
 const char* CommandLine::laterGiven() const {
@@ -188,19 +226,39 @@ std::map<std::string, std::string> CommandLine::values() const {
   return out;
 }
 
+/// What CLI11 says, with the place of a value that does not stand on the command line.
+std::string explained(const CLI::ParseError& error, const Sources& sources) {
+  std::string text = error.what();
+  text = text.substr(0, text.find('\n'));
+  const std::size_t flag = text.find("--");
+  if (flag == std::string::npos) return text;
+  const std::string place = sources.placeOf(text.substr(flag + 2, text.find_first_of(":= ", flag) - flag - 2));
+  return place.empty() ? text : place + ": " + text;
+}
+
 }  // namespace
 
 Parsed parse(int argc, char** argv) {
   Parsed out;
   Options& o = out.options;
   CommandLine line(o);
-  CLI::App& app = line.app;
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    out.exitStatus = app.exit(error, std::cout, std::cerr) == 0 ? 0 : 2;
+  const Expected<Sources> sources = line.gather(argc, argv);
+  if (!sources) {
+    std::cerr << "lpvd: " << sources.status().message() << "\n";
+    out.exitStatus = 2;
     return out;
   }
+  try {
+    line.parse(*sources);
+  } catch (const CLI::Success& wanted) {
+    line.app.exit(wanted, std::cout, std::cerr);
+    return out;
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "lpvd: " << explained(error, *sources) << "; see lpvd --help\n";
+    out.exitStatus = 2;
+    return out;
+  }
+  o.ignoredVariables = sources->ignored;
   if (const char* flag = line.laterGiven()) {
     std::cerr << "lpvd: " << flag << " is not built in this version; leave it out\n";
     out.exitStatus = 2;
@@ -211,7 +269,7 @@ Parsed parse(int argc, char** argv) {
     return out;
   }
   if (o.printConfig) {
-    std::cout << app.config_to_str(true, true);
+    std::cout << line.printed();
     return out;
   }
   if (const Status status = check(o); !status.ok()) {
@@ -227,10 +285,12 @@ Parsed parse(int argc, char** argv) {
 Expected<Reload> reload(int argc, char** argv, Options& running) {
   Options fresh;
   CommandLine line(fresh);
+  const Expected<Sources> sources = line.gather(argc, argv);
+  if (!sources) return sources.status();
   try {
-    line.app.parse(argc, argv);
+    line.parse(*sources);
   } catch (const CLI::ParseError& error) {
-    return invalid("config", error.what());
+    return invalid("config", explained(error, *sources));
   }
   if (const char* flag = line.laterGiven())
     return invalid("config", std::string(flag) + " is not built in this version");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/address.h"
 #include "engine/device_choice.h"
 #include "grpc/certificates.h"
 #include "session/limits.h"
@@ -16,6 +17,7 @@ struct Options {
   std::string listen = "127.0.0.1:50051";
   std::string portFile;
   std::string opsListen;  ///< empty: no endpoint
+  HostPort opsAt;         ///< opsListen, read
   std::string opsPortFile;
   std::string stateDir;                    ///< empty: sessions live in memory
   std::chrono::seconds retain{30 * 86400};  ///< of expired sessions in stateDir
@@ -31,6 +33,7 @@ struct Options {
   bool reflection = false;     ///< although tokens are asked for
   Limits limits;
   DeviceChoice choice;
+  std::string ignoredVariables;  ///< LPVD_* that set nothing: "LPVD_PORT, LPVD_X"
   std::map<std::string, std::string> given;  ///< every option by its flag, as text: what a reload compares
 };
 

@@ -25,6 +25,7 @@ namespace lpv {
   X(kSessionDeleted, "SESSION_DELETED", 13)                              \
   X(kStateUnwritable, "STATE_UNWRITABLE", 14)                            \
   X(kEncodingFailed, "ENCODING_FAILED", 15)                              \
+  X(kMaxWait, "MAX_WAIT", 19)                                            \
   X(kMaxBlobBytes, "MAX_BLOB_BYTES", 32)                                 \
   X(kMaxCameras, "MAX_CAMERAS", 33)                                      \
   X(kMaxClientsPerSession, "MAX_CLIENTS_PER_SESSION", 34)                \

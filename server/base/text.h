@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace lpv {
 
@@ -16,5 +18,23 @@ inline std::string truncatedUtf8(const std::string& text, std::size_t most = kMo
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
   return text.substr(0, end);
 }
+
+/// The first character of a text that people do not see as it is: control characters, line separators, characters that
+/// change the direction of what follows, invisible ones (Unicode's Cc, Zl, Zp, Bidi_Control and
+/// Default_Ignorable_Code_Point), and bytes that are no UTF-8. Joiners and emoji selectors after a symbol are part of
+/// it.
+struct HiddenCharacter {
+  std::size_t at = 0;     ///< byte in the text
+  std::size_t bytes = 1;  ///< of the character
+  char32_t code = 0;      ///< U+FFFD for bytes that are no UTF-8
+
+  /// "U+202E".
+  std::string name() const;
+};
+std::optional<HiddenCharacter> findHiddenCharacter(std::string_view text, std::size_t from = 0);
+
+/// The text with hidden characters as JSON writes them, \u202e; those of `keep` stay. Bytes that are no UTF-8 become
+/// \ufffd.
+std::string withHiddenEscaped(std::string_view text, std::string_view keep = {});
 
 }  // namespace lpv

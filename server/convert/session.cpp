@@ -1,11 +1,13 @@
 #include "convert/session.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "base/text.h"
 #include "convert/geometry.h"
 #include "scene/error_goal.h"
+#include "scene/words.h"
 
 namespace lpv::api {
 namespace {
@@ -118,6 +120,7 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Sessio
   if (field == "haze") return o.haze = in.haze(), Status();
   if (field == "display_name") {
     if (in.display_name().size() > kMaxDisplayName) return invalid("display_name", "display_name is above 200 bytes");
+    if (Status s = checkVisible("display_name", in.display_name()); !s.ok()) return s;
     out->policy.displayName = in.display_name();
     return {};
   }
@@ -269,6 +272,13 @@ Expected<Role> roleOf(pb::Role role) {
     default:
       return invalid("role", "role is " + std::to_string(int(role)) + ", allowed are VIEWER, EDITOR and OWNER");
   }
+}
+
+Status checkSequence(const ClientIdentity& client, std::uint64_t sequence) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
+  if (client.id.empty() || (sequence >= 1 && sequence <= kMost)) return {};
+  return invalid("sequence", "sequence is " + std::to_string(sequence) + ", allowed are 1 to " + std::to_string(kMost) +
+                                 " with an identity: count up from 1");
 }
 
 ClientIdentity fromProto(const pb::ClientIdentity& identity) { return {identity.client_id(), identity.secret()}; }

@@ -34,5 +34,8 @@ pb::Role toProto(Role role);
 Expected<Role> roleOf(pb::Role role);
 
 ClientIdentity fromProto(const pb::ClientIdentity& identity);
+/// INVALID_ARGUMENT at "sequence" for one that a request with this identity cannot carry: 0, and above 2^63-1. Requests
+/// without an identity have none.
+Status checkSequence(const ClientIdentity& client, std::uint64_t sequence);
 
 }  // namespace lpv::api

@@ -4,6 +4,7 @@
 #include <grpcpp/impl/codegen/server_callback_handlers.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <chrono>
 #include <deque>
 #include <iterator>
 #include <string>
@@ -38,9 +39,19 @@ Expected<std::string> shownToken(const grpc::CallbackServerContext& call) {
                 kHeader);
 }
 
+/// A deadline further away than this is none.
+constexpr std::chrono::hours kFarAway{24};
+
+bool hasDeadline(const grpc::CallbackServerContext& call) {
+  return call.deadline() < std::chrono::system_clock::now() + kFarAway;
+}
+
 api::CallOrigin originOf(const grpc::CallbackServerContext& call) {
   const Expected<std::string> traceparent = header(call, "traceparent");
-  return {.token = shownToken(call), .peer = call.peer(), .traceparent = traceparent ? *traceparent : std::string()};
+  return {.token = shownToken(call),
+          .peer = call.peer(),
+          .traceparent = traceparent ? *traceparent : std::string(),
+          .hasDeadline = hasDeadline(call)};
 }
 
 /// One call on gRPC's callback API, which answers Start* and Finish on threads of its own, never from inside them.

@@ -1,73 +1,224 @@
 #include "grpc/certificates.h"
 
+#include <fcntl.h>
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
-#include <openssl/err.h>
-#include <openssl/pem.h>
-#include <openssl/x509.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include <cstdio>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "base/mutex.h"
+#include "grpc/pem_files.h"
 
 namespace lpv::grpc_door {
 namespace {
 
-constexpr unsigned kLookEverySeconds = 1;
+namespace fs = std::filesystem;
 
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-using Certificate = std::unique_ptr<X509, void (*)(X509*)>;
-using Key = std::unique_ptr<EVP_PKEY, void (*)(EVP_PKEY*)>;
+constexpr unsigned kGrpcLooksEverySeconds = 1;
+constexpr std::chrono::milliseconds kLookEvery{250};
+constexpr int kLooksUntilTold = 2;
+constexpr const char* kCurrent = "current";
+constexpr const char* kFolderPrefix = "lpvd-";
 
-Status wrong(const char* flag, const std::string& path, const std::string& what) {
-  ERR_clear_error();
-  return invalid(flag, std::string("--") + flag + " " + path + ": " + what);
+Status noFolder() {
+  return {Code::kUnavailable, std::string("no private folder can be made for the certificate: ") +
+                                  std::strerror(errno) +
+                                  "; set RUNTIME_DIRECTORY or TMPDIR to one that can be written"};
 }
 
-/// `read` is PEM_read_X509 or PEM_read_PrivateKey.
-template <typename T>
-Expected<T*> readPem(const char* flag, const std::string& path, T* (*read)(std::FILE*, T**, pem_password_cb*, void*)) {
-  const File file(std::fopen(path.c_str(), "re"), [](std::FILE* f) { return std::fclose(f); });
-  if (!file) return wrong(flag, path, "cannot be read");
-  // No passphrase is asked for at a terminal: a file that needs one is refused.
-  const auto noPassphrase = [](char*, int, int, void*) { return 0; };
-  T* const out = read(file.get(), nullptr, noPassphrase, nullptr);
-  if (!out) return wrong(flag, path, "is no PEM file of that kind, or needs a passphrase");
-  return out;
+/// Holds a folder for as long as this process lives; -1 where another one does.
+int lockFolder(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0 || ::flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  ::close(file);
+  return -1;
+}
+
+/// Removes what servers that were killed have left. A folder that is just being made has no link yet, and stays.
+void removeAbandoned(const std::string& parent) {
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(parent, failed)) {
+    const bool ours = entry.path().filename().string().starts_with(kFolderPrefix);
+    if (!ours || !fs::is_symlink(entry.path() / kCurrent, failed)) continue;
+    const int file = lockFolder(entry.path());
+    if (file < 0) continue;
+    fs::remove_all(entry.path(), failed);
+    ::close(file);
+  }
+}
+
+/// A folder of our own for the key: that of the service manager, else in memory, else among temporary files.
+Expected<std::string> makePrivateFolder() {
+  const char* runtime = std::getenv("RUNTIME_DIRECTORY");
+  std::error_code failed;
+  for (const std::string& parent : {std::string(runtime == nullptr ? "" : runtime), std::string("/dev/shm"),
+                                    fs::temp_directory_path(failed).string()}) {
+    if (parent.empty()) continue;
+    removeAbandoned(parent);
+    std::string name = parent + "/" + kFolderPrefix + "XXXXXX";
+    if (mkdtemp(name.data()) != nullptr) return name;
+  }
+  return noFolder();
+}
+
+/// `second` becomes the time of the last change: gRPC tells files apart by whole seconds of it.
+bool writeFile(const std::string& path, const std::string& text, std::time_t second) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) return false;
+  const bool written = ::write(file, text.data(), text.size()) == ssize_t(text.size());
+  const std::array<timespec, 2> times{{{second, 0}, {second, 0}}};
+  const bool dated = ::futimens(file, times.data()) == 0;
+  return ::close(file) == 0 && written && dated;
 }
 
 }  // namespace
+
+/// The thread that looks, and the folder that gRPC watches: FOLDER/current is a link to the files in use.
+class Certificates::Parts {
+ public:
+  Parts(TlsFiles files, OnTlsTrouble onTrouble, std::string folder)
+      : files_(std::move(files)),
+        onTrouble_(std::move(onTrouble)),
+        folder_(std::move(folder)),
+        lock_(lockFolder(folder_)) {}
+  ~Parts();
+
+  Status begin();
+  TlsFiles published() const;
+
+ private:
+  void run();
+  void look();
+  void tell(const Status& status);
+  Status publish(const PemFiles& good);
+
+  const TlsFiles files_;
+  const OnTlsTrouble onTrouble_;
+  const std::string folder_;
+  const int lock_;
+  std::optional<PemFiles> inUse_;
+  int number_ = 0;    ///< of the files in use
+  int badLooks_ = 0;  ///< since the last good one
+  Mutex mutex_;
+  ConditionVariable ending_;
+  bool ended_ LPV_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+Certificates::Parts::~Parts() {
+  {
+    const MutexLock lock(mutex_);
+    ended_ = true;
+  }
+  ending_.notifyAll();
+  if (thread_.joinable()) thread_.join();
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+Status Certificates::Parts::begin() {
+  const Expected<PemFiles> read = readPemFiles(files_);
+  if (!read) return read.status();
+  if (Status s = checkPem(files_, *read); !s.ok()) return s;
+  if (Status s = publish(*read); !s.ok()) return s;
+  thread_ = std::thread([this] { run(); });
+  return {};
+}
+
+TlsFiles Certificates::Parts::published() const {
+  const std::string current = folder_ + "/" + kCurrent + "/";
+  return {current + "certificate", current + "key", files_.clientAuthorities.empty() ? "" : current + "authorities"};
+}
+
+void Certificates::Parts::run() {
+  MutexLock lock(mutex_);
+  while (!ended_) {
+    if (ending_.waitUntil(lock, std::chrono::steady_clock::now() + kLookEvery)) continue;
+    lock.unlock();
+    look();
+    lock.lock();
+  }
+}
+
+void Certificates::Parts::look() {
+  const Expected<PemFiles> read = readPemFiles(files_);
+  Status status = read.status();
+  if (status.ok()) status = checkPem(files_, *read);
+  if (status.ok() && *read != inUse_) status = publish(*read);
+  tell(status);
+}
+
+/// A file may just be in the middle of its change: it is bad at the next look as well, or nothing is said.
+void Certificates::Parts::tell(const Status& status) {
+  if (status.ok()) {
+    if (std::exchange(badLooks_, 0) >= kLooksUntilTold) onTrouble_(status);
+  } else if (++badLooks_ == kLooksUntilTold) {
+    onTrouble_(status);
+  }
+}
+
+/// gRPC may be reading the files before these: they stay until the ones after them.
+Status Certificates::Parts::publish(const PemFiles& good) {
+  const auto place = [this](int number) { return folder_ + "/" + std::to_string(number); };
+  const int next = number_ + 1;
+  const std::string made = place(next);
+  const std::string link = made + ".link";
+  std::error_code ignored;
+  fs::remove_all(made, ignored);
+  const bool kept = ::mkdir(made.c_str(), 0700) == 0 && writeFile(made + "/certificate", good.certificate, next) &&
+                    writeFile(made + "/key", good.key, next) &&
+                    writeFile(made + "/authorities", good.clientAuthorities, next) &&
+                    ::symlink(std::to_string(next).c_str(), link.c_str()) == 0 &&
+                    ::rename(link.c_str(), (folder_ + "/" + kCurrent).c_str()) == 0;
+  if (!kept) {
+    Status failed(Code::kUnavailable, "the certificate cannot be kept in " + folder_ + ": " + std::strerror(errno));
+    fs::remove(link, ignored);
+    return failed;
+  }
+  fs::remove_all(place(next - 2), ignored);
+  number_ = next;
+  inUse_ = good;
+  return {};
+}
 
 Status check(const TlsFiles& files) {
   if (!files.given()) return {};
   if (files.certificate.empty() || files.key.empty()) {
     return invalid("tls-cert", "--tls-cert and --tls-key go together; give both, or none and no --tls-client-ca");
   }
-  const Expected<X509*> read = readPem<X509>("tls-cert", files.certificate, PEM_read_X509);
-  if (!read) return read.status();
-  const Certificate certificate(*read, X509_free);
-  const Expected<EVP_PKEY*> readKey = readPem<EVP_PKEY>("tls-key", files.key, PEM_read_PrivateKey);
-  if (!readKey) return readKey.status();
-  const Key key(*readKey, EVP_PKEY_free);
-  if (X509_check_private_key(certificate.get(), key.get()) != 1) {
-    return wrong("tls-key", files.key, "is not the key of the certificate in --tls-cert " + files.certificate);
-  }
-  if (X509_cmp_current_time(X509_get0_notAfter(certificate.get())) < 0) {
-    return wrong("tls-cert", files.certificate, "the certificate has expired");
-  }
-  if (X509_cmp_current_time(X509_get0_notBefore(certificate.get())) > 0) {
-    return wrong("tls-cert", files.certificate, "the certificate is not valid yet");
-  }
-  if (files.clientAuthorities.empty()) return {};
-  const Expected<X509*> authority = readPem<X509>("tls-client-ca", files.clientAuthorities, PEM_read_X509);
-  if (!authority) return authority.status();
-  X509_free(*authority);
-  return {};
+  const Expected<PemFiles> read = readPemFiles(files);
+  return read ? checkPem(files, *read) : read.status();
 }
 
-std::shared_ptr<grpc::ServerCredentials> serverCredentials(const TlsFiles& files) {
-  if (!files.given()) return grpc::InsecureServerCredentials();
+Certificates::Certificates(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Certificates::~Certificates() = default;
+
+Expected<std::unique_ptr<Certificates>> Certificates::follow(const TlsFiles& files, OnTlsTrouble onTrouble) {
+  Expected<std::string> folder = makePrivateFolder();
+  if (!folder) return folder.status();
+  auto parts = std::make_unique<Parts>(files, std::move(onTrouble), std::move(*folder));
+  if (Status s = parts->begin(); !s.ok()) return s;
+  return std::unique_ptr<Certificates>(new Certificates(std::move(parts)));
+}
+
+std::shared_ptr<grpc::ServerCredentials> Certificates::credentials() const {
   using grpc::experimental::FileWatcherCertificateProvider;
+  const TlsFiles files = parts_->published();
   grpc::experimental::TlsServerCredentialsOptions options(std::make_shared<FileWatcherCertificateProvider>(
-      files.key, files.certificate, files.clientAuthorities, kLookEverySeconds));
+      files.key, files.certificate, files.clientAuthorities, kGrpcLooksEverySeconds));
   options.watch_identity_key_cert_pairs();
   if (files.clientAuthorities.empty()) {
     options.set_cert_request_type(GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);

@@ -3,9 +3,11 @@
 #include <grpc/grpc.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/server_builder.h>
 
 #include "grpc/call.h"
+#include "grpc/library_log.h"
 #include "session/limits.h"
 #include "wire/message_size.h"
 
@@ -31,16 +33,38 @@ void configure(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
 }
 
+/// Takes back what the reflection library has done when it was loaded.
+class NoReflection final : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    std::erase_if(*plugins, [](const auto& plugin) { return plugin->name() == "proto_server_reflection"; });
+  }
+};
+
+void reflect(grpc::ServerBuilder& builder, bool wanted) {
+  if (!wanted) builder.SetOption(std::make_unique<NoReflection>());
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const DoorOptions& options) {
   const std::string& address = options.address;
+  takeLibraryLog();
   grpc::EnableDefaultHealthCheckService(true);
-  if (options.reflection) grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();  // once; the library may have done so
   std::unique_ptr<Door> door(new Door);
+  std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  if (options.tls.given()) {
+    Expected<std::unique_ptr<Certificates>> followed = Certificates::follow(options.tls, options.onTlsTrouble);
+    if (!followed) return followed.status();
+    door->certificates_ = std::move(*followed);
+    credentials = door->certificates_->credentials();
+  }
   grpc::ServerBuilder builder;
   configure(builder);
-  builder.AddListeningPort(address, serverCredentials(options.tls), &door->port_);
+  reflect(builder, options.reflection);
+  builder.AddListeningPort(address, credentials, &door->port_);
   door->services_ = makeServices(context);
   for (const auto& service : door->services_) builder.RegisterService(service.get());
   door->server_ = builder.BuildAndStart();

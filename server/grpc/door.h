@@ -16,7 +16,8 @@ namespace lpv::grpc_door {
 /// Where the door is, and what it looks like.
 struct DoorOptions {
   std::string address;      ///< "host:port", port 0 = any free one
-  TlsFiles tls;             ///< checked
+  TlsFiles tls;             ///< checked, and followed when they change
+  OnTlsTrouble onTlsTrouble = [](const Status&) {};  ///< called on a thread of the door
   bool reflection = true;   ///< tells anybody what can be called
 };
 
@@ -36,7 +37,8 @@ class Door {
 
  private:
   Door() = default;
-  std::vector<std::unique_ptr<grpc::Service>> services_;  ///< outlive the server
+  std::unique_ptr<Certificates> certificates_;  ///< outlive the server, as services_ do; null for plain text
+  std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };

@@ -1,103 +1,61 @@
 #include "ops/endpoint.h"
 
-#include <CivetServer.h>
-
 #include <utility>
-#include <vector>
 
 #include "base/mutex.h"
+#include "http/server.h"
 
 namespace lpv::ops {
 namespace {
 
-struct Answer {
-  int status = 200;
-  std::string type = "text/plain; charset=utf-8";
-  std::string body;
-};
-
-Answer answerOf(const Status& status) {
-  if (status.ok()) return {200, "text/plain; charset=utf-8", "ok\n"};
-  return {503, "text/plain; charset=utf-8", status.message() + "\n"};
+http::Answer answerOf(const Status& status) {
+  if (status.ok()) return {.body = "ok\n"};
+  return {.status = 503, .body = status.message() + "\n"};
 }
 
-/// One page, rendered for every GET.
-class Page final : public CivetHandler {
- public:
-  using CivetHandler::handleGet;
-  explicit Page(std::function<Answer()> make) : make_(std::move(make)) {}
+/// Readiness, and below it what is to be seen to.
+http::Answer readyPage(const Health& health) {
+  http::Answer answer = answerOf(health.ready());
+  if (const std::string warning = health.warning(); !warning.empty()) answer.body += "warning: " + warning + "\n";
+  return answer;
+}
 
-  bool handleGet(CivetServer*, mg_connection* connection) override {
-    const Answer answer = make_();
-    const std::string all = "HTTP/1.1 " + std::to_string(answer.status) +
-                            (answer.status == 200 ? " OK" : " Unavailable") + "\r\nContent-Type: " + answer.type +
-                            "\r\nContent-Length: " + std::to_string(answer.body.size()) +
-                            "\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n" + answer.body;
-    mg_write(connection, all.data(), all.size());
-    return true;
-  }
-
- private:
-  std::function<Answer()> make_;
-};
-
-/// Initialises the library; otherwise mg_start() would, and nothing would release it.
-struct Library {
-  Library() { mg_init_library(MG_FEATURES_DEFAULT); }
-  ~Library() { mg_exit_library(); }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-};
-
-/// "localhost" may be an address of either family, and civetweb resolves no names.
-std::string numeric(const std::string& address) {
-  const std::string name = "localhost:";
-  return address.starts_with(name) ? "127.0.0.1:" + address.substr(name.size()) : address;
+/// "localhost" may be an address of either family; it is the older one here.
+HostPort numeric(HostPort at) {
+  if (at.host == "localhost") at.host = "127.0.0.1";
+  return at;
 }
 
 }  // namespace
 
 struct Endpoint::Parts {
-  explicit Parts(const Health& health)
-      : live([&health] { return answerOf(health.live()); }), ready([&health] { return answerOf(health.ready()); }) {}
-
-  Answer metricsPage() {
+  http::Answer metricsPage() {
     const MutexLock lock(mutex);
     if (!render) return answerOf(Status(Code::kUnavailable, "starting"));
     return {200, "text/plain; version=0.0.4; charset=utf-8", render()};
   }
 
-  Page live;
-  Page ready;
   Mutex mutex;
   std::function<std::string()> render LPV_GUARDED_BY(mutex);
-  Page metrics{[this] { return metricsPage(); }};
-  Library library;
-  std::unique_ptr<CivetServer> server;  ///< last member: destroyed first, which ends its threads
+  std::unique_ptr<http::Server> server;  ///< last member: destroyed first, which ends its threads
 };
 
 Endpoint::Endpoint(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Endpoint::~Endpoint() = default;
 
-Expected<std::unique_ptr<Endpoint>> Endpoint::open(const std::string& address, const Health& health) {
-  auto parts = std::make_unique<Parts>(health);
-  // Several threads, so that a slow request does not block the others; a request must arrive within 5 s.
-  const std::vector<std::string> options{
-      "listening_ports", numeric(address), "num_threads", "4", "request_timeout_ms", "5000"};
-  try {
-    parts->server = std::make_unique<CivetServer>(options);
-  } catch (const CivetException&) {
-    return Status(Code::kUnavailable,
-                  "cannot listen on " + address + " (--ops-listen): it is in use or not an address of this machine",
-                  "ops-listen");
-  }
-  parts->server->addHandler("/live$", parts->live);
-  parts->server->addHandler("/ready$", parts->ready);
-  parts->server->addHandler("/metrics$", parts->metrics);
+Expected<std::unique_ptr<Endpoint>> Endpoint::open(const HostPort& at, const Health& health) {
+  auto parts = std::make_unique<Parts>();
+  std::map<std::string, http::Handler> paths{
+      {"/live", [&health](const http::Request&) { return answerOf(health.live()); }},
+      {"/ready", [&health](const http::Request&) { return readyPage(health); }},
+      {"/metrics", [page = parts.get()](const http::Request&) { return page->metricsPage(); }}};
+  Expected<std::unique_ptr<http::Server>> server = http::Server::open(numeric(at), std::move(paths), {});
+  if (!server) return Status(Code::kUnavailable, "--ops-listen: " + server.status().message(), "ops-listen");
+  parts->server = std::move(*server);
   return std::unique_ptr<Endpoint>(new Endpoint(std::move(parts)));
 }
 
-int Endpoint::port() const { return parts_->server->getListeningPorts().front(); }
+int Endpoint::port() const { return parts_->server->port(); }
 
 void Endpoint::publish(std::function<std::string()> metrics) {
   const MutexLock lock(parts_->mutex);

@@ -20,6 +20,16 @@ void Health::serve(const Journal& journal) {
 
 void Health::stopServing() { state_ = State::kDraining; }
 
+void Health::setWarning(const std::string& warning) {
+  const MutexLock lock(mutex_);
+  warning_ = warning;
+}
+
+std::string Health::warning() const {
+  const MutexLock lock(mutex_);
+  return warning_;
+}
+
 Status Health::live() const {
   const std::chrono::seconds stalled = counters_.tickWatch.stalledFor(TickWatch::Clock::now());
   if (stalled > kStuck) return unavailable("device: no tick has ended for " + std::to_string(stalled.count()) + " s");

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 
+#include "base/mutex.h"
 #include "base/status.h"
 #include "session/counters.h"
 #include "session/journal.h"
@@ -30,12 +32,18 @@ class Health {
   /// Readiness. An error, with the reason: starting, draining, device or state directory failed.
   Status ready() const;
 
+  /// Something that operators should see to although the server serves; empty: no longer.
+  void setWarning(const std::string& warning);
+  std::string warning() const;
+
  private:
   enum class State { kStarting, kServing, kDraining };
 
   const Counters& counters_;
   std::atomic<State> state_{State::kStarting};
   std::atomic<const Journal*> journal_{nullptr};
+  mutable Mutex mutex_;
+  std::string warning_ LPV_GUARDED_BY(mutex_);
 };
 
 }  // namespace lpv::ops

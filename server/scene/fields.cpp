@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/text.h"
 #include "scene/words.h"
 
 namespace lpv {
@@ -30,6 +31,14 @@ Status checkTable(const FieldsOf<T>& in) {
 
 }  // namespace
 
+Status checkVisible(const char* field, const std::string& text) {
+  const std::optional<HiddenCharacter> hidden = findHiddenCharacter(text);
+  if (!hidden) return {};
+  return invalid(field, std::string(field) + " has the character " + hidden->name() + " at byte " +
+                            std::to_string(hidden->at) +
+                            ": leave out control characters and those that are invisible or change the direction");
+}
+
 Status checkWords(const char* field, const std::string& words, std::size_t least, std::size_t most) {
   if (words.size() < least || words.size() > most) {
     return invalid(field, std::string(field) + " has " + std::to_string(words.size()) + " bytes, allowed are " +
@@ -40,7 +49,7 @@ Status checkWords(const char* field, const std::string& words, std::size_t least
     if (byte >= 0x20 && byte != 0x7F && c != '/') continue;
     return invalid(field, std::string(field) + " has a control character or '/': give it without");
   }
-  return {};
+  return checkVisible(field, words);
 }
 
 Status checkGroup(const char* path, const std::string& group) { return checkWords(path, group, 0, kMaxGroupBytes); }

@@ -121,6 +121,7 @@ struct Counters {
   std::array<DurationHistogram, kStages> stageSeconds;  ///< without other sessions' turns
   DurationHistogram acknowledgeLag;  ///< from giving a subscriber a result to its acknowledgement
   DurationHistogram storeCommitSeconds;
+  std::atomic<std::int64_t> certificateFailures{0};  ///< times that changed TLS files were found bad
   std::atomic<std::int64_t> storeFailures{0};  ///< transactions that could not be committed
 
   TickWatch tickWatch;

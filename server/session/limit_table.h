@@ -44,6 +44,8 @@ inline constexpr std::tuple kLimitTable = {
              "seconds of this device that a tick is predicted to take"},
     LimitRow{"upload_idle", &Limits::uploadIdle, 1, 86'400, "seconds without a part after which an upload is given up"},
     LimitRow{"first_message", &Limits::firstMessage, 1, 86'400, "seconds a new stream's first message may take"},
+    LimitRow{"max_wait", &Limits::maxWait, 1, 86'400,
+             "seconds that a call without a deadline of its own waits for its result"},
     LimitRow{"presence_idle", &Limits::presenceIdle, 1, 86'400,
              "seconds without a call after which a member is removed from presence"},
     LimitRow{"self_check", &Limits::selfCheck, 0, 86'400,

@@ -34,6 +34,7 @@ struct Limits {
   int maxProbePoints = 16384;
   std::chrono::seconds uploadIdle{60};
   std::chrono::seconds firstMessage{10};
+  std::chrono::seconds maxWait{30};  ///< of a call for its result, without a deadline of its own
   std::chrono::seconds selfCheck{10};  ///< between two comparisons of a session's volume with the truth; 0: none
   std::chrono::minutes keepUnusedBlobs{10};  ///< an uploaded blob nobody refers to is dropped after this
 };

@@ -1,39 +1,27 @@
 #include "import/names.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <optional>
+
+#include "base/text.h"
 
 namespace lpv::cli {
 namespace {
 
 constexpr std::size_t kLongest = 200;
 
-/// Bytes of the UTF-8 character that begins at `at`; 0 if none does.
-std::size_t characterBytes(const std::string& text, std::size_t at) {
-  const auto lead = static_cast<unsigned char>(text[at]);
-  const std::size_t bytes = lead < 0x80                   ? 1
-                            : lead >= 0xc2 && lead < 0xe0 ? 2
-                            : lead >= 0xe0 && lead < 0xf0 ? 3
-                            : lead >= 0xf0 && lead < 0xf5 ? 4
-                                                          : 0;
-  if (bytes == 0 || at + bytes > text.size()) return 0;
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((static_cast<unsigned char>(text[at + i]) & 0xc0U) != 0x80U) return 0;
-  }
-  return bytes;
-}
-
+/// With '_' in the place of what names must not have.
 std::string cleaned(const std::string& text) {
   std::string out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t bytes = characterBytes(text, at);
-    const auto lead = static_cast<unsigned char>(text[at]);
-    const bool printable = bytes > 0 && lead >= 0x20 && lead != 0x7f && lead != '/' &&
-                           !(bytes == 2 && lead == 0xc2 && static_cast<unsigned char>(text[at + 1]) < 0xa0);
-    if (out.size() + (printable ? bytes : 1) > kLongest) break;
-    out += printable ? text.substr(at, bytes) : "_";
-    at += bytes > 0 ? bytes : 1;
+  std::size_t at = 0;
+  while (const std::optional<HiddenCharacter> hidden = findHiddenCharacter(text, at)) {
+    out += text.substr(at, hidden->at - at) + "_";
+    at = hidden->at + hidden->bytes;
   }
-  return out;
+  out += text.substr(at);
+  std::replace(out.begin(), out.end(), '/', '_');
+  return truncatedUtf8(out, kLongest);
 }
 
 bool madeUp(const std::string& name) {

@@ -27,7 +27,9 @@ CallDriver::CallDriver(const Context& server, const Method& method, CallOrigin o
       first_(*server.timers),
       request_(method.handler.request->New()),
       response_(method.handler.response->New()),
-      who_{{}, ops::traceIdOf(origin.traceparent), std::move(origin.peer)} {}
+      who_{{}, ops::traceIdOf(origin.traceparent), std::move(origin.peer)} {
+  context_.hasDeadline = origin.hasDeadline;
+}
 
 void CallDriver::start() {
   Status status = admit(token_, context_);

@@ -37,6 +37,7 @@ struct CallOrigin {
   Expected<std::string> token = std::string();  ///< as the client showed it, empty for none; or what is wrong with it
   std::string peer;  ///< "ipv4:127.0.0.1:50000"
   std::string traceparent;  ///< W3C Trace Context; empty for none
+  bool hasDeadline = false;  ///< the client gives up by itself, within a day
 };
 
 /// How a read went.

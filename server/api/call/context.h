@@ -28,6 +28,7 @@ struct Context {
   std::chrono::system_clock::time_point started;
   Access* access = nullptr;
   Grant caller = {};
+  bool hasDeadline = false;  ///< the call has one of its own
   std::shared_ptr<ResultCaches> caches = makeResultCaches();  ///< encodings that calls share
 };
 

@@ -39,6 +39,7 @@ Status HeartbeatEmitter::endStatus() const {
   if (state_->closing == Closing::kEncodingFailed) {
     return Status(Code::kInternal, Reason::kEncodingFailed, "a frame could not be encoded; the server's log says why");
   }
+  if (state_->closing == Closing::kClientClosed) return {};
   return Status(Code::kUnavailable, "the session has ended here; see the notice");
 }
 
@@ -99,6 +100,10 @@ void HeartbeatEmitter::fillNotice(Closing why, pb::Notice* out) {
     case Closing::kEncodingFailed:
       out->set_kind(pb::Notice::KIND_FAILED);
       return out->set_message("a frame could not be encoded; this stream ends, the session goes on");
+    case Closing::kClientClosed:
+      out->set_kind(pb::Notice::KIND_CLIENT_CLOSED);
+      return out->set_message(
+          "the client has closed its side, which ends this stream: keep it open, and acknowledge, to get results");
     case Closing::kDraining:
       out->set_kind(pb::Notice::KIND_DRAINING);
       return out->set_message("the server is draining");

@@ -50,7 +50,8 @@ class HeartbeatEmitter {
   }
   /// The closing notice has been taken: the stream is over.
   bool over() const;
-  /// What the stream's call ends with, once over() is true: INTERNAL where this stream alone failed, else UNAVAILABLE.
+  /// What the stream's call ends with, once over() is true: INTERNAL where this stream alone failed, OK where its
+  /// client closed it, else UNAVAILABLE.
   Status endStatus() const;
 
  private:

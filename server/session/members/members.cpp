@@ -88,13 +88,21 @@ Expected<std::optional<EditOutcome>> Members::repeated(const std::string& id, st
   const auto same = std::find_if(client.outcomes.begin(), client.outcomes.end(),
                                  [&](const EditOutcome& outcome) { return outcome.sequence == sequence; });
   if (same != client.outcomes.end()) return std::optional<EditOutcome>(*same);
-  if (sequence <= client.outcomeHorizon) {
+  const std::uint64_t last = highest(client);
+  if (sequence <= last) {
     return Status(Code::kFailedPrecondition, Reason::kSequenceOld,
-                  "sequence " + std::to_string(sequence) + " is older than the last " +
-                      std::to_string(kRememberedOutcomes) + " edits of this client; its outcome is forgotten",
+                  "sequence " + std::to_string(sequence) + " is not above " + std::to_string(last) +
+                      ", the highest answered, and has no outcome among the last " +
+                      std::to_string(kRememberedOutcomes) + " edits of this client; send a higher one",
                   "sequence");
   }
   return std::optional<EditOutcome>();
+}
+
+std::uint64_t Members::highest(const ClientState& client) {
+  std::uint64_t out = std::max(client.outcomeHorizon, client.acceptedSequence);
+  for (const EditOutcome& outcome : client.outcomes) out = std::max(out, outcome.sequence);
+  return out;
 }
 
 Status Members::admit(const std::string& id, Clock::time_point now) {

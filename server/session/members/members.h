@@ -62,7 +62,8 @@ class Members {
   /// PERMISSION_DENIED unless the identity was issued here. An empty identity is nobody: ok.
   Status verify(const ClientIdentity& identity) const;
 
-  /// The outcome of an edit seen before; FAILED_PRECONDITION for a sequence too old to be remembered.
+  /// The outcome of an edit seen before; FAILED_PRECONDITION for a sequence that is not above the highest answered and
+  /// has no outcome (any more).
   Expected<std::optional<EditOutcome>> repeated(const std::string& id, std::uint64_t sequence) const;
   /// RESOURCE_EXHAUSTED when the client edits faster than max_edits_per_second. Not an outcome: retry. All who do not
   /// say who they are count as one client.
@@ -82,6 +83,8 @@ class Members {
     std::size_t nameBytes = 0;  ///< of its outcomes
   };
   static void forgetOldest(Client& client);
+  /// The highest sequence that was answered, accepted or refused.
+  static std::uint64_t highest(const ClientState& client);
   Limits limits_;
   std::map<std::string, Client> members_;
   TokenBucket nobody_;  ///< edits

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/edits.h"
+#include "scene/words.h"
 
 namespace lpv {
 
@@ -13,6 +14,7 @@ Status checkPresence(const PresenceUpdate& update) {
     return invalid("display_name", "display_name has " + std::to_string(bytes) + " bytes, allowed are " +
                                        std::to_string(kMaxDisplayNameBytes));
   }
+  if (Status s = checkVisible("display_name", update.displayName.value_or("")); !s.ok()) return s;
   for (int c = 0; update.colour && c < 3; ++c) {
     const double value = (*update.colour)[c];
     if (std::isfinite(value) && value >= 0.0 && value <= 1.0) continue;

@@ -1,9 +1,22 @@
 #include "store/sqlite/database.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 namespace lpv::store {
 namespace {
 
 constexpr int kBusyPatienceMs = 5000;
+constexpr mode_t kOwnerOnly = 0600;
+
+/// Sessions may be private, whatever the folder lets others see. SQLite gives the files that it makes beside the
+/// database the permissions of the database. A file is not opened to look: closing it would drop SQLite's locks.
+void keepPrivate(const std::string& path) {
+  const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerOnly);
+  if (made >= 0) ::close(made);
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) (void)::chmod((path + suffix).c_str(), kOwnerOnly);
+}
 
 }  // namespace
 
@@ -46,6 +59,7 @@ void Statement::bind(int index, const Bytes& bytes) {
 
 Expected<std::unique_ptr<Database>> Database::open(const std::string& path) {
   std::unique_ptr<Database> database(new Database(path));
+  keepPrivate(path);
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   if (sqlite3_open_v2(path.c_str(), &database->handle_, flags, nullptr) != SQLITE_OK) return database->failure();
   sqlite3_busy_timeout(database->handle_, kBusyPatienceMs);

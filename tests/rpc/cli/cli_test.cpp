@@ -411,5 +411,13 @@ TEST_F(Cli, ATimeoutIsExitCode3) {
   EXPECT_THAT(late.err, HasSubstr("DEADLINE_EXCEEDED"));
 }
 
+// The server quotes what it was given. Broken by: its words on the terminal as they come.
+TEST(Terminal, IsShownNoHiddenCharacters) {
+  const Outcome refused = lpvctl({"session", "show", "room\u202e\x1b[2Jx"});
+  EXPECT_NE(refused.exit, 0);
+  EXPECT_THAT(refused.err, ::testing::HasSubstr("room\\u202e\\u001b[2Jx"));
+  EXPECT_EQ(refused.err.find('\x1b'), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lpv::cli

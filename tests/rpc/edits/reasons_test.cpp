@@ -59,6 +59,7 @@ grpc::Status undo(Narrow& s) {
   pb::UndoRequest request;
   request.set_session(s.session);
   *request.mutable_client() = s.ann;
+  request.set_sequence(1);
   pb::UndoResponse response;
   return s.stubs.scene->Undo(Call(), request, &response);
 }

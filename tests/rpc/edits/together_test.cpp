@@ -167,6 +167,7 @@ TEST_F(Together, UndoIsForMembers) {
   request.mutable_client()->set_client_id("c-stranger");
   EXPECT_THAT(stubs_.scene->Undo(Call(), request, &response), HasCode(StatusCode::PERMISSION_DENIED));
   *request.mutable_client() = join(stubs_, session_);
+  request.set_sequence(1);
   EXPECT_THAT(stubs_.scene->Undo(Call(), request, &response),
               Refused(StatusCode::FAILED_PRECONDITION, "client", "nothing to undo"));
   pb::Edit edit = client::editOf({client::setEnabled("Lamp", false)});

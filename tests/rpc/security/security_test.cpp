@@ -3,12 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <thread>
 
 #include "lpv/edits.h"
 #include "lpv/watch.h"
 #include "rpc/security/certificates.h"
+#include "rpc/streams/watched.h"
 #include "rpc/support/rpc.h"
 #include "rpc/support/server_process.h"
 
@@ -16,6 +22,11 @@ namespace lpv::rpc {
 namespace {
 
 using testing::HasSubstr;
+
+std::string textOf(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 constexpr const char* kAdmin = "the admin's token, for a test";
 
@@ -255,6 +266,114 @@ TEST(Tls, ANewCertificateIsTakenUpWithoutARestart) {
   std::filesystem::rename(folder + "/next", folder + "/now");
   EXPECT_TRUE(eventually([&] { return connect(server.address(), {}, {.caFile = next.file()}).serverInfo().ok(); }));
   EXPECT_TRUE(before.serverInfo().ok());  // open connections stay
+}
+
+/// A server whose key and chain are replaced where they lie, one file after the other.
+class ChangingCertificate : public testing::Test {
+ protected:
+  void put(const std::string& from, const std::string& to) const {
+    std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing);
+  }
+  void putPair(const CertificateFiles& files) const {
+    put(files.certificate, certificate_);
+    put(files.key, key_);
+  }
+  void truncate(const std::string& path) const {
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  }
+  bool answersTo(const Authority& trusted) const {
+    return connect(watched_.server().address(), {}, {.caFile = trusted.file()}).serverInfo().ok();
+  }
+  bool readySays(const std::string& words) const {
+    return eventually([&] { return watched_.get("/ready").body.find(words) != std::string::npos; });
+  }
+
+  const Authority next_{"the next authority"};
+  const CertificateFiles old_ = authority().issue("old");
+  const CertificateFiles fresh_ = next_.issue("fresh");
+  const std::string certificate_ = authority().folder() + "/changing.pem";
+  const std::string key_ = authority().folder() + "/changing.key";
+  const bool put_ = (putPair(old_), true);
+  mutable Watched watched_{{"--tls-cert", certificate_, "--tls-key", key_}};
+};
+
+// Broken by: gRPC's own watcher, which serves nobody while key and chain do not go together.
+TEST_F(ChangingCertificate, WhatIsHalfChangedIsToldAndNotUsed) {
+  const std::vector<std::pair<std::string, std::function<void()>>> spoiled = {
+      {"is not the key of the certificate", [&] { put(fresh_.certificate, certificate_); }},
+      {"is no PEM file of certificates", [&] { truncate(certificate_); }},
+      {"is no PEM file of a private key", [&] { putPair(old_), truncate(key_); }},
+      {"is cut off, or broken, after certificate 1",
+       [&] { std::ofstream(certificate_, std::ios::app) << "-----BEGIN CERTIFICATE-----\nMIIB\n"; }},
+      {"has not signed the one before it",
+       [&] { std::ofstream(certificate_, std::ios::app) << std::ifstream(next_.file()).rdbuf(); }},
+      {"has expired", [&] { putPair(authority().issue("expired", -60)); }},
+      {"cannot be read", [&] { std::filesystem::remove(key_); }},
+  };
+  int told = 0;
+  for (const auto& [says, spoil] : spoiled) {
+    spoil();
+    EXPECT_TRUE(readySays(says)) << says << ": " << watched_.get("/ready").body;
+    EXPECT_EQ(watched_.get("/ready").status, 200) << "it serves";
+    EXPECT_TRUE(answersTo(authority())) << says;
+    EXPECT_THAT(watched_.server().log(), HasSubstr(says));
+    EXPECT_EQ(watched_.metric("lpv_certificate_failures_total"), ++told);
+    putPair(old_);
+    EXPECT_TRUE(eventually([&] { return watched_.get("/ready").body == "ok\n"; })) << says;
+  }
+  putPair(fresh_);
+  EXPECT_TRUE(eventually([&] { return answersTo(next_); }));
+}
+
+// Clients trust both authorities: each handshake meets a whole pair, old or new. Broken by: gRPC's watcher on the files
+// themselves, which are half changed for half of the time here.
+TEST_F(ChangingCertificate, NoHandshakeFailsWhileItChanges) {
+  const std::string both = authority().write("both.pem", textOf(authority().file()) + textOf(next_.file()));
+  std::atomic<bool> done = false;
+  std::atomic<int> handshakes = 0;
+  std::atomic<int> failed = 0;
+  std::thread client([&] {
+    for (; !done; ++handshakes)
+      failed += int(!connect(watched_.server().address(), {}, {.caFile = both}).serverInfo().ok());
+  });
+  for (int change = 1; change <= 200; ++change) {
+    const CertificateFiles& files = change % 2 == 0 ? old_ : fresh_;
+    put(files.certificate, certificate_);
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    put(files.key, key_);
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  }
+  putPair(fresh_);
+  EXPECT_TRUE(eventually([&] { return answersTo(next_); }));
+  done = true;
+  client.join();
+  EXPECT_GT(handshakes, 20);
+  EXPECT_EQ(failed, 0) << "of " << handshakes;
+}
+
+// Broken by: removing nothing; removing the folder of a server that lives.
+TEST(PrivateFolder, OfAKilledServerIsRemovedByTheNext) {
+  const std::string folder = makeDirectory();
+  setenv("RUNTIME_DIRECTORY", folder.c_str(), 1);
+  const auto folders = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+  };
+  const CertificateFiles files = authority().issue("kept");
+  const std::vector<std::string> arguments{"--tls-cert", files.certificate, "--tls-key", files.key};
+  {
+    const ServerProcess living(arguments);
+    ServerProcess killed(arguments);
+    EXPECT_EQ(folders(), 2);
+    killed.process().signal(SIGKILL);
+    killed.process().wait(std::chrono::seconds(20));
+    ServerProcess next(arguments);
+    EXPECT_EQ(folders(), 2) << "those that live";
+    next.process().signal(SIGTERM);
+    EXPECT_EQ(next.process().wait(std::chrono::seconds(20)), 0);
+    EXPECT_EQ(folders(), 1);
+  }
+  unsetenv("RUNTIME_DIRECTORY");
+  std::filesystem::remove_all(folder);
 }
 
 struct Start {

@@ -3,7 +3,12 @@
 #include <google/protobuf/wrappers.pb.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
+
 #include <signal.h>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include <thread>
 
@@ -53,6 +58,107 @@ TEST(CommandLine, PrintsWhatItIsAndHas) {
   const Finished version = runServer({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.output, ::testing::MatchesRegex("lpvd [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+/// A configuration file that goes with the test.
+class ConfigFile {
+ public:
+  explicit ConfigFile(const std::string& text) { std::ofstream(path()) << text; }
+  ~ConfigFile() { std::filesystem::remove_all(directory_); }
+  ConfigFile(const ConfigFile&) = delete;
+  ConfigFile& operator=(const ConfigFile&) = delete;
+  std::string path() const { return directory_ + "/lpvd.toml"; }
+
+ private:
+  const std::string directory_ = makeDirectory();
+};
+
+/// A variable of the environment, for a server that is started meanwhile.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
+  ~Variable() { unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+Finished printedWith(std::vector<std::string> arguments) {
+  arguments.push_back("--print-config");
+  return runServer(arguments);
+}
+
+// admin_token_file = ... started an open server once. Broken by: skipping what is not known, or cannot be read.
+TEST(Configuration, WhatIsWrongInAFileIsRefusedWithItsLine) {
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"max-sessions=1\nadmin-tokenfile=\"x\"\n", ":2: there is no option \"admin-tokenfile\""},
+      {"[security]\n", ":1: sections are not taken"},
+      {"# fine\n\nmax-sessions 1\n", ":3: \"max-sessions 1\" is not of the form"},
+      {"device = auto\n", ":1: the value of device cannot be read"},
+      {"device = \"auto\n", ":1: the value of device cannot be read"},
+      {"max-lights=1\nmax_lights=2\n", ":2: max-lights is given for the second time"},
+      {"max-lights=0\n", ":1: --max-lights"},
+      {"version=true\n", ":1: there is no option \"version\""},
+  };
+  for (const auto& [text, says] : files) {
+    const ConfigFile file(text);
+    const Finished run = printedWith({"--config", file.path()});
+    EXPECT_EQ(run.status, 2) << text;
+    EXPECT_THAT(run.errors, HasSubstr(file.path() + says));
+    EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
+  }
+  EXPECT_THAT(printedWith({"--config", "/nowhere"}).errors, HasSubstr("--config /nowhere: cannot be read"));
+}
+
+TEST(Configuration, FlagsWinOverVariablesAndTheseOverTheFile) {
+  const ConfigFile file("max_sessions = 1 # of ours\nmax-lights=1\nmax-surfaces=1\n");
+  const Variable sessions("LPVD_MAX_SESSIONS", "2");
+  const Variable lights("LPVD_MAX_LIGHTS", "2");
+  const Finished run = printedWith({"--config", file.path(), "--max_sessions=3"});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  for (const char* line : {"max-sessions=3\n", "max-lights=2\n", "max-surfaces=1\n"}) {
+    EXPECT_THAT(run.output, HasSubstr(line));
+  }
+  EXPECT_THAT(runServer({"--help"}).output, HasSubstr("A flag wins over"));
+}
+
+// Kubernetes makes such for a service "lpvd". Broken by: refusing them; a warning each.
+TEST(Configuration, VariablesThatAreNoneOfOursAreNamedOnce) {
+  const Variable port("LPVD_PORT", "tcp://10.0.0.1:50051");
+  const Variable host("LPVD_SERVICE_HOST", "10.0.0.1");
+  const Variable mistyped("LPVD_ADMIN_TOKENFILE", "x");
+  const ServerProcess warned;
+  const std::string log = warned.log();
+  EXPECT_THAT(log, HasSubstr("LPVD_ADMIN_TOKENFILE, LPVD_PORT, LPVD_SERVICE_HOST"));
+  EXPECT_EQ(log.find("LPVD_PORT"), log.rfind("LPVD_PORT"));
+  const Variable wrong("LPVD_MAX_LIGHTS", "many");
+  const Finished run = runServer({});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.errors, HasSubstr("LPVD_MAX_LIGHTS: --max-lights"));
+}
+
+// Broken by: text without quotes; the content of a secret.
+TEST(Configuration, WhatIsPrintedIsTakenAgain) {
+  const ConfigFile secret("not to be told\n");
+  const Finished first =
+      printedWith({"--admin-token-file", secret.path(), "--insecure", "--retain", "5d", "--state-dir", "a \"b\" \\c#"});
+  ASSERT_EQ(first.status, 0) << first.errors;
+  EXPECT_THAT(first.output, HasSubstr("admin-token-file=\"" + secret.path() + "\""));
+  EXPECT_EQ(first.output.find("not to be told"), std::string::npos);
+  const ConfigFile file(first.output);
+  const Finished second = printedWith({"--config", file.path()});
+  EXPECT_EQ(second.status, 0) << second.errors;
+  EXPECT_EQ(second.output, first.output);
+}
+
+TEST(Configuration, AddressesAreReadBeforeAnythingStarts) {
+  for (const char* flag : {"--listen", "--ops-listen"}) {
+    const Finished run = runServer({flag, "127.0.0.1:99999"});
+    EXPECT_EQ(run.status, 2);
+    EXPECT_THAT(run.errors, HasSubstr(std::string(flag) + " is \"127.0.0.1:99999\": \"99999\" is no port"));
+  }
 }
 
 TEST(CommandLine, ListensBeyondTheLoopbackOnlyWhenToldTo) {

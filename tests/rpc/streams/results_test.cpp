@@ -337,5 +337,44 @@ TEST_F(Results, ALightThatIsOffOrGoneLightsNothing) {
   EXPECT_EQ(probe(stubs_, session, place)[0].x, 0.0);
 }
 
+// A revision that never comes. Broken by: no end of the wait; an end of one kind of call only.
+TEST(LongestWait, EndsCallsWithoutADeadline) {
+  ServerProcess patient({"--max-wait", "1"});
+  Stubs stubs(patient.address());
+  const std::string session = makeLitSession(stubs);
+  constexpr std::uint64_t kNever = 1000;
+  const auto late = Refused(StatusCode::DEADLINE_EXCEEDED, "min_revision", "max_wait");
+  {
+    grpc::ClientContext context;
+    pb::ProbeRequest request;
+    request.set_session(session);
+    request.set_points(packed<double>({0.0, 0.0, 0.0, 0.0, 0.0, 1.0}));
+    request.set_min_revision(kNever);
+    pb::ProbeResponse response;
+    EXPECT_THAT(stubs.result->Probe(&context, request, &response), late);
+    grpc::ClientContext streamed;
+    const auto stream = stubs.result->StreamProbe(&streamed);
+    pb::StreamProbeRequest part;
+    *part.mutable_request() = request;
+    stream->Write(part);
+    pb::StreamProbeResponse answer;
+    EXPECT_FALSE(stream->Read(&answer));
+    EXPECT_THAT(stream->Finish(), late);
+  }
+  grpc::ClientContext context;
+  pb::GetVolumeRequest request;
+  request.set_session(session);
+  request.set_min_revision(kNever);
+  const auto reader = stubs.result->GetVolume(&context, request);
+  pb::GetVolumeResponse part;
+  EXPECT_FALSE(reader->Read(&part));
+  EXPECT_THAT(reader->Finish(), late);
+  // A deadline of its own is the call's own business.
+  Call own(std::chrono::seconds(3));
+  const auto waiting = stubs.result->GetVolume(own, request);
+  EXPECT_FALSE(waiting->Read(&part));
+  EXPECT_EQ(fieldOf(waiting->Finish()), "") << "the client's own end, not the server's";
+}
+
 }  // namespace
 }  // namespace lpv::rpc

@@ -247,9 +247,55 @@ TEST_F(Streams, SubscribersAreCountedAndGoWithTheirStream) {
     stream->WritesDone();
     EXPECT_FALSE(seen.next(*stream));
     EXPECT_THAT(stream->Finish(), IsOk()) << "a client that has said all ends its stream";
+    // Those who did not mean to are told.
+    second->WritesDone();
+    pb::StreamFramesResponse last;
+    while (second->Read(&last)) {
+    }
+    EXPECT_EQ(last.event().notice().kind(), pb::Notice::KIND_CLIENT_CLOSED);
+    EXPECT_THAT(last.event().notice().message(), ::testing::HasSubstr("closed its side"));
+    EXPECT_THAT(second->Finish(), IsOk());
     frames->TryCancel();
   }
   EXPECT_TRUE(eventually([&] { return getSession(stubs_, session_).subscriber_count() == 0; }));
+}
+
+TEST_F(Streams, ClosedBeforeTheySubscribedAreRefused) {
+  Call call;
+  const auto stream = stubs_.result->StreamFrames(call);
+  stream->WritesDone();
+  pb::StreamFramesResponse response;
+  EXPECT_FALSE(stream->Read(&response));
+  EXPECT_THAT(stream->Finish(), Refused(StatusCode::INVALID_ARGUMENT, "subscription", "before it sent"));
+}
+
+// Broken by: an update from whoever knows the subscriber's name.
+TEST_F(Streams, AreUpdatedByThoseWhoOpenedThem) {
+  const pb::ClientIdentity me = join(stubs_, session_);
+  const pb::ClientIdentity other = join(stubs_, session_);
+  Call call;
+  pb::WatchVolumeRequest request;
+  request.mutable_subscription()->set_session(session_);
+  *request.mutable_subscription()->mutable_client() = me;
+  const auto stream = stubs_.result->WatchVolume(call, request);
+  pb::WatchVolumeResponse first;
+  ASSERT_TRUE(stream->Read(&first));
+  const auto updateAs = [&](const pb::ClientIdentity& who) {
+    pb::UpdateSubscriptionRequest update;
+    update.set_session(session_);
+    update.set_subscriber(first.event().subscribed().subscriber());
+    update.mutable_update()->set_max_rate(5.0);
+    *update.mutable_client() = who;
+    pb::UpdateSubscriptionResponse response;
+    return stubs_.result->UpdateSubscription(Call(), update, &response);
+  };
+  EXPECT_THAT(updateAs({}), Refused(StatusCode::PERMISSION_DENIED, "client", "another identity"));
+  EXPECT_THAT(updateAs(other), Refused(StatusCode::PERMISSION_DENIED, "client", "another identity"));
+  pb::ClientIdentity forged = me;
+  forged.set_secret(other.secret());
+  EXPECT_THAT(updateAs(forged), Refused(StatusCode::PERMISSION_DENIED, "client", "not issued"));
+  EXPECT_THAT(updateAs(me), IsOk());
+  call->TryCancel();
 }
 
 TEST_F(Streams, EndWithANoticeWhenTheSessionIsDeleted) {

@@ -38,6 +38,7 @@ class Watched {
   Watched& operator=(const Watched&) = delete;
 
   ServerProcess& server() { return *server_; }
+  int port() const { return port_; }
   HttpAnswer get(const std::string& path) const { return httpGet(port_, path); }
   /// Every series of a scrape, by its name with labels.
   std::map<std::string, double> scrape() const {

@@ -119,15 +119,20 @@ TEST_F(ClientsTest, OutcomesWithManyNamesAreForgottenSooner) {
   EXPECT_TRUE((*clients_.repeated(id, 101)).has_value());
 }
 
-TEST_F(ClientsTest, ASequenceThatWasLeftOutIsNewUntilItIsTooOld) {
+TEST_F(ClientsTest, ASequenceThatWasLeftOutIsTooOld) {
   const std::string id = joined();
   for (std::uint64_t i = 1; i <= kRememberedOutcomes; ++i) recordAccepted(id, 2 * i, i);
-  ASSERT_TRUE(clients_.repeated(id, 3).ok());
-  EXPECT_FALSE(*clients_.repeated(id, 3)) << "left out, and given late";
-  recordAccepted(id, 2 * kRememberedOutcomes + 2, 5000);
-  recordAccepted(id, 2 * kRememberedOutcomes + 4, 5001);
-  EXPECT_EQ(clients_.repeated(id, 3).status().code(), Code::kFailedPrecondition) << "4 is forgotten, so 3 is";
-  EXPECT_FALSE(*clients_.repeated(id, 5));
+  EXPECT_EQ(clients_.repeated(id, 3).status().code(), Code::kFailedPrecondition) << "left out, and given late";
+  EXPECT_FALSE(*clients_.repeated(id, 2 * kRememberedOutcomes + 1)) << "a gap";
+}
+
+// The highest is that of what was answered, whatever the answer.
+TEST_F(ClientsTest, SequencesRiseAboveThoseOfRefusals) {
+  const std::string id = joined();
+  clients_.record(id, {7, invalid("edit", "no"), 1, {}});
+  EXPECT_EQ(clients_.repeated(id, 6).status().code(), Code::kFailedPrecondition);
+  EXPECT_TRUE(*clients_.repeated(id, 7));
+  EXPECT_FALSE(*clients_.repeated(id, 8));
 }
 
 TEST_F(ClientsTest, MayEditAtTheirRateAndOneSecondAhead) {

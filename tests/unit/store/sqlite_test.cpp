@@ -37,6 +37,26 @@ class SqliteStoreTest : public testing::Test {
   std::unique_ptr<SqliteStore> store_ = openStore(folder_);
 };
 
+// Broken by: leaving the permissions to the umask; looking at the database only.
+TEST_F(SqliteStoreTest, ItsFilesAreTheOwnersWhateverTheFolderIs) {
+  namespace fs = std::filesystem;
+  const auto othersMay = [&] {
+    int count = 0;
+    for (const auto& file : fs::directory_iterator(folder_.path())) {
+      const fs::perms mode = file.status().permissions();
+      count += int((mode & (fs::perms::group_all | fs::perms::others_all)) != fs::perms::none);
+    }
+    return count;
+  };
+  EXPECT_EQ(othersMay(), 0);
+  fs::permissions(folder_.path(), fs::perms::all);
+  keep(createSession(*store_, "hall"));
+  for (const auto& file : fs::directory_iterator(folder_.path())) fs::permissions(file.path(), fs::perms(0644));
+  reopen();
+  keep(store_->append("hall", lampStep(1)));
+  EXPECT_EQ(othersMay(), 1) << "the lock file, which says nothing but a process id";
+}
+
 TEST_F(SqliteStoreTest, NamesItsDurability) { EXPECT_EQ(store_->durability(), lpv::v1::DURABILITY_DISK); }
 
 TEST_F(SqliteStoreTest, WhatWasKeptIsThereAfterwards) {
