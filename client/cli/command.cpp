@@ -126,10 +126,8 @@ void requireSomeFlag(CLI::App& command) {
   });
 }
 
-void note(const std::string& message) { std::cerr << "lpvctl: " << visible(message) << "
-"; }
+void note(const std::string& message) { std::cerr << "lpvctl: " << visible(message) << "\n"; }
 
-void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << visible(message) << "
-"; }
+void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << visible(message) << "\n"; }
 
 }  // namespace lpv::cli
