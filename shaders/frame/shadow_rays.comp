@@ -55,16 +55,17 @@ float candidatesAt(ivec2 pixel) {
 
 void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
+  float weight;
   const ivec4 chosen =
-      chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel));
+      chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel), weight);
   vec4 all = vec4(0.0), seen = vec4(0.0), shares = vec4(-1.0);
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);
     const vec3 share = transmitted(x, mix(x, to, kShadowEnd), int(colour.a));
-    all += vec4(colour.rgb, 1.0);
-    seen += vec4(share * colour.rgb, 0.0);
+    all += vec4(weight * colour.rgb, 1.0);
+    seen += vec4(weight * share * colour.rgb, 0.0);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }
   if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);

@@ -17,7 +17,7 @@ void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
   const ShadowPoint p = shadowPoints[point];
-  const vec3 share = mix(p.seen.rgb / max(p.all.rgb, vec3(1e-20)), vec3(1.0), equal(p.seen.rgb, p.all.rgb));
+  const vec3 share = mix(p.seen.rgb / max(p.all.rgb, vec3(1e-30)), vec3(1.0), equal(p.seen.rgb, p.all.rgb));
   const bool last = shadow.pool + 1 == shadow.pools, apart = last && shadow.apart == 1;
   const vec3 sum = (apart ? vec3(0.0) : p.light.rgb * share) + (shadow.pool > 0 ? p.sum.rgb : vec3(0.0));
   shadowPoints[point].sum = vec4(sum, 0.0);

@@ -29,9 +29,10 @@ bool agreed() {
 
 CellVisibility rays(vec3 x) {
   const int turn = (params.turn + params.turns / 2) % params.turns;  // the first go to the middle of each quarter
+  float weight;  // not used: from a cell one turn's points are worth about as much as another's
   const ivec4 chosen =
       chosenPoints(params.firstPoint, params.pointCount, x, vec3(0.0), (float(turn) + 0.5) / float(params.turns),
-                   fract(0.5 + 0.6180339887 * float(params.turn)));
+                   fract(0.5 + 0.6180339887 * float(params.turn)), weight);
   CellVisibility v = CellVisibility(vec4(0.0), vec4(0.0));
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;

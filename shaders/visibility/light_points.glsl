@@ -12,6 +12,7 @@
 layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
 
 const int kCandidates = 32;  // points of a range that are weighed for four rays
+const float kNearParts = 8.0;  // by the square of the distance over that of a part's size
 
 /// What a receiver at x, with normal n, gets from point i, about, and as if nothing lay between: irradiance, or fluence.
 float pointWeight(int i, vec3 x, vec3 n) {
@@ -28,21 +29,65 @@ float pointWeight(int i, vec3 x, vec3 n) {
 #endif
 }
 
-/// Four points of [first, first + count) in proportion to their weights; -1 where all are 0. `place` in [0, 1): of each
-/// choice in its quarter of the weights; `shift` in [0, 1): which points are weighed.
-ivec4 chosenPoints(int first, int count, vec3 x, vec3 n, float place, float shift) {
+/// What one candidate stands for: points next to each other, of which a receiver that is near weighs all, another the
+/// one.
+struct LightPart {
+  int begin, end, one;
+  bool near;
+};
+
+vec3 pointPosition(int i) { return texelFetch(lightPoints, kLightPointTexels * i).xyz; }
+
+/// The k-th of a range. Patches that follow each other need not be neighbours: they are never near.
+LightPart partOf(int first, int count, int k, float shift, vec3 x) {
   const float spacing = float(count) / float(kCandidates);
-  float all = 0.0;
-  for (int k = 0; k < kCandidates; ++k) all += pointWeight(first + int((float(k) + shift) * spacing), x, n);
-  const vec4 places = 0.25 * all * (vec4(0.0, 1.0, 2.0, 3.0) + place);
-  ivec4 chosen = ivec4(-1);
+  const int begin = first + int(float(k) * spacing), end = max(first + int(float(k + 1) * spacing), begin + 1);
+  const int one = first + int((float(k) + shift) * spacing);
+  const vec3 d = pointPosition(one) - x, across = pointPosition(one) - pointPosition(2 * one > begin + end ? begin : end - 1);
+  const bool patches = texelFetch(lightPoints, kLightPointTexels * one + 1).w < 0.0;
+  return LightPart(begin, end, one, !patches && dot(d, d) < kNearParts * dot(across, across));
+}
+
+/// Of a point of the part, on average.
+float partWeight(LightPart p, vec3 x, vec3 n) {
+  const int begin = p.near ? p.begin : p.one, end = p.near ? p.end : p.one + 1;
   float sum = 0.0;
-  for (int k = 0; k < kCandidates; ++k) {
-    const int i = first + int((float(k) + shift) * spacing);
+  for (int i = begin; i < end; ++i) sum += pointWeight(i, x, n);
+  return sum / float(end - begin);
+}
+
+/// A point of the part in proportion to the points' weights, `place` in [0, 1) of them.
+int pointOf(LightPart p, vec3 x, vec3 n, float place) {
+  const float wanted = place * partWeight(p, x, n) * float(p.end - p.begin);
+  int chosen = p.one;
+  float sum = 0.0;
+  for (int i = p.begin; i < (p.near ? p.end : p.begin); ++i) {
     const float before = sum;
     sum += pointWeight(i, x, n);
+    if (before <= wanted && wanted < sum) chosen = i;
+  }
+  return chosen;
+}
+
+/// Four points of [first, first + count) in proportion to their weights; -1 where all are 0. `place` in [0, 1): of each
+/// choice in its quarter of the weights; `shift` in [0, 1): which points are weighed; `all`: their weights' sum, which
+/// is what rays to the four stand for.
+ivec4 chosenPoints(int first, int count, vec3 x, vec3 n, float place, float shift, out float all) {
+  all = 0.0;
+  for (int k = 0; k < kCandidates; ++k) all += partWeight(partOf(first, count, k, shift, x), x, n);
+  const vec4 places = 0.25 * all * (vec4(0.0, 1.0, 2.0, 3.0) + place);
+  ivec4 parts = ivec4(-1), chosen = ivec4(-1);
+  vec4 within = vec4(0.0);
+  float sum = 0.0;
+  for (int k = 0; k < kCandidates; ++k) {
+    const float before = sum;
+    sum += partWeight(partOf(first, count, k, shift, x), x, n);
     const bvec4 here = bvec4(ivec4(greaterThanEqual(places, vec4(before))) * ivec4(lessThan(places, vec4(sum))));
-    chosen = mix(chosen, ivec4(i), here);
+    parts = mix(parts, ivec4(k), here);
+    within = mix(within, (places - before) / max(sum - before, 1e-30), here);
+  }
+  for (int i = 0; i < 4; ++i) {
+    if (parts[i] >= 0) chosen[i] = pointOf(partOf(first, count, parts[i], shift, x), x, n, within[i]);
   }
   return chosen;
 }

@@ -3,7 +3,7 @@
 struct ShadowPoint {
   vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
                // or the sum of their shares; -1 where none were sent, less where they differ
-  vec4 all;    // rgb: colours of the points that rays were sent to, summed; a: rays
+  vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
   vec4 seen;   // rgb: of those that arrived
   vec4 sum;    // rgb: E of the pools before
 };
