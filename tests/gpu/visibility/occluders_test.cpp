@@ -62,10 +62,10 @@ class OccludersTest : public test::GlTest {
       inputs.emplace_back(glm::vec3(s.to), 0.0F);
     }
     occluders.bind();
-    const auto out = test::evaluate(
-        "#define LPV_TRANSPARENT 0\n#include \"visibility/occluders.glsl\"",
-        "if (i % 2u == 0u) outputs[i / 2u] = vec4(transmitted(inputs[i].xyz, inputs[i + 1u].xyz, int(inputs[i].w)), 0.0);", inputs,
-        segments.size());
+    const auto out = test::evaluate("#define LPV_TRANSPARENT 0\n#include \"visibility/occluders.glsl\"",
+                                    "if (i % 2u == 0u) outputs[i / 2u] = vec4(transmitted(inputs[i].xyz, inputs[i + "
+                                    "1u].xyz, int(inputs[i].w)), 0.0);",
+                                    inputs, segments.size());
     std::vector<bool> open;
     for (const glm::vec4& o : out) open.push_back(o.x != 0.0F);
     return open;
