@@ -249,6 +249,8 @@ LPV_CONST int kTriangleTexels = 3;
 LPV_CONST int kUvTexels = 2;  // of a triangle whose alpha varies
 LPV_CONST int kAlphasOfTexel = 16;
 LPV_CONST float kShadowOffset = 2e-4;  // cells along the receiver's normal where rays begin
+LPV_CONST int kAllLights = -1;  // what an occluder blocks, or else the light whose own it blocks; rays between patches
+LPV_CONST int kFromSurfaces = -2;  // light that surfaces reflect, which lights block: of an occluder, that alone
 LPV_CONST float kShadowEnd = 0.9999;  // of a ray's way, where it has arrived
 
 /// Of the rays from a cell to points of one light, which it gets equal shares of its light from: sums.

@@ -56,7 +56,7 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
 glm::dvec3 LightVisibility::seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const {
   std::call_once(once_, [this] { prepare(); });
   const glm::dvec3 from = at + offset_ * n;
-  return occluders_->transmitted(from, glm::mix(from, place, double(layout::kShadowEnd)), kAllLights);
+  return occluders_->transmitted(from, glm::mix(from, place, double(layout::kShadowEnd)), kFromSurfaces);
 }
 
 }  // namespace lpv

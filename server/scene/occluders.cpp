@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "scene/patches.h"
 #include "scene/shadowing.h"
 
 namespace lpv {
@@ -25,10 +26,14 @@ std::vector<Occluder> occludersOf(const Scene& scene) {
     if (coverage.isOpaque()) coverage = Coverage();
     out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage)});
   }
+  const bool reflects = bouncesFor(scene) > 0;
   int index = 0;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    if (blocksItself(*light)) out.push_back({light->mesh, light->transform.worldFromObject(), index, {}});
+    if (blocksItself(*light) || (reflects && light->castsShadow)) {
+      const int blocks = blocksItself(*light) ? index : kFromSurfaces;
+      out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}});
+    }
     ++index;
   }
   return out;
@@ -91,7 +96,7 @@ glm::dvec3 Occluders::transmitted(const glm::dvec3& from, const glm::dvec3& to, 
     ++at;
     if (node.items() == 0) continue;
     const Instance& instance = instances_[node.firstItem()];
-    if (instance.blocks != kAllLights && instance.blocks != light) continue;
+    if (instance.blocks != kAllLights && light != kFromSurfaces && instance.blocks != light) continue;
     const glm::dmat4& m = instance.objectFromWorld;
     share *= instance.transmitted(glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)));
     if (share == glm::dvec3(0.0)) break;

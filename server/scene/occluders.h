@@ -1,7 +1,7 @@
 #pragma once
 // What stands in the way of light: the meshes of surfaces and lights as a BVH over BVHs (MATHS.md 3d). A surface stops
-// light of all lights, or as much of it as it covers; a light blocks only its own, since others see it where it is a
-// surface, too.
+// light of all lights, or as much of it as it covers; a light blocks its own and what surfaces reflect, but not that
+// of other lights, which see it where it is a surface, too.
 
 #include <glm/glm.hpp>
 #include <string>
@@ -13,19 +13,24 @@
 
 namespace lpv {
 
+/// Of an occluder: it blocks everything. Of a ray: surfaces alone block it.
 inline constexpr int kAllLights = -1;
+/// Of an occluder: it blocks what surfaces reflect, and no light. Of a ray: light that a surface reflects, which
+/// everything blocks.
+inline constexpr int kFromSurfaces = -2;
 
 struct Occluder {
   MeshPtr mesh;
   glm::dmat4 worldFromObject{1.0};
-  int blocks = kAllLights;  ///< or the one light that it blocks, among those that emit in the order of names
-  Coverage coverage;        ///< opaque, or what of it stops light
+  /// kAllLights, kFromSurfaces, or the one light that it blocks besides, among those that emit in the order of names.
+  int blocks = kAllLights;
+  Coverage coverage;  ///< opaque, or what of it stops light
 
   bool operator==(const Occluder&) const = default;
 };
 
 /// Of a scene, surfaces first, in the order of names: those that cast shadows and do not let all light through. Lights
-/// that are convex shadow nothing of themselves.
+/// that are convex shadow nothing of themselves: they are there where surfaces reflect.
 std::vector<Occluder> occludersOf(const Scene& scene);
 
 /// The BVH over occluders in a space that `spaceFromWorld` leads to: its leaves have one item each.

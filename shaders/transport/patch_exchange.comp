@@ -39,7 +39,7 @@ void main() {
   for (int b = max(begin, a + 1); b < min(begin + 8, params.count); ++b) {
     const Patch there = patches[b];
     if (!faceEachOther(here, there)) continue;
-    const vec3 share = transmitted(beside(here), beside(there), -1);
+    const vec3 share = transmitted(beside(here), beside(there), kAllLights);
     if (share == vec3(0.0)) continue;
 #if LPV_TRANSPARENT
     shares[b * params.count + a] = packedShare(share);

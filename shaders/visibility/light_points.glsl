@@ -1,7 +1,7 @@
 // Points of the lights' surfaces, and which of them shadow rays go to (MATHS.md 3d). Texels of a point, grid space:
 //   (position, area x brightness)
 //   (direction that it emits about, sides that emit; - area of a patch of a surface, which emits from one)
-//   (colour: radiance as a share of brightness, the light; -1: none)
+//   (colour: radiance as a share of brightness, the light, or kFromSurfaces)
 // Every n-th point of a range is a sample of the whole range (server/scene/light_points.h).
 //
 // LPV_FACING: receivers are on surfaces and have normals; else they are points in space.

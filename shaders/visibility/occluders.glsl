@@ -3,7 +3,7 @@
 //   0: (texel of the first instance, -, -, -), then the nodes over instances
 //   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
 //   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
-//             triangles, which follow them, largest coordinate of its box, the light that it blocks or -1 for all), then
+//             triangles, which follow them, largest coordinate of its box, what it blocks: Occluder::blocks), then
 //             (transmission, alpha) and (first texel of a map of alpha or 0, its boxes across and down, first texel of
 //             the triangles' texture coordinates)
 //   triangle  its three corners, each with a component of the unit normal (BvhTriangle)
@@ -191,7 +191,7 @@ vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
     const uint leaf = nextLeaf(at, 1, instances, box, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
-    if (leaf == 0u || (int(mesh.w) >= 0 && int(mesh.w) != light)) continue;
+    if (leaf == 0u || (int(mesh.w) != kAllLights && light != kFromSurfaces && int(mesh.w) != light)) continue;
     const mat4x3 object = transpose(mat3x4(uintBitsToFloat(texelFetch(occluders, instance)),
                                            uintBitsToFloat(texelFetch(occluders, instance + 1)),
                                            uintBitsToFloat(texelFetch(occluders, instance + 2))));

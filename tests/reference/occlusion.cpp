@@ -44,7 +44,7 @@ Occlusion::Occlusion(const std::vector<Occluder>& occluders, const glm::dmat4& s
 Meeting Occlusion::meeting(const Segment& segment, int light, double margin) const {
   Meeting out = Meeting::kNone;
   for (const Triangle& t : triangles_) {
-    if (t.blocks != kAllLights && t.blocks != light) continue;
+    if (t.blocks != kAllLights && light != kFromSurfaces && t.blocks != light) continue;
     const double inside = insideBy(t.corners, segment);
     if (inside > margin) return Meeting::kSome;
     if (inside >= -margin) out = Meeting::kUnclear;
