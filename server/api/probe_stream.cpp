@@ -69,6 +69,7 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
     volumeOnly_ = request.volume_only();
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
+    call.probed = !volumeOnly_;
     call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
     wait_.start(whileAlive([](ProbeStream& self, const Status& why) { self.end(why); }));
     call.done = whileAlive([](ProbeStream& self, Expected<Result> result) {

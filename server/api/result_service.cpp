@@ -149,6 +149,7 @@ class ProbeResultStream final : public SingleResultStream<pb::ProbeRequest, pb::
     volumeOnly_ = request.volume_only();
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
+    call.probed = !volumeOnly_;
     return call;
   }
   Expected<Parts> parts(const Result& result) override {

@@ -59,6 +59,7 @@ struct TickRequest {
   SessionKey session = 0;
   ScenePtr scene;
   bool transported = false;           ///< read the transported volume back
+  bool probed = false;                ///< and with it what surfaces reflect, for probes (Volume::probed)
   bool injected = false;              ///< read the injected volume back
   bool guarded = false;               ///< and the guard cells with them (Volume::guarded)
   std::vector<FrameRequest> frames;

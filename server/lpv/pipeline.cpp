@@ -66,6 +66,11 @@ std::size_t patchesWanted(const LightingSettings& options) {
   return options.quality == Quality::kAccurate ? kAccuratePatches : kFastPatches;
 }
 
+/// Volumes alone hold direct light.
+bool readsReflections(const TickRequest& request) {
+  return !request.frames.empty() || (request.transported && request.probed);
+}
+
 /// Light that has arrived in cells, as volumes are made from it.
 struct Transported {
   const FieldBuffer& field;
@@ -104,6 +109,7 @@ struct InjectedVolumeInputs {
 /// Volumes whose copies are under way, by what they are made from.
 struct VolumeCopies {
   std::optional<VolumeInputs> transported;
+  bool probed = false;  ///< Volume::probed
   std::optional<InjectedVolumeInputs> injected;
 
   bool any() const { return transported || injected; }
@@ -356,7 +362,7 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
 /// What surfaces reflect, for frames and probes.
 GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   if (s.bounces == 0 || s.lights.empty()) s.products->reflected.forget();
-  if (s.bounces == 0 || s.lights.empty() || (request.frames.empty() && !request.transported)) co_return;
+  if (s.bounces == 0 || s.lights.empty() || !readsReflections(request)) co_return;
   StageProducts& made = *s.products;
   co_await findPatches(s, *request.scene);
   PatchSet* patches = made.patches.product().get();
@@ -384,13 +390,14 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
   LightField& field = s.field();
   const bool propagates = field.transport == Transport::kPropagate;
   const VolumeInputs transported = {light.stamp, propagates ? 0 : made.listed.stamp(), s.guarded,
-                                    made.reflected.stamp()};
+                                    readsReflections(request) ? made.reflected.stamp() : 0};
   if (!made.transportedVolume.holds(transported) && request.transported) {
     co_await volumeMaker.run(field, light.field, s.palette(), VolumeTarget::kTransported, pacing(s));
     co_await copyVolume(field, made.readbacks.transported);
     if (!propagates) copyEmitterList(field, made.emitters, made.readbacks);
-    if (const PatchSet* patches = made.reflecting()) copyReflected(*patches, made.readbacks);
+    if (transported.reflected != 0) copyReflected(*made.reflecting(), made.readbacks);
     copies.transported = transported;
+    copies.probed = readsReflections(request) || s.bounces == 0 || s.lights.empty();
   }
   const InjectedVolumeInputs injected = {{s.memory.stamp(), s.arranged.stamp()}, s.guarded};
   if (!made.injectedVolume.holds(injected) && request.injected) {
@@ -416,13 +423,15 @@ GpuTask Pipeline::Stages::finishCopies(SessionState& s, const FrameViews& views)
 GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies) {
   StageProducts& made = *s.products;
   const std::vector<std::string>& groups = s.arranged.product().groups;
+  const bool reflected = copies.transported && copies.transported->reflected != 0;
   if (copies.transported) {
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kTransported;
     co_await takeVolume(made.readbacks.transported, s.field(), groups, s.guarded, *volume);
     volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks,
                                      s.shadowed ? std::make_shared<const LightVisibility>(scene) : nullptr,
-                                     made.reflecting() ? takeReflected(*made.reflecting(), made.readbacks) : nullptr);
+                                     reflected ? takeReflected(*made.reflecting(), made.readbacks) : nullptr);
+    volume->probed = copies.probed;
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }
   if (copies.injected) {

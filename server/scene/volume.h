@@ -34,6 +34,7 @@ struct Volume {
   VolumeStage stage = VolumeStage::kTransported;
   std::vector<VolumeLayer> layers;
   EmitterListPtr direct;  ///< its lights, for receivers near emitters or outside the grid; null with PROPAGATE
+  bool probed = false;    ///< `direct` has what surfaces reflect, or nothing is reflected
   /// The same with kGuardCells more on each side, for lookups on the grid's bounds; null unless asked for. With
   /// PROPAGATE, which has no light beyond the grid, these are what lookups clamp to.
   std::shared_ptr<const Volume> guarded = nullptr;

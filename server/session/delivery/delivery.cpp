@@ -294,6 +294,7 @@ TickRequest Delivery::requestOf(const TickPlan& plan) const {
   request.transported = plan.transported;
   request.injected = plan.injected;
   request.guarded = plan.guarded;
+  request.probed = plan.probed;
   for (const TickPlan::FrameReader& reader : plan.frameReaders) {
     request.frames.push_back(frameRequest(reader.settings, reader.subscriber->key, *request.scene));
     request.frames.back().reduced = true;

@@ -91,6 +91,7 @@ std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasVie
       answers.push_back({call, *cached});
     } else {
       plan->addVolume(*call->volume, call->guarded);
+      plan->probed = plan->probed || call->probed;
       plan->volumeCalls.push_back(call);
     }
   }
@@ -101,6 +102,7 @@ std::optional<Result> Readers::cachedVolume(const WaitingCall& call) const {
   const auto found = latest_.find(*call.volume);
   if (found == latest_.end() || found->second.meta.revision < call.minRevision) return std::nullopt;
   if (call.guarded && found->second.volume->guarded == nullptr) return std::nullopt;
+  if (call.probed && !found->second.volume->probed) return std::nullopt;
   return found->second;
 }
 

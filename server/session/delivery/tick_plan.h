@@ -24,6 +24,7 @@ struct TickPlan {
   bool transported = false;
   bool injected = false;
   bool guarded = false;
+  bool probed = false;
   std::vector<SubscriberPtr> prefetchFor;  ///< readers of volumes whose credit is out
   std::vector<FrameReader> frameReaders;
   std::vector<std::shared_ptr<WaitingCall>> volumeCalls;

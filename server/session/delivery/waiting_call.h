@@ -15,6 +15,7 @@ struct WaitingCall {
   std::uint64_t minRevision = 0;
   std::optional<VolumeStage> volume;
   bool guarded = false;  ///< with guard cells
+  bool probed = false;   ///< with what surfaces reflect (Volume::probed)
   std::optional<FrameSettings> frame;
   std::function<void(Expected<Result>)> done;  ///< called once, on a worker thread
 };

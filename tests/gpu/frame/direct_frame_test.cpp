@@ -168,7 +168,7 @@ TEST_F(DirectFrameTest, ProbesAtAnyDistance) {
     const Scene scene = floorScene(Transport::kDirect, lamp.mesh);
     const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
     TickRequest request = test::requestOf(scene, 1);
-    request.transported = true;
+    request.transported = request.probed = true;
     const TickResult result = run(request);
     for (const int cells : {0, 1, 2}) {
       const auto receivers = test::receiversAway(scene.grid, emitters, cells, 200);

@@ -166,7 +166,7 @@ TEST_F(PanesTest, CellsHaveTheMeanOfThreeColours) {
   }();
   const auto volumeOf = [&](SessionKey session) {
     TickRequest request = test::requestOf(scene, session);
-    request.transported = true;
+    request.transported = request.probed = true;
     return run(request).transported;
   };
   const VolumePtr open = volumeOf(1);

@@ -20,7 +20,7 @@ class BouncesTest : public test::EngineTest {
   std::vector<glm::dvec3> probed(const Scene& scene, const std::vector<reference::Receiver>& points,
                                  SessionKey session = 1) {
     TickRequest request = test::requestOf(scene, session);
-    request.transported = true;
+    request.transported = request.probed = true;
     const TickResult result = run(request);
     if (result.transported == nullptr) return {};
     std::vector<glm::dvec3> out;
@@ -315,6 +315,27 @@ TEST_F(BouncesTest, AutoIsAsManyAsAreSeen) {
   const FramePtr automatic = frameOf(room(kAutoBounces), view, 1), many = frameOf(room(kMaxBounces), view, 2);
   ASSERT_TRUE(automatic != nullptr && many != nullptr);
   EXPECT_LE(differenceOf(*automatic, *many), 0.01);
+}
+
+// Volumes hold direct light: who reads them alone pays for no bounces, and a probe that comes later gets its own.
+// Broken by: the volume that is there for everyone.
+TEST_F(BouncesTest, VolumesAloneReflectNothing) {
+  const Scene scene = room(4);
+  TickRequest request = test::requestOf(scene);
+  request.transported = true;
+  const TickResult alone = run(request);
+  EXPECT_EQ(std::ranges::count(test::stagesOf(alone), "reflect"), 0);
+  EXPECT_FALSE(alone.transported->probed);
+  request.probed = true;
+  const TickResult probing = run(request);
+  EXPECT_EQ(std::ranges::count(test::stagesOf(probing), "reflect"), 1);
+  EXPECT_TRUE(probing.transported->probed);
+  const glm::dvec3 at(-0.9, 0.999, 0.0), n(0.0, -1.0, 0.0);
+  EXPECT_EQ(irradianceWithNearField(*alone.transported, Lookup::kCap, at, n).rgb.x, 0.0);
+  EXPECT_GT(irradianceWithNearField(*probing.transported, Lookup::kCap, at, n).rgb.x, 0.0);
+  request = test::requestOf(room(0), 2);
+  request.transported = true;
+  EXPECT_TRUE(run(request).transported->probed) << "nothing to wait for";
 }
 
 // Nothing is paid where nothing is asked for, or nothing can be reflected. Broken by: patches of black walls.

@@ -32,7 +32,7 @@ class ShadowTest : public test::EngineTest {
   std::vector<glm::dvec3> probed(const Scene& scene, const std::vector<reference::Receiver>& points,
                                  SessionKey session = 1) {
     TickRequest request = test::requestOf(scene, session);
-    request.transported = true;
+    request.transported = request.probed = true;
     const TickResult result = run(request);
     if (result.transported == nullptr) return {};
     std::vector<glm::dvec3> out;

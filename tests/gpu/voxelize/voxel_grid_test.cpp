@@ -66,7 +66,7 @@ class LightPlacesTest : public test::EngineTest {
   /// Irradiance of the view's points, as probes read it, against the closed form.
   double errorOf(const Scene& scene, const FloorView& view) {
     TickRequest request = test::requestOf(scene, ++sessions_);
-    request.transported = true;
+    request.transported = request.probed = true;
     const VolumePtr volume = run(request).transported;
     if (volume == nullptr) return 1e9;
     std::vector<glm::dvec3> probes;
