@@ -6,19 +6,28 @@
 namespace lpv::test {
 namespace {
 
-VolumePtr ramp(const Scene& scene, VolumeStage stage) {
+std::shared_ptr<Volume> ramp(const Scene& scene, VolumeStage stage, const Grid& grid) {
   auto volume = std::make_shared<Volume>();
-  volume->grid = scene.grid;
+  volume->grid = grid;
   volume->stage = stage;
+  volume->probed = true;
   std::set<std::string> groups = {""};
   for (const auto& [name, light] : scene.lights) groups.insert(light->group);
   for (const std::string& group : groups) {
     VolumeLayer& layer = volume->layers.emplace_back(VolumeLayer{group, {}});
-    layer.coefficients.assign(scene.grid.cells() * 12, 0.0F);
+    layer.coefficients.assign(grid.cells() * 12, 0.0F);
     for (std::size_t i = 0; i < layer.coefficients.size(); i += 4) {
       layer.coefficients[i] = float(scene.revision + i % 100);
     }
   }
+  return volume;
+}
+
+/// A reader of guard cells is not served by a volume without them.
+VolumePtr volumeOf(const TickRequest& request, VolumeStage stage) {
+  const Scene& scene = *request.scene;
+  const std::shared_ptr<Volume> volume = ramp(scene, stage, scene.grid);
+  if (request.guarded) volume->guarded = ramp(scene, stage, guardedGrid(scene.grid));
   return volume;
 }
 
@@ -43,8 +52,8 @@ Expected<TickResult> smallResult(const TickRequest& request) {
   TickResult result;
   result.revision = scene.revision;
   result.report.stages.push_back({Stage::kVolume, 0.001});
-  if (request.transported) result.transported = ramp(scene, VolumeStage::kTransported);
-  if (request.injected) result.injected = ramp(scene, VolumeStage::kInjected);
+  if (request.transported) result.transported = volumeOf(request, VolumeStage::kTransported);
+  if (request.injected) result.injected = volumeOf(request, VolumeStage::kInjected);
   for (const FrameRequest& frame : request.frames) result.frames.push_back(grey(frame));
   return result;
 }
