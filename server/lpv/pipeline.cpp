@@ -442,6 +442,28 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
   }
 }
 
+/// What each pool of lights, and last what surfaces reflect, sends to a view is made from; empty where no picture of each
+/// is kept.
+std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& scene, const FrameRequest& frame,
+                                            const View& view) {
+  const StageProducts& made = *s.products;
+  const std::size_t count = made.pools.pools.size() + (made.reflecting() != nullptr ? 1 : 0);
+  if (!frame.reduced || !s.looksAtLights || !keepsPools(frame.size, count)) return {};
+  PoolPictureInputs shared;
+  shared.picture = view.gbuffer->shown.stamp();
+  shared.blockers = made.occluders.surfaces();
+  shared.grid = s.memory.product()->grid;
+  shared.openingRatio = scene.options.openingRatio();
+  shared.turns = s.shadowed ? shadowTurns(frame, scene.options) : 0;
+  std::vector<PoolPictureInputs> out;
+  for (const LightPool& pool : made.pools.pools) {
+    PoolPictureInputs& inputs = out.emplace_back(shared);
+    for (int i = pool.firstLight; i < pool.lightsEnd; ++i) inputs.lights.push_back(lookedAt(s.lights[std::size_t(i)]));
+  }
+  if (made.reflecting() != nullptr) out.emplace_back(shared).reflected = made.reflected.stamp();
+  return out;
+}
+
 GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
   if (view.nearField == nullptr || view.nearField->size != frame.size) {
     view.nearField = nullptr;
@@ -450,9 +472,11 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   const StageProducts& made = *s.products;
   const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? shadowTurns(frame, scene.options) : 0,
                                  made.reflecting()};
+  const bool inTheWay = s.shadowed || s.bounces > 0;
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
-                                    s.shadowed || s.bounces > 0 ? &shadows : nullptr,
-                                    frame.reduced};
+                                    inTheWay ? &shadows : nullptr,
+                                    frame.reduced,
+                                    inTheWay ? poolPictures(s, scene, frame, view) : std::vector<PoolPictureInputs>()};
   co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                              pacing(s));
 }

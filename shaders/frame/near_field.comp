@@ -5,7 +5,10 @@
 // edges, small objects and what is close to a light get E of their own.
 //
 // LPV_PASS: weights, and which tiles have a near field at all; the first points; those between, params.stride from what
-// is known. LPV_EVERYWHERE: the lights themselves are looked at wherever a surface is seen. A thread has a tile, or a block of points, and lists those to be evaluated (near_field_evaluate.comp).
+// is known. LPV_EVERYWHERE: the lights themselves are looked at wherever a surface is seen. LPV_POOL: the picture is that of
+// one pool of lights, also of what lights in front hide, and points that only rays can know are taken from fewer: halfway
+// between the last known ones the mean will do, or what is beside on the same plane. A thread has a tile, or a block of
+// points, and lists those to be evaluated (near_field_evaluate.comp).
 #include "layout.h"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
@@ -15,6 +18,9 @@
 #endif
 #ifndef LPV_EVERYWHERE
 #error "LPV_EVERYWHERE: 0 or 1"
+#endif
+#if !defined LPV_POOL || (LPV_POOL && !LPV_EVERYWHERE)
+#error "LPV_POOL: 0 or 1, which looks everywhere"
 #endif
 #if LPV_PASS == LPV_PASS_WEIGHTS && !LPV_EVERYWHERE
 #include "transport/emitter_distance.glsl"
@@ -35,11 +41,19 @@ layout(std430, binding = kNearFieldPoints) buffer Points {
   uvec4 points[];   // packedPixel()
 };
 
+#if LPV_POOL
+const float kTolerance = 0.08;
+const float kSteepness[3] = float[3](0.25, 0.4, 1e9);
+const float kLongestSpan = 1.5;
+const int kFinest = 2;                // pixels from known points up to which nothing is evaluated for how E bends
+#else
 const float kTolerance = 0.03;        // by how much E may bend, as a share of it
 // By how much E may differ halfway, as a share of it, where two, three or four points know it: kinks show by four only.
 const float kSteepness[3] = float[3](0.12, 0.25, 1e9);
-const float kLeastWeight = 0.02;      // below, the volume alone is near enough
 const float kLongestSpan = 0.5;       // cells from point to point: E may have peaks as narrow
+const int kFinest = 0;
+#endif
+const float kLeastWeight = 0.02;      // below, the volume alone is near enough
 const float kDepthTolerance = 0.15;   // off the line between two points, as a share of their distance
 const float kNormalTolerance = 0.06;  // off the mean of their normals
 const float kLeastCosine = 0.7;       // between these
@@ -53,7 +67,12 @@ vec3 positionAt(ivec2 pixel, float depth) { return gridPosition(frame, vec2(pixe
 #if LPV_PASS == LPV_PASS_WEIGHTS
 /// Of E by the lights themselves; 0 where no surface is seen.
 float weightAt(ivec2 pixel) {
-  const float depth = texelFetch(surfaceDepth, pixel, 0).x, emitter = texelFetch(emitterDepth, pixel, 0).x;
+  const float depth = texelFetch(surfaceDepth, pixel, 0).x;
+#if LPV_POOL
+  const float emitter = 0.0;
+#else
+  const float emitter = texelFetch(emitterDepth, pixel, 0).x;
+#endif
   if (depth <= 0.0 || (emitter > 0.0 && emitter >= depth)) return 0.0;
 #if LPV_EVERYWHERE
   return 1.0;
@@ -121,15 +140,44 @@ bool interpolated(ivec2 pixel, float weight, out vec3 e) {
   const vec3 last = e3.w > 0.0 ? e3.rgb : e2.rgb + 3.0 * steep + (e0.w > 0.0 ? e0.rgb - e2.rgb : -2.0 * steep);
   const vec3 bend = 0.0625 * (e1.rgb + e2.rgb - first - last);
   e = max(line + bend, vec3(0.0));
+  if (stride.x + stride.y <= kFinest) {
+    e = line;
+    return true;
+  }
   return weight * largest(abs(bend)) <= kTolerance * largest(line) &&
          weight * largest(abs(steep)) <= kSteepness[outer] * largest(line);
 }
+
+#if LPV_POOL
+/// Whether a known point is on the pixel's plane, and near it.
+bool isBeside(ivec2 pixel, ivec2 known) {
+  if (any(greaterThanEqual(known, pictureSize())) || imageLoad(nearField, known).w == 0.0) return false;
+  const vec3 n = normalAt(pixel);
+  const vec3 d = positionAt(known, texelFetch(surfaceDepth, known, 0).x) - positionAt(pixel, texelFetch(surfaceDepth, pixel, 0).x);
+  return dot(n, normalAt(known)) >= kLeastCosine && abs(dot(n, d)) <= kDepthTolerance * length(d) + 1e-4 &&
+         dot(d, d) <= kLongestSpan * kLongestSpan;
+}
+
+/// E of the point beside, of one of the two.
+bool copied(ivec2 pixel, out vec3 e) {
+  e = vec3(0.0);
+  if (params.stride.x + params.stride.y > kFinest) return false;
+  const ivec2 before = pixel - params.stride, after = pixel + params.stride;
+  const bool isBefore = isBeside(pixel, before);
+  if (!isBefore && !isBeside(pixel, after)) return false;
+  e = imageLoad(nearField, isBefore ? before : after).rgb;
+  return true;
+}
+#endif
 
 bool toEvaluate(ivec2 pixel) {
   const float weight = imageLoad(nearField, pixel).w;
   if (weight == 0.0) return false;
   vec3 e;
-  const bool known = interpolated(pixel, weight, e);
+  bool known = interpolated(pixel, weight, e);
+#if LPV_POOL
+  known = known || copied(pixel, e);
+#endif
   if (!known && weight >= kLeastWeight) return true;
   imageStore(nearField, pixel, vec4(e, known ? weight : 0.0));
   return false;

@@ -22,7 +22,8 @@ float firstMet(vec4 shares, float sent) {
     most = max(most, shares[i]);
   }
   if (sent == 0.0 || most == 0.0) return sent == 0.0 ? -1.0 : 0.0;
-  return sent < 4.0 || most - least > kSameShare ? kMixed : 4.0 * most;
+  const bool few = sent < 4.0 && shadow.even == 0;  // evenly spread ones may be below the horizon
+  return few || most - least > kSameShare ? kMixed : 4.0 * most;
 }
 
 /// Whether the first rays of a point and of those beside it all met the same: the light, or what stands before it.
@@ -53,19 +54,27 @@ float candidatesAt(ivec2 pixel) {
   return fract(0.6180339887 * float(shadow.turn) + (shadow.jitter == 0 ? 0.5 : shiftAt(pixel.yx + 511)));
 }
 
+/// The points that a turn's rays go to, -1 for none, and what each ray is worth.
+ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
+  if (shadow.even == 1) return evenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), weights);
+  float all;
+  const ivec4 chosen = chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel), all);
+  weights = vec4(all);
+  return chosen;
+}
+
 void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
-  float weight;
-  const ivec4 chosen =
-      chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel), weight);
+  vec4 weights;
+  const ivec4 chosen = raysTo(x, n, pixel, weights);
   vec4 all = vec4(0.0), seen = vec4(0.0), shares = vec4(-1.0);
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);
     const vec3 share = transmitted(x, mix(x, to, kShadowEnd), int(colour.a));
-    all += vec4(weight * colour.rgb, 1.0);
-    seen += vec4(weight * share * colour.rgb, 0.0);
+    all += vec4(weights[i] * colour.rgb, 1.0);
+    seen += vec4(weights[i] * share * colour.rgb, 0.0);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }
   if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);

@@ -69,6 +69,17 @@ int pointOf(LightPart p, vec3 x, vec3 n, float place) {
   return chosen;
 }
 
+/// Four points spread over [first, first + count), one of each quarter; `place` in [0, 1): of the quarter. What each
+/// sends is its weight; -1 where that is 0.
+ivec4 evenPoints(int first, int count, vec3 x, vec3 n, float place, out vec4 weights) {
+  ivec4 chosen = first + ivec4(0.25 * float(count) * (vec4(0.0, 1.0, 2.0, 3.0) + place));
+  for (int i = 0; i < 4; ++i) {
+    weights[i] = pointWeight(chosen[i], x, n);
+    if (weights[i] <= 0.0) chosen[i] = -1;
+  }
+  return chosen;
+}
+
 /// Four points of [first, first + count) in proportion to their weights; -1 where all are 0. `place` in [0, 1): of each
 /// choice in its quarter of the weights; `shift` in [0, 1): which points are weighed; `all`: their weights' sum, which
 /// is what rays to the four stand for.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <span>
 
 #include "gpu/gl.h"
 #include "shaders/layout.h"
@@ -21,6 +22,8 @@ static_assert(kPointsOfBlock == 32);  // bits of a uint
 constexpr std::size_t kShadowPointBytes = 4 * sizeof(glm::vec4);  // of shaders/visibility/shadow_points.glsl
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
+constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
+constexpr int kMostLightsOfEvenPoints = 4;  // in a pool: each must be met by a turn's rays
 
 /// The finest pass between points has half of the pixels; each block's last four may be incomplete.
 std::size_t bytesOfPoints(const glm::ivec2& size) {
@@ -31,12 +34,18 @@ std::size_t bytesOfPoints(const glm::ivec2& size) {
 
 }  // namespace
 
+bool keepsPools(const glm::ivec2& size, std::size_t pools) {
+  return count(size) * sizeof(glm::vec4) * pools <= kMostPoolBytes;
+}
+
 struct NearFieldPass::Inputs {
   NearFieldBuffer& buffer;
   const Gbuffer& gbuffer;
   const EmitterBuffer& seenLights;
   const NearFieldSources& sources;
   const gpu::Buffer& frameParams;
+  const gpu::Texture* poolPicture = nullptr;  ///< what is made; null: the whole
+  std::size_t pool = 0;                       ///< whose picture it is
 
   int spacing() const { return sources.reduced ? layout::kNearFieldSpacing : 1; }
   bool everywhere() const { return sources.lights.emitterDistance == nullptr; }
@@ -48,13 +57,21 @@ struct NearFieldPass::Inputs {
     seenLights.depth.bind(layout::kEmitterDepth);
     sources.lights.emitters->view.bind(layout::kDirect);
     if (!everywhere()) sources.lights.emitterDistance->bind(layout::kEmitterDistance);
-    buffer.irradiance.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
+    (poolPicture != nullptr ? *poolPicture : buffer.irradiance).bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.tiles.bindStorage(layout::kNearFieldTiles);
     buffer.points.bindStorage(layout::kNearFieldPoints);
     if (sources.shadows != nullptr) buffer.shadows.bindStorage(layout::kShadowPoints);
     if (!filters()) return;
     buffer.reflectedLight.bindImage(layout::kReflectedLightOut, GL_WRITE_ONLY);
     buffer.reflectedShare.bindImage(layout::kReflectedShareOut, GL_WRITE_ONLY);
+  }
+  /// The pools that are looked at, of those that there are.
+  std::span<const LightPool> lookedAt() const {
+    const std::span<const LightPool> all = sources.shadows->pools->pools;
+    return poolPicture == nullptr ? all : all.subspan(std::min(pool, all.size()), pool < all.size() ? 1 : 0);
+  }
+  bool looksAtReflections() const {
+    return sources.shadows->reflected != nullptr && (poolPicture == nullptr || pool == sources.shadows->pools->pools.size());
   }
   /// Whether what surfaces reflect is smoothed over pixels: where each sends rays of its own.
   bool filters() const {
@@ -65,10 +82,12 @@ struct NearFieldPass::Inputs {
 /// Receivers on a list that look at the lights through what may stand in the way.
 struct NearFieldPass::Look {
   const ShadowCasters& shadows;
+  std::span<const LightPool> pools;
+  bool reflected;  ///< and at what surfaces reflect
   const gpu::Buffer& list;
   double points;  ///< on it, at most
   bool patches;   ///< not pixels
-  bool jitter;    ///< of ShadowParams
+  bool reduced;   ///< rays go to the same places from every pixel, which are spread evenly
   std::function<void()> bind;
 };
 
@@ -131,13 +150,12 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
 /// Pool by pool, and last at what surfaces reflect.
 GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   const ShadowCasters& shadows = from.shadows;
-  const std::vector<LightPool>& pools = shadows.pools->pools;
-  const PatchSet* reflected = from.patches ? nullptr : shadows.reflected;
   layout::ShadowParams params = {};
   params.turns = shadows.turns;
-  params.pools = int(pools.size()) + (reflected != nullptr ? 1 : 0);
-  params.jitter = from.jitter ? 1 : 0;
-  for (const LightPool& pool : pools) {
+  params.pools = int(from.pools.size()) + (from.reflected ? 1 : 0);
+  params.jitter = from.patches || from.reduced ? 0 : 1;
+  for (const LightPool& pool : from.pools) {
+    params.even = from.reduced && pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints ? 1 : 0;
     params.firstLight = pool.firstLight;
     params.lightsEnd = pool.lightsEnd;
     params.firstPoint = pool.firstPoint;
@@ -145,12 +163,13 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     co_await look(from, {params, shadows.pools->view, false}, pacing);
     params.pool++;
   }
-  if (reflected == nullptr) co_return;
+  if (!from.reflected) co_return;
   params.turns = std::min(params.turns, kReflectedTurns);
+  params.even = 0;
   params.apart = params.jitter;
   params.firstPoint = 0;
-  params.pointCount = reflected->count;
-  co_await look(from, {params, reflected->lightTexels, true}, pacing);
+  params.pointCount = shadows.reflected->count;
+  co_await look(from, {params, shadows.reflected->lightTexels, true}, pacing);
 }
 
 GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
@@ -161,7 +180,7 @@ GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters,
     patches.points.bindStorage(layout::kNearFieldPoints);
     patches.shadows.bindStorage(layout::kShadowPoints);
   };
-  co_await look({shadows, patches.points, double(patches.count), true, false, bind}, pacing);
+  co_await look({shadows, shadows.pools->pools, false, patches.points, double(patches.count), true, false, bind}, pacing);
 }
 
 GpuTask NearFieldPass::filterReflections(const Inputs& inputs, Pacing pacing) {
@@ -197,14 +216,14 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     inputs.buffer.points.update(0, gpu::bytesOfValue(none));
     params_.bindUniform(layout::kNearFieldParams);
     inputs.bind();
-    choose_.get({.pass = pass.pass, .everywhere = inputs.everywhere()}).dispatch(std::uint32_t(groups));
+    choose_.get({.pass = pass.pass, .everywhere = inputs.everywhere(), .pool = inputs.poolPicture != nullptr}).dispatch(std::uint32_t(groups));
     gpu::memoryBarrier();
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
-      co_await look(
-          {*inputs.sources.shadows, inputs.buffer.points, double(groups) * layout::kNearFieldGroup * kPointsOfBlock,
-           false, !inputs.sources.reduced, [&inputs] { inputs.bind(); }},
-          pacing);
+      const double points = double(groups) * layout::kNearFieldGroup * kPointsOfBlock;
+      co_await look({*inputs.sources.shadows, inputs.lookedAt(), inputs.looksAtReflections(), inputs.buffer.points, points,
+                     false, inputs.sources.reduced, [&inputs] { inputs.bind(); }},
+                    pacing);
       continue;
     }
     if (!weighs) {
@@ -229,6 +248,44 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
     buffer.reflectedLight = picture("reflected light");
     buffer.reflectedShare = picture("reflected share");
   }
+  if (sources.pools.empty()) {
+    co_await runPasses(inputs, pacing);
+  } else {
+    co_await runPools(inputs, pacing);
+  }
+  if (inputs.filters()) co_await filterReflections(inputs, pacing);
+}
+
+/// Each pool by itself: what it sends stands while it, the camera and what is in its way do.
+GpuTask NearFieldPass::runPools(const Inputs& inputs, Pacing pacing) {
+  const glm::ivec2& size = inputs.buffer.size;
+  const glm::ivec2 groups = partsOf(size, kTile);
+  inputs.buffer.pools.resize(inputs.sources.pools.size());
+  for (std::size_t i = 0; i < inputs.sources.pools.size(); ++i) {
+    PoolPicture& known = inputs.buffer.pools[i];
+    if (!known.madeFrom(inputs.sources.pools[i])) {
+      gpu::Texture picture = std::move(known.product());
+      known.forget();
+      if (!picture)
+        picture = gpu::Texture::make2d("pool of lights", size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
+      Inputs part = inputs;
+      part.poolPicture = &picture;
+      part.pool = i;
+      co_await runPasses(part, pacing);
+      known.set(inputs.sources.pools[i], std::move(picture));
+    }
+    const layout::NearFieldParams params = {.stride = {0, 0}, .first = int(i), .spacing = 1};
+    params_.update(0, gpu::bytesOfValue(params));
+    params_.bindUniform(layout::kNearFieldParams);
+    inputs.bind();
+    known.product().bind(layout::kNearField);
+    addPool_.get({}).dispatch(std::uint32_t(groups.x), std::uint32_t(groups.y));
+    gpu::memoryBarrier();
+    co_yield submitted(Stage::kShade, NearFieldWork{.weighed = double(count(size))}.units());
+  }
+}
+
+GpuTask NearFieldPass::runPasses(const Inputs& inputs, Pacing pacing) {
   constexpr double kPoints = kPointsOfBlock;
   co_await run(inputs, {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}, pacing);
   co_await run(inputs, {LPV_PASS_FIRST, kBlock * inputs.spacing(), {0, 0}, {.evaluated = kPoints}}, pacing);
@@ -237,7 +294,6 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
     co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, {.between = kPoints}},
                  pacing);
   }
-  if (inputs.filters()) co_await filterReflections(inputs, pacing);
 }
 
 }  // namespace lpv

@@ -5,17 +5,35 @@
 #include "gpu/buffer.h"
 #include "gpu/program.h"
 #include "gpu/texture.h"
+#include "lpv/cached.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/incident_textures.h"
 #include "lpv/resources/light_pools.h"
+#include "lpv/resources/lights.h"
 #include "lpv/resources/occluders.h"
 #include "lpv/resources/patch_set.h"
 #include "lpv/transport/emitter_list.h"
 
 namespace lpv {
+
+/// What a pool of lights, or what surfaces reflect, sends to a picture is made from.
+struct PoolPictureInputs {
+  Stamp picture = 0;                ///< of the G-buffer
+  Stamp blockers = 0;               ///< what blocks all lights
+  Stamp reflected = 0;              ///< what surfaces reflect; 0: lights
+  Grid grid;                        ///< of positions
+  std::vector<LookedAtLight> lights;
+  double openingRatio = 0.0;
+  int turns = 0;
+
+  bool operator==(const PoolPictureInputs&) const = default;
+};
+
+/// RGBA32F: E in W/m^2 with shadows, and 1 where a surface is.
+using PoolPicture = Cached<PoolPictureInputs, gpu::Texture>;
 
 /// Irradiance from the lights themselves in every pixel that looks at them.
 struct NearFieldBuffer {
@@ -27,6 +45,7 @@ struct NearFieldBuffer {
   gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
   gpu::Buffer shadows;      ///< what is known of each point while rays are sent; made where they are
   gpu::Texture reflectedLight, reflectedShare;  ///< RGBA32F, of what surfaces send to each pixel; made where they do
+  std::vector<PoolPicture> pools;  ///< of a reduced picture: each keeps its own while it stands
 };
 
 /// Where lights are, as receivers look at them.
@@ -48,7 +67,13 @@ struct NearFieldSources {
   NearLights lights;
   const ShadowCasters* shadows = nullptr;  ///< null: nothing stands in the way
   bool reduced = true;  ///< some pixels look, others lie between; else each does
+  /// Of a reduced picture with shadows or bounces: what each pool's part of it is made from, last what surfaces reflect.
+  /// Empty: all pools are looked at together.
+  std::vector<PoolPictureInputs> pools;
 };
+
+/// Whether a picture of each of so many pools may be kept.
+bool keepsPools(const glm::ivec2& size, std::size_t pools);
 
 /// In shaded pixels, about what they take on llvmpipe.
 struct NearFieldWork {
@@ -75,6 +100,8 @@ class NearFieldPass {
   struct Look;
   struct LookAt;
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
+  GpuTask runPasses(const Inputs& inputs, Pacing pacing);
+  GpuTask runPools(const Inputs& inputs, Pacing pacing);
   GpuTask filterReflections(const Inputs& inputs, Pacing pacing);
   GpuTask look(const Look& from, Pacing pacing);
   GpuTask look(const Look& from, const LookAt& at, Pacing pacing);
@@ -82,7 +109,10 @@ class NearFieldPass {
   struct Variant {
     int pass = 0;  ///< LPV_PASS_..
     bool everywhere = false;
-    gpu::Defines defines() const { return {gpu::define("LPV_PASS", pass), gpu::define("LPV_EVERYWHERE", everywhere)}; }
+    bool pool = false;
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_PASS", pass), gpu::define("LPV_EVERYWHERE", everywhere), gpu::define("LPV_POOL", pool)};
+    }
   };
   struct EvaluateVariant {
     bool shadowed = false;
@@ -108,6 +138,7 @@ class NearFieldPass {
   gpu::Programs<RayVariant> rays_{{"frame/shadow_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::ProgramVariants filter_{{"frame/reflect_filter.comp"}};
+  gpu::ProgramVariants addPool_{{"frame/near_field_sum.comp"}};
   gpu::Buffer params_, shadowParams_;
 };
 

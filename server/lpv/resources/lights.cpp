@@ -19,6 +19,12 @@ EmittingLight emitting(const LightPtr& light, const glm::dmat4& gridFromWorld, c
 
 }  // namespace
 
+LookedAtLight lookedAt(const EmittingLight& light) {
+  LookedAtLight out = {light.emission(), light.polygons, light.tree};
+  out.emission.group.clear();
+  return out;
+}
+
 Emission EmittingLight::emission() const {
   const bool known = source != nullptr;
   return {mesh,

@@ -41,6 +41,16 @@ struct EmittingLight {
   Emission emission() const;
 };
 
+/// All that receivers know of a light that they look at: where it is in the list aside.
+struct LookedAtLight {
+  Emission emission;  ///< its group left out
+  bool polygons = false;
+  bool tree = false;
+
+  bool operator==(const LookedAtLight&) const = default;
+};
+LookedAtLight lookedAt(const EmittingLight& light);
+
 /// The scene's emitting lights in name order, in the cells of `grid`. `previous` saves working out radiance from power
 /// for unchanged lights.
 std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,
