@@ -19,9 +19,10 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import numpy as np  # noqa: E402
 
 import gltf  # noqa: E402
-from meshes import (box, flat, grid_quad, panel_down, quad, quad_uvs, read_ply, sphere, standing, tube)  # noqa: E402
+from meshes import (box, flat, grid_quad, knot, panel_down, pot, quad, quad_uvs, read_ply, sphere, standing, tube)  # noqa: E402
 
 ROOM = ((-2.5, 0.0, -2.0), (2.5, 3.0, 2.0))  # metres
+CORNER_VIEW = {"eye": [1.9, 1.6, 2.6], "target": [-0.6, 0.8, -1.2], "fov": 60}
 ROOM_VIEW = {"eye": [-2.2, 1.7, 1.75], "target": [1.0, 0.8, -0.9], "fov": 65}
 
 
@@ -101,6 +102,31 @@ def statue(foot):
     return build
 
 
+def beside_walls(mesh_of):
+    """A light that hides much of itself, above a floor and between two walls."""
+    def build(scene, data):
+        scene.surface("floor", quad((0, 0, 0), (4, 0, 0), (0, 0, -4)))
+        scene.surface("back wall", quad((0, 1.5, -2), (4, 0, 0), (0, 3, 0)))
+        scene.surface("side wall", quad((-2, 1.5, 0), (0, 0, -4), (0, 3, 0)))
+        scene.light("light", standing(mesh_of(data), (-0.6, 0.4, -0.8), 1.2), (4, 4, 3.5))
+    return build
+
+
+def chair(scene, data):
+    """Thin things: legs of 3 cm, a back of rods, a grille of bars of 5 cm before the light of a window."""
+    scene.surface("walls", flat(box(*ROOM, inward=True)), (0.7, 0.68, 0.62))
+    wood = (0.45, 0.3, 0.2)
+    for i, (x, z) in enumerate(((0.0, 0.0), (0.45, 0.0), (0.0, -0.45), (0.45, -0.45))):
+        scene.surface(f"leg {i}", flat(box((x, 0.0, z - 0.03), (x + 0.03, 0.45, z))), wood)
+    scene.surface("seat", flat(box((0.0, 0.45, -0.48), (0.48, 0.48, 0.0))), wood)
+    for i in range(5):
+        scene.surface(f"rod {i}", flat(box((0.02 + 0.1 * i, 0.48, -0.47), (0.04 + 0.1 * i, 0.95, -0.45))), wood)
+    for i in range(7):
+        scene.surface(f"bar {i}", flat(box((-2.3, 0.6, -0.95 + 0.2 * i), (-2.25, 2.4, -0.9 + 0.2 * i))), (0.3, 0.3, 0.3))
+    scene.light("window", quad((-2.49, 1.5, -0.3), (0, 0, -1.2), (0, 1.6, 0)), (8, 9, 10))
+    scene.light("lamp", panel_down((0.8, 2.9, 0.4), 0.4, 0.4), (20, 18, 15))
+
+
 def hall(scene, data):
     scene.surface("walls", flat(box((-10, 0, -2.5), (10, 5, 2.5), inward=True)), (0.6, 0.6, 0.58))
     for i, x in enumerate((-7.5, -2.5, 2.5, 7.5)):
@@ -134,6 +160,10 @@ SCENES = {
                          {"view": {"eye": [1.9, 1.6, 2.6], "target": [-0.6, 0.6, -1.2], "fov": 50}}),
     "statue_half_outside": (statue((1.0, 0.001, -1.0)), "a statue across the grid's bounds",
                             {"view": {"eye": [0.6, 1.6, 3.2], "target": [0.2, 0.6, -1.2], "fov": 50}}),
+    "knot": (beside_walls(lambda data: knot()), "a light that folds over itself, beside walls", {"view": CORNER_VIEW}),
+    "pot": (beside_walls(lambda data: pot()), "a vessel with two walls that glows", {"view": CORNER_VIEW}),
+    "lucy": (beside_walls(statue_of), "Lucy, glowing, beside walls", {"view": CORNER_VIEW}),
+    "chair": (chair, "a chair's legs and rods, a grille before a window", {"view": ROOM_VIEW}),
     "hall": (hall, "a hall of 4:1:1 with three statues that glow", {"view": {"eye": [-9.7, 2.2, 1.9], "target": [2, 1.2, -0.6], "fov": 65}}),
     "quad_2": (tessellated(1), "a square of 2 triangles", {"": None}),
     "quad_200": (tessellated(10), "the same of 200", {"": None}),

@@ -87,6 +87,46 @@ def sphere(centre, radius, slices=48, stacks=24, wave=0.0):
     return np.array(vertices) + np.asarray(centre, float), np.array(triangles)
 
 
+def rings(points, closed):
+    """Quads between rings of vertices (n, m, 3), each ring closed in itself; `closed`: the last ring meets the first."""
+    count, sides = points.shape[:2]
+    triangles = []
+    for i in range(count if closed else count - 1):
+        for j in range(sides):
+            a, b = i * sides + j, i * sides + (j + 1) % sides
+            c, d = (i + 1) % count * sides + j, (i + 1) % count * sides + (j + 1) % sides
+            triangles += [[a, b, d], [a, d, c]]
+    return points.reshape(-1, 3), np.array(triangles)
+
+
+def knot(turns=240, sides=24, thickness=0.34):
+    """A thick tube along a knot (2, 5) on a torus: it folds over itself, and hides much of its own light."""
+    def path(t):
+        r = 1 + 0.45 * np.cos(5 * t)
+        return np.stack([r * np.cos(2 * t), 0.8 * np.sin(5 * t), r * np.sin(2 * t)], axis=-1)
+
+    t = 2 * math.pi * np.arange(turns) / turns
+    along = path(t + 1e-4) - path(t - 1e-4)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    out = path(t) - along * np.sum(path(t) * along, axis=1, keepdims=True)
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    side = np.cross(along, out)
+    angles = 2 * math.pi * np.arange(sides) / sides
+    circle = np.cos(angles)[None, :, None] * out[:, None] + np.sin(angles)[None, :, None] * side[:, None]
+    return rings(path(t)[:, None] + thickness * circle, True)
+
+
+def pot(sides=64):
+    """An open vessel with an inner and an outer wall, 1 high."""
+    profile = [(0.0, 0.0), (0.34, 0.0), (0.46, 0.12), (0.5, 0.4), (0.42, 0.75), (0.33, 0.9), (0.36, 1.0),  # outside, upwards
+               (0.32, 1.0), (0.29, 0.9), (0.38, 0.74), (0.46, 0.4), (0.42, 0.14), (0.32, 0.04), (0.0, 0.04)]  # inside, down
+    angles = 2 * math.pi * np.arange(sides) / sides
+    circle = np.stack([np.cos(angles), np.zeros(sides), np.sin(angles)], axis=1)
+    points = np.array([r * circle + (0, y, 0) for r, y in profile])
+    vertices, triangles = rings(points, False)
+    return vertices, triangles[:, ::-1]
+
+
 def read_ply(path):
     """Vertices and triangles of a binary little-endian PLY whose faces are triangles."""
     data = path.read_bytes()
