@@ -90,10 +90,12 @@ struct SessionFlags::Given {
                              "How light enters cells (default: count with propagate, else flux)");
     addParsed<Method>(app, "--method", method, "compute|raster|dense:N", parseMethod,
                       "How triangles are voxelized (default: compute)");
-    addChoice<v1::Transport>(
-        app, "--transport", transport,
-        {{"propagate", v1::TRANSPORT_PROPAGATE}, {"gather", v1::TRANSPORT_GATHER}, {"direct", v1::TRANSPORT_DIRECT}},
-        "How light travels (default: gather)");
+    addChoice<v1::Transport>(app, "--transport", transport,
+                             {{"propagate", v1::TRANSPORT_PROPAGATE},
+                              {"gather", v1::TRANSPORT_GATHER},
+                              {"direct", v1::TRANSPORT_DIRECT},
+                              {"auto", v1::TRANSPORT_AUTO}},
+                             "How light travels (default: gather)");
     addChoice<v1::Quality>(app, "--quality", quality, {{"fast", v1::QUALITY_FAST}, {"accurate", v1::QUALITY_ACCURATE}},
                            "Quality of gathering (default: fast)");
     app.add_option("--iterations", iterations, "Propagation iterations (default: cells along the longest edge)")

@@ -20,6 +20,7 @@ constexpr const char* kFeatures[] = {
     "transport.propagate",
     "transport.gather",
     "transport.direct",
+    "transport.auto",
     "quality.accurate",
     "max_error",
     "grid.automatic",

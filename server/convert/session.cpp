@@ -40,6 +40,7 @@ static_assert(pb::INJECTION_METHOD_DENSE == 1 + static_cast<int>(InjectionMethod
 static_assert(pb::INJECTION_METHOD_RASTER == 1 + static_cast<int>(InjectionMethod::kRaster));
 static_assert(pb::TRANSPORT_GATHER == 1 + static_cast<int>(Transport::kGather));
 static_assert(pb::TRANSPORT_DIRECT == 1 + static_cast<int>(Transport::kDirect));
+static_assert(pb::TRANSPORT_AUTO == 1 + static_cast<int>(Transport::kAuto));
 static_assert(pb::QUALITY_ACCURATE == 1 + static_cast<int>(Quality::kAccurate));
 static_assert(pb::LOOKUP_CAP == 1 + static_cast<int>(Lookup::kCap));
 static_assert(pb::LOOKUP_NEAREST == 1 + static_cast<int>(Lookup::kNearest));
@@ -81,7 +82,7 @@ Status takeTransport(const Names& named, const pb::SessionSettings& in, Lighting
     const bool paper = named.contains("injection") && in.injection() == pb::INJECTION_COUNT;
     const bool dense = o->method == InjectionMethod::kDense;
     o->transport = paper || dense ? Transport::kPropagate : Transport::kGather;
-    if (Status s = take("transport", in.transport(), 3, &o->transport); !s.ok()) return s;
+    if (Status s = take("transport", in.transport(), 4, &o->transport); !s.ok()) return s;
   }
   const bool changed = o->transport != before;
   LightingSettings belonging = *o;

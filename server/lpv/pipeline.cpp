@@ -327,9 +327,9 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
 
 GpuTask Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
   StageProducts& made = *s.products;
-  const EmitterListInputs inputs = {s.arranged.stamp(), openingRatio};
+  const EmitterListInputs inputs = {s.arranged.stamp(), openingRatio, s.looksAtLights};
   if (made.listed.holds(inputs)) co_return;
-  co_await made.emitters.make(s.lights, s.voxels, openingRatio);
+  co_await made.emitters.make(s.lights, s.voxels, inputs);
   made.listed.set(inputs);
 }
 

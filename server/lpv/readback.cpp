@@ -40,27 +40,43 @@ std::vector<Chunk> runsOf(const Grid& grid, const CellBox& box) {
   return runs;
 }
 
-/// The cells of `box`, layer by layer.
+/// One layer's cells of `box`: appended, or with `onto` added to what is there.
+GpuTask takeLayer(const std::byte* from, const LightField& field, CellBox box, bool onto, std::vector<float>& out) {
+  constexpr std::size_t kCellBytes = layout::kVolumeFloats * sizeof(float);
+  std::size_t taken = 0, at = 0;
+  for (const Chunk& run : runsOf(field.grid, box)) {
+    for (const Chunk& part : chunksOf(run.bytes * kCellBytes)) {
+      if (onto) {
+        const float* first = reinterpret_cast<const float*>(from + run.offset * kCellBytes + part.offset);
+        for (std::size_t i = 0; i < part.bytes / sizeof(float); ++i) out[at++] += first[i];
+      } else {
+        append(out, from + run.offset * kCellBytes, part);
+      }
+      taken += part.bytes;
+      if (taken < kChunkBytes) continue;
+      taken = 0;
+      co_yield yield();
+    }
+  }
+  co_yield yield();
+}
+
+/// The cells of `box`, layer by layer, all light in them.
 GpuTask takeLayers(const gpu::Readback& readback, const LightField& field, CellBox box,
                    const std::vector<std::string>& groups, Volume& out) {
+  const std::size_t layerBytes = field.grid.cells() * layout::kVolumeFloats * sizeof(float);
   const std::byte* from = readback.bytes().data();
-  constexpr std::size_t kCellBytes = layout::kVolumeFloats * sizeof(float);
+  const std::byte* apart = from + std::size_t(field.lookedUpGroups()) * layerBytes;
   for (const std::string& group : groups) {
     VolumeLayer& layer = out.layers.emplace_back();
     layer.group = group;
     layer.coefficients.reserve(out.grid.cells() * layout::kVolumeFloats);
-    std::size_t taken = 0;
-    for (const Chunk& run : runsOf(field.grid, box)) {
-      for (const Chunk& part : chunksOf(run.bytes * kCellBytes)) {
-        append(layer.coefficients, from + run.offset * kCellBytes, part);
-        taken += part.bytes;
-        if (taken < kChunkBytes) continue;
-        taken = 0;
-        co_yield yield();
-      }
-    }
-    from += field.grid.cells() * kCellBytes;
-    co_yield yield();
+    co_await takeLayer(from, field, box, false, layer.coefficients);
+    from += layerBytes;
+    if (field.apart == 0) continue;
+    out.lookedUp.push_back(layer);
+    co_await takeLayer(apart, field, box, true, layer.coefficients);
+    apart += layerBytes;
   }
 }
 

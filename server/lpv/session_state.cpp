@@ -21,6 +21,7 @@ LightsInputs inputsOf(const Scene& scene, const Grid& grid, const std::vector<Em
   inputs.transport = options.transport;
   inputs.method = {options.injection, options.method, options.denseSamples, options.transport != Transport::kPropagate};
   const glm::ivec3& dims = scene.grid.dims;
+  inputs.apart = someLookedAt(lights);
   if (options.groupsItself()) inputs.groupingGoal = groupingGoal(options, std::max({dims.x, dims.y, dims.z}));
   return inputs;
 }
@@ -31,14 +32,20 @@ VoxelizeInputs sourceOf(const EmittingLight& light, const VoxelGrid& grid, const
 }
 
 /// The groups that lights of the same names had.
-std::vector<int> groupsOf(const std::vector<EmittingLight>& lights, const std::vector<EmittingLight>& before) {
-  std::vector<int> groups;
+Grouping groupingOf(const std::vector<EmittingLight>& lights, const std::vector<EmittingLight>& before,
+                    Sectors sectors) {
+  Grouping groups;
+  groups.sectors = sectors;
   for (const EmittingLight& light : lights) {
     const auto same = [&](const EmittingLight& old) {
       return old.source != nullptr && old.source->name == light.source->name;
     };
     const auto old = std::find_if(before.begin(), before.end(), same);
-    if (old != before.end()) groups.push_back(old->group);
+    if (old == before.end()) continue;
+    groups.groups.push_back(old->group);
+    if (old->moved == 0.0) continue;
+    groups.next.push_back(old->nextGroup);
+    groups.moved = old->moved;
   }
   return groups;
 }
@@ -50,32 +57,40 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   const std::vector<EmittingLight> before = std::move(lights);
   const FieldGrid grid = fieldGridOf(scene, guarded);
   lights = emittingLights(scene, grid.cells, before);
-  LightsInputs inputs = inputsOf(scene, grid.cells, lights);
-  if (arranged.holds(inputs)) {
-    for (std::size_t i = 0; i < lights.size(); ++i) lights[i].group = before[i].group;
-  } else {
-    keepVoxels(inputs);
-    LightArrangement made{choosePalette(lights), cellsAround(lights, grid.cells.dims), {}};
-    Grouped grouped = groupLights(scene, grid.inner(), lights, {groupsOf(lights, before), sectors});
-    made.groups = std::move(grouped.names);
-    sectors = grouped.sectors;
-    arranged.set(std::move(inputs), std::move(made));
-  }
   const Transport transport = scene.options.transport;
-  chooseTriangles(lights, transport, scene.options.openingRatio());
   shadowed = isShadowed(scene);
   bounces = transport == Transport::kPropagate ? 0 : bouncesFor(scene);
   looksAtLights = transport == Transport::kDirect ||
                   (transport == Transport::kGather && (shadowed || bounces > 0 || lookedAtEverywhere(lights)));
+  if (looksAtLights || transport == Transport::kPropagate) {
+    for (EmittingLight& light : lights) light.lookedAt = 0.0;  // nothing is apart
+  }
+  LightsInputs inputs = inputsOf(scene, grid.cells, lights);
+  if (arranged.holds(inputs)) {
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      lights[i].group = before[i].group;
+      lights[i].nextGroup = before[i].nextGroup;
+      lights[i].moved = before[i].moved;
+    }
+  } else {
+    keepVoxels(inputs);
+    LightArrangement made{choosePalette(lights), cellsAround(lights, grid.cells.dims), {}};
+    Grouped grouped = groupLights(scene, grid.inner(), lights, groupingOf(lights, before, sectors));
+    made.groups = std::move(grouped.names);
+    sectors = grouped.sectors;
+    arranged.set(std::move(inputs), std::move(made));
+  }
+  chooseTriangles(lights, transport, scene.options.openingRatio());
   keepMemory(grid, scene.options.transport);
 }
 
 void SessionState::keepMemory(const FieldGrid& grid, Transport transport) {
-  const FieldInputs inputs = {grid.cells.dims, palette().channels, int(arranged.product().groups.size()), transport,
-                              grid.guard};
+  const int groups = int(arranged.product().groups.size()), apart = someLookedAt(lights) ? groups : 0;
+  const FieldInputs inputs = {grid.cells.dims, palette().channels, groups + apart, transport, grid.guard, apart};
   // Where it does not fit, first the old memory goes and then comes the new.
   if (!memory.holds(inputs))
-    memory.set(inputs, std::make_unique<LightField>(grid.cells, inputs.channels, inputs.groups, transport, grid.guard));
+    memory.set(inputs, std::make_unique<LightField>(grid.cells, inputs.channels, inputs.groups, transport, grid.guard,
+                                                    inputs.apart));
   field().grid = grid.cells;
 }
 

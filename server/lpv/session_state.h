@@ -38,6 +38,7 @@ struct LightsInputs {
   Grid grid;  ///< of the field
   Transport transport = Transport::kPropagate;
   VoxelMethod method;
+  bool apart = false;  ///< some of the light is looked at, the rest looked up
   std::optional<double> groupingGoal;  ///< nothing: groups are the scene's
 
   bool operator==(const LightsInputs&) const = default;

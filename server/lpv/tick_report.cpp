@@ -27,6 +27,7 @@ const char* transportName(Transport transport) {
     case Transport::kDirect:
       return "direct";
     case Transport::kPropagate:
+    case Transport::kAuto:
       break;
   }
   return "propagate";

@@ -96,15 +96,6 @@ double emitterTreeIrradiance(const Part& part, const glm::dvec3& x, const glm::d
 
 }  // namespace
 
-bool areLookedAtEverywhere(std::span<const LightSize> lights) {
-  std::size_t polygons = 0;
-  for (const LightSize& light : lights) {
-    if (!light.constant || light.triangles > kMostTreeTriangles || light.cellsAcross >= kSmallBesideACell) return false;
-    polygons += light.triangles > kFewPolygons ? kPolygonsOfTree : light.triangles;
-  }
-  return !lights.empty() && polygons <= kFewPolygons;
-}
-
 double triangleIrradiance(const glm::dvec3 (&corners)[3], const glm::dvec3& n, int sides) {
   const double side = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), corners[0]);
   if (side == 0.0 || (side > 0.0 && sides < 2)) return 0.0;
@@ -169,19 +160,32 @@ glm::dvec3 EmitterList::irradiance(const glm::dvec3& world, const glm::dvec3& n)
   return reflected == nullptr ? direct : direct + reflected->irradiance(world, n, visibility.get());
 }
 
+glm::dvec3 EmitterList::fromLight(std::size_t light, const glm::dvec3& x, const glm::dvec3& n) const {
+  const glm::vec4 radiance = texels[1 + 2 * light], where = texels[2 + 2 * light];
+  const Part part = {&texels[std::size_t(where.x)], int(where.y), int(where.z), int(where.w)};
+  const glm::dvec3 e = radiance.w == layout::kAsPolygons ? glm::dvec3(polygonIrradiance(part, x, n))
+                       : radiance.w == layout::kAsEmitterTree
+                           ? glm::dvec3(emitterTreeIrradiance(part, x, n, double(texels[0].y)))
+                           : treeIrradiance(part, x, n, double(texels[0].y));
+  return glm::dvec3(radiance) * e;
+}
+
+glm::dvec3 EmitterList::lookedAt(const glm::dvec3& world, const glm::dvec3& n) const {
+  const glm::dvec3 x = grid.gridFromWorld(world);
+  const std::size_t first = 1 + 2 * std::size_t(texels[0].x);
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = first; i < first + std::size_t(texels[0].z); ++i)
+    sum += double(texels[i].y) * fromLight(std::size_t(texels[i].x), x, n);
+  return sum;
+}
+
 glm::dvec3 EmitterList::fromLights(const glm::dvec3& world, const glm::dvec3& n, const LightVisibility* through) const {
   const glm::dvec3 x = grid.gridFromWorld(world);
   glm::dvec3 sum(0.0);
-  for (int i = 0; i < int(texels[0].x); ++i) {
-    const glm::vec4 radiance = texels[std::size_t(1 + 2 * i)], where = texels[std::size_t(2 + 2 * i)];
-    const Part part = {&texels[std::size_t(where.x)], int(where.y), int(where.z), int(where.w)};
-    const glm::dvec3 e = radiance.w == layout::kAsPolygons ? glm::dvec3(polygonIrradiance(part, x, n))
-                         : radiance.w == layout::kAsEmitterTree
-                             ? glm::dvec3(emitterTreeIrradiance(part, x, n, double(texels[0].y)))
-                             : treeIrradiance(part, x, n, double(texels[0].y));
+  for (std::size_t i = 0; i < std::size_t(texels[0].x); ++i) {
+    const glm::dvec3 e = fromLight(i, x, n);
     if (e == glm::dvec3(0.0)) continue;
-    const glm::dvec3 share = through == nullptr ? glm::dvec3(1.0) : through->share(world, n, std::size_t(i));
-    sum += glm::dvec3(radiance) * e * share;
+    sum += through == nullptr ? e : e * through->share(world, n, i);
   }
   return sum;
 }

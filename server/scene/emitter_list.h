@@ -28,25 +28,6 @@ inline constexpr std::size_t kFewPolygons = 32;
 inline constexpr std::size_t kMostPolygons = 1024;
 /// All lights together, smallest first: a thread's loops have an end on llvmpipe (kMaxRounds).
 inline constexpr std::size_t kMostPolygonsOfAll = 4096;
-/// Cells along the diagonal of a light's box below which it is small beside them: what it sends to surfaces far away
-/// changes within a cell.
-inline constexpr double kSmallBesideACell = 1.0;
-/// What looking at a tree over triangles (scene/emitter_tree.h) costs from afar, in polygons.
-inline constexpr std::size_t kPolygonsOfTree = 16;
-/// Cells along the diagonal of a light that receivers see as VPLs, at least: where the field's cells are larger than
-/// that, its own are smaller.
-inline constexpr double kLeastCellsAcross = 4.0;
-
-/// What says how a light may be looked at.
-struct LightSize {
-  std::size_t triangles = 0;  ///< flat patches merged
-  bool constant = true;       ///< without texture and emission directions
-  double cellsAcross = 0.0;   ///< along the diagonal of its box
-};
-
-/// Whether receivers look at all lights everywhere, GATHER's too: each is small beside a cell, and all together are not
-/// much to look at. Without lights nobody looks.
-bool areLookedAtEverywhere(std::span<const LightSize> lights);
 
 /// A session's lights for lookups of the near field: the texels that shaders/transport/emitter_list.glsl describes.
 struct EmitterList {
@@ -64,9 +45,12 @@ struct EmitterList {
   /// way.
   glm::dvec3 irradiance(const glm::dvec3& world, const glm::dvec3& n) const;
   glm::dvec3 unoccluded(const glm::dvec3& world, const glm::dvec3& n) const { return fromLights(world, n, nullptr); }
+  /// The shares of lights that receivers look at wherever they are (scene/small_lights.h): beside what is looked up.
+  glm::dvec3 lookedAt(const glm::dvec3& world, const glm::dvec3& n) const;
 
  private:
   glm::dvec3 fromLights(const glm::dvec3& world, const glm::dvec3& n, const LightVisibility* through) const;
+  glm::dvec3 fromLight(std::size_t light, const glm::dvec3& x, const glm::dvec3& n) const;
 };
 using EmitterListPtr = std::shared_ptr<const EmitterList>;
 

@@ -81,7 +81,9 @@ double expectedError(const LightingSettings& o, int longestCells) {
 
 double mergingError(double openingRatio) { return openingRatio < kAccurateOpeningRatio ? 0.003 : 0.0015; }
 
-LightingSettings resolved(const LightingSettings& options) {
+LightingSettings resolved(const LightingSettings& asked) {
+  LightingSettings options = asked;
+  if (options.transport == Transport::kAuto) options.transport = Transport::kGather;
   LightingSettings o = options;
   if (o.grid.automatic) o.grid.longest = kDefaultCellsOfLongestEdge;
   if (o.maxError == 0.0) return o;

@@ -16,7 +16,8 @@ namespace lpv {
 /// one group add up to kGroupingError, or what the error goal leaves.
 double expectedError(const LightingSettings& options, int longestCells);
 
-/// Resolves what settings leave to the server, at the least cost that reaches the error goal by the table: k where it
+/// Resolves what settings leave to the server, at the least cost that reaches the error goal by the table: AUTO as
+/// GATHER (scene/transport_choice.h knows better where there is a scene), k where it
 /// is 0, and the cells where no size is given (kDefaultCellsOfLongestEdge without a goal, and no fewer unless the grid
 /// is automatic). Sessions get their cells from the scene (scene/grid_choice.h). Other fields are copied.
 LightingSettings resolved(const LightingSettings& options);

@@ -11,6 +11,7 @@
 #include "scene/patches.h"
 #include "scene/predicted_error.h"
 #include "scene/shadowing.h"
+#include "scene/transport_choice.h"
 
 namespace lpv {
 
@@ -94,8 +95,13 @@ std::string help(const Scene& scene, const LightingSettings& asked) {
                                                   : "transport DIRECT, or bounds around "
                                                     "what is looked at, would";
   if (asked.lookup != Lookup::kCap) return "lookup CAP would";
+  LightingSettings accurate = asked;
+  accurate.quality = Quality::kAccurate;
+  const bool mayBe = asked.k == 0.0 && asked.quality == Quality::kFast;
+  if (mayBe && predictError(scene, scene.grid, resolved(accurate)).value_or(1.0) <= wantedError(asked))
+    return "quality ACCURATE would";
   if (ErrorPredictor(scene, resolved(asked)).ofTouching(scene.grid) > wantedError(asked))
-    return "lights of many triangles farther from what they nearly touch would";
+    return "lights with textures farther from what they nearly touch would";
   const Expected<GridChoice> finer = tryGrids(scene, asked, 1, kMaxCellsPerAxis);
   if (finer.ok() && finer->reached) {
     return std::to_string(finer->tried.back().cells) + " cells would (" + percentText(finer->tried.back().error) +
@@ -118,12 +124,17 @@ std::string chosen(const LightingSettings& asked, const GridChoice& choice, doub
          percentText(before.error) + "), " + std::to_string(cells) + " reach " + percentText(error) + ".";
 }
 
-std::string gathered(const Scene& scene, const LightingSettings& asked, double error) {
+std::string gathered(const Scene& scene, const LightingSettings& asked, double error,
+                     const std::optional<GridCorrection>& correction) {
   const int cells = longestOf(scene.grid);
   const std::string wanted = percentText(wantedError(asked));
   const bool reached = error <= wantedError(asked);
+  if (choosesCells(asked.grid) && correction && correction->least == cells) {
+    return edge(cells) + ": measured " + percentText(correction->error) + " with " +
+           std::to_string(correction->missed) + ", wanted " + wanted + "; predicted error " + percentText(error) + ".";
+  }
   if (choosesCells(asked.grid)) {
-    const Expected<GridChoice> choice = chooseGrid(scene, asked);
+    const Expected<GridChoice> choice = chooseGrid(scene, asked, correction ? correction->least : 0);
     if (choice.ok() && longestOf(choice->grid) == cells) {
       const std::string text = chosen(asked, *choice, error);
       return choice->reached ? text : text + help(scene, asked) + ".";
@@ -138,11 +149,15 @@ std::string gathered(const Scene& scene, const LightingSettings& asked, double e
 
 }  // namespace
 
-Forecast forecast(const Scene& scene, const LightingSettings& asked) {
-  const LightingSettings options = resolved(asked);
+Forecast forecast(const Scene& scene, const LightingSettings& asked, const std::optional<GridCorrection>& correction) {
+  LightingSettings options = resolved(asked);
+  const bool automatic = asked.transport == Transport::kAuto;
+  if (automatic) options.transport = scene.options.transport;
   const int cells = longestOf(scene.grid);
   Forecast out{expectedError(options, cells), ""};
   switch (options.transport) {
+    case Transport::kAuto:
+      break;
     case Transport::kPropagate:
       out.choice = edge(cells) + ": PROPAGATE is as wrong with any grid; transport GATHER or DIRECT would be right." +
                    lightsLeftOut(scene);
@@ -154,7 +169,7 @@ Forecast forecast(const Scene& scene, const LightingSettings& asked) {
     case Transport::kGather: {
       const std::optional<double> predicted = predictError(scene, scene.grid, options);
       out.error = predicted.value_or(out.error);
-      out.choice = predicted ? gathered(scene, asked, *predicted)
+      out.choice = predicted ? gathered(scene, asked, *predicted, correction)
                              : edge(cells) +
                                    ": the scene gives nothing to predict from, so the expected error is that "
                                    "of a light in a room, " +
@@ -165,6 +180,12 @@ Forecast forecast(const Scene& scene, const LightingSettings& asked) {
                    percentText(out.error) + " of what nothing is in the way of. Volumes: " + out.choice;
       break;
     }
+  }
+  if (automatic) {
+    const TransportChoice now = chooseTransport(scene);
+    out.choice = std::string("Transport ") + (options.transport == Transport::kDirect ? "DIRECT: " : "GATHER: ") +
+                 (now.transport == options.transport ? now.reason : "from when objects last came or went") + ". " +
+                 out.choice;
   }
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "scene/error_goal.h"
 #include "scene/predicted_error.h"
@@ -55,13 +56,24 @@ Expected<GridChoice> tryGrids(const Scene& scene, const LightingSettings& option
   return out;
 }
 
-Expected<GridChoice> chooseGrid(const Scene& scene, const LightingSettings& options) {
+int cellsForMeasured(const LightingSettings& options, int cells, double error) {
+  const int most = options.grid.automatic ? kMaxCellsPerAxis : kDear;
+  const double needed = cells * std::sqrt(error / wantedError(options));
+  int found = cells;
+  for (const int candidate : kCandidates) {
+    if (candidate > most || found >= needed) break;
+    found = std::max(found, candidate);
+  }
+  return found;
+}
+
+Expected<GridChoice> chooseGrid(const Scene& scene, const LightingSettings& options, int least) {
   GridChoice out;
   const Bounds content = contentBounds(scene);
-  if (choosesCells(options.grid) && options.transport == Transport::kGather) {
+  if (choosesCells(options.grid) && resolved(options).transport == Transport::kGather) {
     const bool automatic = options.grid.automatic;
-    Expected<GridChoice> tried = tryGrids(scene, options, automatic ? kCandidates.front() : kDefaultCellsOfLongestEdge,
-                                          automatic ? kMaxCellsPerAxis : kDear);
+    const int first = std::max(least, automatic ? kCandidates.front() : kDefaultCellsOfLongestEdge);
+    Expected<GridChoice> tried = tryGrids(scene, options, first, automatic ? kMaxCellsPerAxis : kDear);
     if (!tried) return tried.status();
     out = std::move(*tried);
     if (out.reached) return out;

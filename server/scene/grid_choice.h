@@ -27,11 +27,23 @@ struct GridChoice {
   bool reached = false;      ///< by the last of them
 };
 
+/// What a measurement has made of a choice.
+struct GridCorrection {
+  int missed = 0;      ///< cells along the longest edge that were measured,
+  double error = 0.0;  ///< and found to be so far off
+  int least = 0;       ///< cells from then on
+};
+
+/// Fewest cells of those that are tried which would have the wanted error where `cells` were measured to have `error`:
+/// it goes with the square of a cell's edge. The most that are tried where none would; no fewer than `cells`.
+int cellsForMeasured(const LightingSettings& options, int cells, double error);
+
 /// The grid for a scene, whose own grid and settings do not matter, with `options` as they are asked for. GATHER: of 16
 /// (nothing said: 32), 24, .. 128 (64) cells along the longest edge the fewest that are predicted to have the wanted
 /// error; where none has, of those up to 64 the fewest within a tenth of the best. Else, and where nothing can be
 /// predicted, gridFor (scene/error_goal.h).
-Expected<GridChoice> chooseGrid(const Scene& scene, const LightingSettings& options);
+/// No fewer cells than `least`, where they are left to the server.
+Expected<GridChoice> chooseGrid(const Scene& scene, const LightingSettings& options, int least = 0);
 
 /// The cells from `least` to `most` that chooseGrid tries, with their predicted errors, up to the first that has the
 /// wanted error.

@@ -73,14 +73,17 @@ double irradianceCap(const sh::Coefficients& incident, const glm::dvec3& n) {
   return std::max(0.0, along) + length * shareAcrossHorizon(4.0 * rho * (1.0 - rho), 2.0 * rho - 1.0, along / length);
 }
 
-Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
+namespace {
+
+Irradiance lookedUp(const Volume& volume, const std::vector<VolumeLayer>& layers, Lookup lookup, const glm::dvec3& p,
+                    const glm::dvec3& n) {
   Irradiance out;
   const glm::dvec3 g = volume.grid.gridFromWorld(p);
   const glm::dvec3 far(volume.grid.dims);
   out.valid = glm::all(glm::greaterThanEqual(g, glm::dvec3(-0.5))) && glm::all(glm::lessThanEqual(g, far + 0.5));
   if (!out.valid) return out;
   const glm::ivec3 nearest = glm::clamp(glm::ivec3(glm::floor(g)), glm::ivec3(0), volume.grid.dims - 1);
-  for (const VolumeLayer& layer : volume.layers) {
+  for (const VolumeLayer& layer : layers) {
     const ColourCoefficients c =
         lookup == Lookup::kNearest ? cellAt(layer, volume.grid, nearest) : trilinear(layer, volume.grid, g);
     for (int colour = 0; colour < 3; ++colour) out.rgb[colour] += irradiance(lookup, c[std::size_t(colour)], n);
@@ -88,11 +91,21 @@ Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p
   return out;
 }
 
+}  // namespace
+
+Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
+  return lookedUp(volume, volume.layers, lookup, p, n);
+}
+
 Irradiance irradianceWithNearField(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
   double far = 1.0;
   if (volume.direct != nullptr) far = isBetweenCentres(volume.grid, p) ? volume.direct->farFromEmitters(p) : 0.0;
   Irradiance out;
-  if (far > 0.0) out = irradianceAt(volume, lookup, p, n);
+  if (far > 0.0) {
+    const bool apart = !volume.lookedUp.empty();
+    out = lookedUp(volume, apart ? volume.lookedUp : volume.layers, lookup, p, n);
+    if (apart) out.rgb += volume.direct->lookedAt(p, n);
+  }
   if (far == 1.0) return out;
   out.rgb = far * out.rgb + (1.0 - far) * volume.direct->irradiance(p, n);
   out.valid = true;

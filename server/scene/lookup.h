@@ -21,7 +21,8 @@ struct Irradiance {
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
 /// The same with the near field: the lights themselves where emitters are near, blended by smoothstep (MATHS.md 3c),
-/// and beyond the outermost cell centres. Without Volume::direct as above.
+/// and beyond the outermost cell centres; lights that are small beside a cell everywhere. Without Volume::direct as
+/// above.
 Irradiance irradianceWithNearField(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
 /// E = max(0, phi/4 + D.n/2) of one colour.

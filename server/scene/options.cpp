@@ -51,7 +51,9 @@ Status checkTogether(const LightingSettings& o) {
                    "visibility is ON, but transport PROPAGATE has no shadows: choose GATHER or DIRECT, or AUTO or OFF");
   }
   if (o.transport == Transport::kPropagate) return {};
-  const std::string transport = o.transport == Transport::kGather ? "GATHER" : "DIRECT";
+  const std::string transport = o.transport == Transport::kGather   ? "GATHER"
+                                : o.transport == Transport::kDirect ? "DIRECT"
+                                                                    : "AUTO";
   if (o.injection == Injection::kCount) {
     return invalid("injection", "injection is COUNT, which transport " + transport +
                                     " cannot take: it needs areas; use injection FLUX, or transport PROPAGATE");

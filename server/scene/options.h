@@ -10,7 +10,8 @@ namespace lpv {
 
 enum class Injection { kCount, kFlux };
 enum class InjectionMethod { kCompute, kRaster, kDense };
-enum class Transport { kPropagate, kGather, kDirect };
+/// kAuto: GATHER or DIRECT, as the scene is (scene/transport_choice.h); never of a scene that a tick reads.
+enum class Transport { kPropagate, kGather, kDirect, kAuto };
 enum class Quality { kFast, kAccurate };
 enum class Lookup { kSh2, kCap, kNearest };
 enum class Visibility { kAuto, kOn, kOff };
@@ -48,7 +49,7 @@ struct LightingSettings {
   void followTransport();
 
   int iterationsFor(const Grid& g) const;
-  /// Whether the server groups lights where the scene names no groups: GATHER with CAP.
+  /// Whether the server groups lights where the scene names no groups: GATHER with CAP. Of resolved settings.
   bool groupsItself() const { return transport == Transport::kGather && lookup == Lookup::kCap; }
   /// The opening ratio of resolved settings.
   double openingRatio() const;

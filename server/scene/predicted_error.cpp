@@ -8,6 +8,7 @@
 #include "scene/emitter_list.h"
 #include "scene/error_goal.h"
 #include "scene/lookup.h"
+#include "scene/small_lights.h"
 
 namespace lpv {
 
@@ -16,25 +17,22 @@ namespace {
 /// Tests of rays against triangles of surfaces.
 constexpr std::size_t kMostCrossingTests = 2'000'000;
 
-/// Triangles of a light that are looked at before it is thinned.
-constexpr std::size_t kMostLookedAt = 20'000;
+/// Triangles of a light that are read before it is thinned.
+constexpr std::size_t kMostRead = 20'000;
 
-/// Share of the irradiance by which light from VPLs is wrong where a receiver touches the mesh: the distance to a VPL
-/// is taken for half a cell at least, and its cell for flat.
+/// Share of the irradiance by which light from VPLs is wrong where a receiver touches the light, which has a texture
+/// then (others are seen as they are, scene/emitter_tree.h): the distance to a VPL is taken for half a cell at least,
+/// and its cell for flat.
 constexpr double kTouching = 0.65;
 /// The same away from it, up to kNearFieldEnd cells.
 constexpr double kNear = 0.03;
-constexpr double kSmallestCell = 1.0 / 1024;
+
+/// What a VPL's one position for all colours of a texture makes of its light, by opening ratio: a television in a room
+/// (tests/evaluation/UNSHADOWED.md).
+double ofTextures(double openingRatio) { return openingRatio < kAccurateOpeningRatio ? 0.015 : 0.004; }
 
 /// What automatic groups of three lights and more come to, as a share of what they may: seen .2 to 1.
 constexpr double kOfGroups = 0.6;
-
-/// Edge of the cells of a light's VPLs.
-double cellOfVpls(double across, double cell) {
-  double edge = cell;
-  while (across < kLeastCellsAcross * edge && edge > kSmallestCell * cell) edge *= 0.5;
-  return edge;
-}
 
 AreaLights thinnedLights(const AreaLights& all, std::uint32_t seed) {
   Random random(seed);
@@ -78,16 +76,12 @@ double lookedUp(Lookup lookup, const sh::Coefficients& c, const glm::dvec3& n) {
   return lookup == Lookup::kCap ? irradianceCap(c, n) : irradianceSh2(c, n);
 }
 
-/// As lookedAtEverywhere of lpv/resources/lights.h.
-bool looksEverywhere(const Scene& scene, const Grid& grid) {
-  std::vector<LightSize> lights;
-  for (const auto& [name, light] : scene.lights) {
-    if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    const glm::dmat3 linear(light->transform.worldFromObject());
-    lights.push_back({light->mesh->evenTriangles().size(), light->texture == nullptr && light->mesh->directions.empty(),
-                      glm::length(linear * light->mesh->bounds.extent()) / grid.cell});
-  }
-  return areLookedAtEverywhere(lights);
+/// What looking at lights through their trees is off by; nothing where all are polygons.
+double errorOfTrees(std::span<const LightSize> lights, LightingSettings options) {
+  options.transport = Transport::kDirect;
+  const bool trees =
+      std::ranges::any_of(lights, [](const LightSize& l) { return l.triangles > kFewPolygons || !l.constant; });
+  return trees ? expectedError(options, kDefaultCellsOfLongestEdge) : 0.0;
 }
 
 double squared(const glm::dvec3& v) { return glm::dot(v, v); }
@@ -95,7 +89,7 @@ double squared(const glm::dvec3& v) { return glm::dot(v, v); }
 }  // namespace
 
 ErrorPredictor::ErrorPredictor(const Scene& scene, const LightingSettings& options, std::uint32_t seed)
-    : scene_(scene), options_(options), seed_(seed), all_(scene, kMostLookedAt), lights_(thinnedLights(all_, seed)) {
+    : scene_(scene), options_(options), seed_(seed), all_(scene, kMostRead), lights_(thinnedLights(all_, seed)) {
   std::map<std::string, std::size_t> byName;
   for (std::size_t i = 0; i < lights_.lights(); ++i) grouped_ = grouped_ || !lights_.group(i).empty();
   for (std::size_t i = 0; i < lights_.lights(); ++i) {
@@ -103,6 +97,10 @@ ErrorPredictor::ErrorPredictor(const Scene& scene, const LightingSettings& optio
     groupOf_.push_back(byName.try_emplace(name, byName.size()).first->second);
   }
   groups_ = byName.size();
+  for (const auto& [name, light] : scene.lights) {
+    if (light->enabled && emittedRadiance(*light) != glm::dvec3(0.0))
+      textured_.push_back(light->texture != nullptr ? 1.0 : 0.0);
+  }
   if (!scene.surfaces.empty()) onSurfaces_ = sampled(LitSides(scene));
 }
 
@@ -141,14 +139,15 @@ double ErrorPredictor::farFromLights(const Grid& grid, const glm::dvec3& at) con
 double ErrorPredictor::touching(const Grid& grid, const Point& point) const {
   double share = 0.0;
   for (std::size_t i = 0; i < point.toTrees.size(); ++i) {
-    const double cells = point.toTrees[i] / cellOfVpls(lights_.across(i), grid.cell);
+    const double cells = point.toTrees[i] / (grid.cell * voxelEdge(lights_.across(i) / grid.cell));
     const double touching = std::max(0.0, 1.0 - cells), near = std::max(0.0, 1.0 - cells / kNearFieldEnd);
     share = std::max({share, kTouching * touching * touching, kNear * near});
   }
   return share;
 }
 
-ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver& at) const {
+ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver& at,
+                                                std::span<const double> shares) const {
   std::vector<Arriving> moments(lights_.lights());
   if (options_.lookup == Lookup::kNearest) {
     const glm::ivec3 cell(glm::floor(grid.gridFromWorld(at.position)));
@@ -162,7 +161,7 @@ ErrorPredictor::LookedUp ErrorPredictor::lookUp(const Grid& grid, const Receiver
   std::vector<glm::dmat3x4> groups(groups_, glm::dmat3x4(0.0));
   glm::dmat3x4 all(0.0);  // a column of coefficients per colour
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    const glm::dmat3x4 light = glm::outerProduct(incident(moments[i]), lights_.radiance(i));
+    const glm::dmat3x4 light = glm::outerProduct((1.0 - shares[i]) * incident(moments[i]), lights_.radiance(i));
     groups[groupOf_[i]] += light;
     all += light;
   }
@@ -188,27 +187,38 @@ double ErrorPredictor::ofTouching(const Grid& grid) const {
 }
 
 std::optional<double> ErrorPredictor::with(const Grid& grid) const {
-  double whole = 0.0, apart = 0.0, together = 0.0, byVolume = 0.0;
+  const bool gathers = options_.transport == Transport::kGather;
+  const std::vector<LightSize> sizes = lightSizes(scene_, grid);
+  const double ofTrees = errorOfTrees(sizes, options_);
+  std::vector<double> shares(lights_.lights(), 0.0);
+  if (gathers) shares = lookedAtShares(sizes);
+  const bool someLookedAt = std::ranges::any_of(shares, [](double share) { return share > 0.0; });
+  const bool anyTexture = std::ranges::any_of(textured_, [](double share) { return share > 0.0; });
+  double whole = 0.0, apart = 0.0, together = 0.0, byVolume = 0.0, ofTextured = 0.0;
   for (const Point& point : pointsFor(grid)) {
     whole += point.weight * squared(point.truth);
     const double touched = touching(grid, point);
     apart += point.weight * touched * touched * squared(point.truth);
-    if (!hasCentresAround(grid, grid.gridFromWorld(point.at.position))) continue;
-    const double far = farFromLights(grid, point.at.position);
+    const bool between = hasCentresAround(grid, grid.gridFromWorld(point.at.position));
+    const double far = between ? farFromLights(grid, point.at.position) : 0.0;
+    apart += point.weight * (1.0 - far) * (1.0 - far) * ofTrees * ofTrees * squared(point.truth);
+    if (anyTexture) ofTextured += point.weight * squared(lights_.irradiance(point.at, textured_));
     if (far == 0.0) continue;
-    const LookedUp got = lookUp(grid, point.at);
-    apart += point.weight * far * far * squared(got.apart - point.truth);
+    const LookedUp got = lookUp(grid, point.at, shares);
+    const glm::dvec3 truth = someLookedAt ? point.truth - lights_.irradiance(point.at, shares) : point.truth;
+    apart += point.weight * far * far * squared(got.apart - truth);
     together += point.weight * far * far * squared(got.together - got.apart);
-    byVolume += point.weight * far * far * squared(point.truth);
+    byVolume += point.weight * far * far * squared(truth);
   }
   if (!(whole > 0.0)) return std::nullopt;
-  if (options_.transport == Transport::kGather && looksEverywhere(scene_, grid)) return 0.0;
-  const double merging = mergingError(options_.openingRatio());
+  if (gathers && areLookedAtEverywhere(shares)) return ofTrees;
+  const double merging = mergingError(options_.openingRatio()), textures = ofTextures(options_.openingRatio());
   const double allowed = groupingGoal(options_, std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
   const bool apartWhereTooMuch = grouped_ || (groups_ == 2 && together > allowed * allowed * whole);
   const double grouping =
       apartWhereTooMuch ? 0.0 : std::min(together / whole, kOfGroups * allowed * kOfGroups * allowed);
-  return std::sqrt(apart / whole + grouping + merging * merging * byVolume / whole);
+  return std::sqrt(apart / whole + grouping +
+                   (merging * merging * byVolume + textures * textures * ofTextured) / whole);
 }
 
 std::optional<double> predictError(const Scene& scene, const Grid& grid, const LightingSettings& options,

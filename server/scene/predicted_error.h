@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "scene/receiver_sampler.h"
 
@@ -16,10 +17,11 @@ inline constexpr std::size_t kMostPredicted = 6'000, kThinned = 96;
 
 /// Emulates GATHER: seeded receivers as the self-check draws them (session/delivery/self_check.h), what the lookup
 /// gives them where the centres of the cells around have the exact moments of each light, the near field as the server
-/// has it, and the truth. Where VPLs of large meshes nearly touch a receiver, a figure by distance.
-/// No occluders; textures are taken as their mean, emission directions as normals. Lights share groups as the scene
-/// names them; where it names none, they add what one group for all would, or most of what automatic grouping may
-/// (groupingGoal), whichever is less, and nothing where two part. What merging voxels adds is a figure by opening
+/// has it, and the truth. Lights that are looked at through trees are as wrong as with DIRECT; where a receiver nearly
+/// touches one that it sees as VPLs, which textured ones are, a figure by distance. No occluders; textures are taken as
+/// their mean, and for what they add a figure by opening ratio, emission directions as normals. Lights share groups as
+/// the scene names them; where it names none, they add what one group for all would, or most of what automatic grouping
+/// may (groupingGoal), whichever is less, and nothing where two part. What merging voxels adds is a figure by opening
 /// ratio.
 class ErrorPredictor {
  public:
@@ -29,7 +31,7 @@ class ErrorPredictor {
   /// Raw relative L2 of irradiance over the scene's surfaces with this grid; without surfaces over walls within the
   /// grid. Null where nothing emits, nothing is lit, or the lights are too many.
   std::optional<double> with(const Grid& grid) const;
-  /// The part of it that looking at the lights has too: VPLs of large meshes that nearly touch receivers.
+  /// The part of it that looking at the lights has too: VPLs that nearly touch receivers.
   double ofTouching(const Grid& grid) const;
 
  private:
@@ -49,7 +51,8 @@ class ErrorPredictor {
   std::vector<Point> sampled(const LitSides& sides) const;
   double farFromLights(const Grid& grid, const glm::dvec3& at) const;
   double touching(const Grid& grid, const Point& point) const;
-  LookedUp lookUp(const Grid& grid, const Receiver& at) const;
+  /// `shares` of the lights are not in the volume.
+  LookedUp lookUp(const Grid& grid, const Receiver& at, std::span<const double> shares) const;
 
   const Scene& scene_;
   LightingSettings options_;
@@ -59,6 +62,7 @@ class ErrorPredictor {
   std::vector<std::size_t> groupOf_;  ///< by light
   std::size_t groups_ = 0;
   bool grouped_ = false;  ///< by hand
+  std::vector<double> textured_;  ///< by light: 1 where it has a texture
   std::vector<Point> onSurfaces_;
 };
 

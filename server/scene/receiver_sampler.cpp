@@ -210,18 +210,26 @@ void AreaLights::emit(Random& random, glm::dvec3* origin, glm::dvec3* direction)
 }
 
 glm::dvec3 AreaLights::irradiance(const Receiver& at) const {
+  return irradiance(at, std::vector<double>(lights_.size(), 1.0));
+}
+
+glm::dvec3 AreaLights::irradiance(const Receiver& at, std::span<const double> shares) const {
   glm::dvec3 e(0.0);
   for (std::size_t i = 0; i < triangles_.size();) {
     const std::size_t light = triangles_[i].light;
     const Emission& emission = lights_[light];
     double received = 0.0;
+    if (shares[light] == 0.0) {
+      while (i < triangles_.size() && triangles_[i].light == light) ++i;
+      continue;
+    }
     for (; i < triangles_.size() && triangles_[i].light == light; ++i) {
       const auto& c = triangles_[i].corners;
       const glm::dvec3 seen[3] = {c[0] - at.position, c[1] - at.position, c[2] - at.position};
       received += triangles_[i].share * triangleIrradiance(seen, at.normal, emission.sides);
     }
     // Few triangles that stand for many are too bright for what nearly touches them.
-    e += (emission.thinned ? std::min(received, std::numbers::pi) : received) * emission.radiance;
+    e += shares[light] * (emission.thinned ? std::min(received, std::numbers::pi) : received) * emission.radiance;
   }
   return e;
 }

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,8 @@ class AreaLights {
   void emit(Random& random, glm::dvec3* origin, glm::dvec3* direction) const;
   /// W/m^2, unoccluded (Lambert; Arvo 1995; MATHS.md 5.1). Of a thinned light no more than from all around.
   glm::dvec3 irradiance(const Receiver& at) const;
+  /// Of a share of each light.
+  glm::dvec3 irradiance(const Receiver& at, std::span<const double> shares) const;
   /// Adds `weight` times what each light would send to a point with unit radiance (MATHS.md 5).
   void addMoments(const glm::dvec3& at, double weight, std::vector<Arriving>& perLight) const;
   /// Metres to the nearest emitter, `limit` where there is none nearer.

@@ -38,6 +38,8 @@ struct Volume {
   /// The same with kGuardCells more on each side, for lookups on the grid's bounds; null unless asked for. With
   /// PROPAGATE, which has no light beyond the grid, these are what lookups clamp to.
   std::shared_ptr<const Volume> guarded = nullptr;
+  /// The same layers without what receivers with `direct` look at wherever they are; empty where that is nothing.
+  std::vector<VolumeLayer> lookedUp = {};
 
   /// Coefficients of one cell and colour.
   static sh::Coefficients at(const VolumeLayer& layer, const Grid& grid, const glm::ivec3& cell, int colour);

@@ -117,11 +117,13 @@ void Session::updateForecast() {
     if (forecast_ && forecast_->revision == now->revision) return;
   }
   LightingSettings asked;
+  std::optional<GridCorrection> correction;
   {
     const MutexLock lock(mutex_);
     asked = document_.options();
+    correction = document_.correction();
   }
-  const Forecast made = forecast(*now, asked);
+  const Forecast made = forecast(*now, asked, correction);
   const MutexLock lock(forecastMutex_);
   if (!forecast_ || forecast_->revision < now->revision) forecast_ = {now->revision, made};
 }

@@ -53,6 +53,7 @@ EditOutcome Session::applyEdit(const ClientIdentity& client, const Edit& edit) {
   EditOutcome outcome;
   if (!admit(client, edit.sequence, &outcome)) return outcome;
   const Status locked = locks_.check(client.id, edit, Clock::now());
+  document_.noteMeasured(delivery_.measured());
   const Expected<std::vector<std::string>> names =
       locked.ok() ? document_.apply(edit, blobs_) : Expected<std::vector<std::string>>(locked);
   outcome.status = names.status().within("edit");

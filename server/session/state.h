@@ -30,14 +30,6 @@ struct SessionSettings {
 /// How long an accepted edit is sure to live.
 enum class Durability { kMemory, kDisk };
 
-/// What selfCheck found last.
-struct MeasuredError {
-  double error = 0.0;  ///< raw relative L2 of irradiance
-  double low = 0.0;    ///< the interval that holds it with 95 %
-  double high = 0.0;
-  std::uint64_t revision = 0;
-};
-
 /// A session in numbers.
 struct SessionSummary {
   std::string id;

@@ -22,7 +22,11 @@ layout(binding = kPanes) uniform sampler2D panes;
 #if LPV_NEAR_FIELD != LPV_NEAR_FIELD_KNOWN
 #include "transport/lookup.glsl"
 #endif
-#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
+// LPV_LOOKED_AT: beside what is looked up, shares of lights are looked at everywhere.
+#ifndef LPV_LOOKED_AT
+#error "LPV_LOOKED_AT: 0 or 1"
+#endif
+#if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS || LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE || LPV_LOOKED_AT
 #include "transport/emitter_list.glsl"
 #endif
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
@@ -40,6 +44,17 @@ layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 
 layout(location = 0) out vec4 colour;
 
+#if LPV_NEAR_FIELD != LPV_NEAR_FIELD_KNOWN
+vec3 farIrradiance(vec3 p, vec3 n) {
+  const vec3 e = irradianceAt(p, n, frame.dims, frame.palette);
+#if LPV_LOOKED_AT
+  return e + lookedAtIrradiance(p, n);
+#else
+  return e;
+#endif
+}
+#endif
+
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EVERYWHERE
 vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) { return directIrradiance(p, n); }
 #elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_KNOWN
@@ -47,11 +62,11 @@ vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) { return texelFetch(nearField, pixe
 #elif LPV_NEAR_FIELD == LPV_NEAR_FIELD_SAMPLED
 vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) {
   const vec4 near = texelFetch(nearField, pixel, 0);
-  return near.w < 1.0 ? mix(irradianceAt(p, n, frame.dims, frame.palette), near.rgb, near.w) : near.rgb;
+  return near.w < 1.0 ? mix(farIrradiance(p, n), near.rgb, near.w) : near.rgb;
 }
 #else
 vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) {
-  const vec3 e = irradianceAt(p, n, frame.dims, frame.palette);
+  const vec3 e = farIrradiance(p, n);
 #if LPV_NEAR_FIELD == LPV_NEAR_FIELD_EMITTERS
   const float far = farFromEmitters(p, frame.dims);
   if (far < 1.0) return mix(directIrradiance(p, n), e, far);

@@ -2,8 +2,9 @@
 // form (Lambert; Arvo 1995), more through the tree over their triangles, everything else as VPLs through the tree of its
 // cells. The C++ twin is server/scene/emitter_list.h; tests/gpu/transport/emitter_list_test.cpp compares the two.
 //
-// Texels: (lights, k, 0, 0); per light (radiance rgb, what it is looked at as: kAsPolygons, ..) and (first texel,
-// triangles or entries, sides that emit, texels of an entry); then per light
+// Texels: (lights, k, lights looked at, 0); per light (radiance rgb, what it is looked at as: kAsPolygons, ..) and (first texel,
+// triangles or entries, sides that emit, texels of an entry); per light that receivers look at wherever they are (its
+// number, the share of it, 0, 0); then per light
 //   polygons       triangles of three corners each, counter-clockwise seen from the front, grid space
 //   VPLs           the entries of shaders/transport/vpls.glsl, grid space
 //   emitter tree   three rows of the matrix from grid space to the tree's, which turns, moves and scales alike along all
@@ -87,6 +88,22 @@ float emitterTreeIrradiance(int first, int entries, vec3 x, vec3 n, float sides,
   return sum;
 }
 
+/// What light i gives. From `most` rounds on nodes are taken whole.
+vec3 lightIrradiance(int i, vec3 x, vec3 n, float k, inout int rounds, int most) {
+  const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
+  const int first = int(where.x), count = int(where.y);
+  if (radiance.w == kAsPolygons) {
+    rounds += 4 * count;  // a triangle and its edges
+    return radiance.rgb * polygonIrradiance(first, count, x, n, where.z);
+  }
+  if (radiance.w == kAsEmitterTree) {
+    const TreeSpace s = treeSpace(first);
+    return radiance.rgb *
+           emitterTreeIrradiance(first, count, positionIn(s, x), normalIn(s, n), where.z, k, rounds, most);
+  }
+  return radiance.rgb * treeIrradiance(first, count, int(where.w), x, n, where.z, k, rounds, most);
+}
+
 /// E in W/m^2 at a grid position on a surface with unit normal n. All lights together are given kMaxRounds, each an
 /// equal share of what those before it left.
 vec3 directIrradiance(vec3 x, vec3 n) {
@@ -95,19 +112,20 @@ vec3 directIrradiance(vec3 x, vec3 n) {
   vec3 sum = vec3(0.0);
   int rounds = 0;
   for (int i = 0; i < lights; ++i) {
-    const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
-    const int first = int(where.x), count = int(where.y);
-    const int most = rounds + (kMaxRounds - rounds) / (lights - i);
-    if (radiance.w == kAsPolygons) {
-      sum += radiance.rgb * polygonIrradiance(first, count, x, n, where.z);
-      rounds += 4 * count;  // a triangle and its edges
-    } else if (radiance.w == kAsEmitterTree) {
-      const TreeSpace s = treeSpace(first);
-      sum += radiance.rgb *
-             emitterTreeIrradiance(first, count, positionIn(s, x), normalIn(s, n), where.z, what.y, rounds, most);
-    } else {
-      sum += radiance.rgb * treeIrradiance(first, count, int(where.w), x, n, where.z, what.y, rounds, most);
-    }
+    sum += lightIrradiance(i, x, n, what.y, rounds, rounds + (kMaxRounds - rounds) / (lights - i));
+  }
+  return sum;
+}
+
+/// The shares of lights that are looked at wherever the receiver is.
+vec3 lookedAtIrradiance(vec3 x, vec3 n) {
+  const vec4 what = texelFetch(direct, 0);
+  const int first = 1 + 2 * int(what.x), lights = int(what.z);
+  vec3 sum = vec3(0.0);
+  int rounds = 0;
+  for (int i = 0; i < lights; ++i) {
+    const vec4 light = texelFetch(direct, first + i);
+    sum += light.y * lightIrradiance(int(light.x), x, n, what.y, rounds, rounds + (kMaxRounds - rounds) / (lights - i));
   }
   return sum;
 }

@@ -98,7 +98,8 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
 gpu::Defines ShadingPass::Variant::defines() const {
   return {gpu::define("LPV_CHANNELS", channels),  gpu::define("LPV_GROUPS", groups),
           gpu::define("LPV_LOOKUP", int(lookup)), gpu::define("LPV_NEAR_FIELD", nearField),
-          gpu::define("LPV_DISPLAY", display),    gpu::define("LPV_PANES", panes)};
+          gpu::define("LPV_LOOKED_AT", lookedAt), gpu::define("LPV_DISPLAY", display),
+          gpu::define("LPV_PANES", panes)};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -152,10 +153,13 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
   const bool grid = lit.volume != nullptr;
+  const NearFieldMode mode = nearFieldMode(lit);
+  const bool nearLights = mode == NearFieldMode::kEmitters || mode == NearFieldMode::kSampled;
   gpu::Program& program = shade_.get({.channels = grid && lit.volume->channels > 1 ? 3 : 1,
                                       .groups = grid ? lit.volume->groups : 1,
                                       .lookup = lit.lookup,
-                                      .nearField = int(nearFieldMode(lit)),
+                                      .nearField = int(mode),
+                                      .lookedAt = nearLights && lit.emitters->lookedAt > 0,
                                       .display = direct,
                                       .panes = lit.panes != nullptr});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);

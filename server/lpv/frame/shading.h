@@ -67,6 +67,7 @@ class ShadingPass {
     int groups = 1;
     Lookup lookup = Lookup::kSh2;
     int nearField = 0;  ///< LPV_NEAR_FIELD_..
+    bool lookedAt = false;  ///< shares of lights, wherever a pixel is
     bool display = false;
     bool panes = false;
     gpu::Defines defines() const;

@@ -17,11 +17,12 @@ FieldBuffer::FieldBuffer(const std::string& label, const glm::ivec3& dims, int c
              gpu::Undefined{}),
       texels(label, buffer) {}
 
-LightField::LightField(const Grid& g, int c, int n, Transport t, int b)
+LightField::LightField(const Grid& g, int c, int n, Transport t, int b, int a)
     : grid(g),
       guard(b),
       channels(c),
       groups(n),
+      apart(a),
       counters("counters", sizeof(layout::Counters), gpu::BufferUse::kDynamic),
       transport(t) {
   pingPong[0] = FieldBuffer("field, even steps", grid.dims, allChannels());
@@ -43,7 +44,7 @@ void LightField::makeInjected() {
 }
 
 void LightField::makeTextures() {
-  if (!textures) textures.emplace(grid.dims, channels, groups, transport == Transport::kGather);
+  if (!textures) textures.emplace(grid.dims, channels, lookedUpGroups(), transport == Transport::kGather);
 }
 
 void LightField::makeIncidentVolume() {

@@ -33,6 +33,7 @@ struct FieldInputs {
   int groups = 1;
   Transport transport = Transport::kPropagate;
   int guard = 0;
+  int apart = 0;
 
   bool operator==(const FieldInputs&) const = default;
 };
@@ -40,13 +41,15 @@ struct FieldInputs {
 /// Everything whose size follows from FieldInputs, and what is in it where later stages add to that.
 struct LightField {
   /// With what `transport` needs from the start. Contents are undefined but for `counters`.
-  LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate,
-             int guard = 0);
+  LightField(const Grid& grid, int channels, int groups = 1, Transport transport = Transport::kPropagate, int guard = 0,
+             int apart = 0);
 
   Grid grid;
   int guard;     ///< cells of it on each side that are not part of the product
   int channels;  ///< 1..3 (lights.h, Palette)
   int groups;    ///< of lights: each has channels of its own, one group after the other
+  int apart;     ///< 0, or half of the groups: the last, with the light of the others that receivers look at
+                 ///< (EmittingLight::lookedAt)
   gpu::Buffer accumulators;  ///< words per cell (shaders/voxelize/accumulators.glsl), or a table of VPLs; all zero
  ///< between lights
   gpu::Buffer vplList;       ///< header and used entries of that table (layout::kVoxelCells)
@@ -78,6 +81,7 @@ struct LightField {
 
   /// The product's cells among the grid's.
   CellBox inner() const { return {glm::ivec3(guard), grid.dims - guard}; }
+  int lookedUpGroups() const { return groups - apart; }
   int allChannels() const { return channels * groups; }
 
   const FieldBuffer& transported() const { return clamped ? *sum : pingPong[std::size_t(result)]; }

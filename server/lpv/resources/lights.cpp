@@ -47,6 +47,8 @@ std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,
     const glm::dvec3 radiance = known != previous.end() ? known->radiance : emittedRadiance(*light);
     if (glm::compMax(radiance) > 0.0) lights.push_back(emitting(light, gridFromWorld, radiance));
   }
+  const std::vector<double> shares = lookedAtShares(lightSizes(scene, grid));
+  for (std::size_t i = 0; i < lights.size(); ++i) lights[i].lookedAt = shares[i];
   return lights;
 }
 
@@ -61,10 +63,11 @@ bool fewPolygons(const EmittingLight& light) {
 }
 
 bool lookedAtEverywhere(const std::vector<EmittingLight>& lights) {
-  std::vector<LightSize> sizes;
-  for (const EmittingLight& light : lights)
-    sizes.push_back({light.mesh->evenTriangles().size(), isConstant(light), cellsAcross(light)});
-  return areLookedAtEverywhere(sizes);
+  return !lights.empty() && std::ranges::all_of(lights, [](const auto& light) { return light.lookedAt == 1.0; });
+}
+
+bool someLookedAt(const std::vector<EmittingLight>& lights) {
+  return std::ranges::any_of(lights, [](const auto& light) { return light.lookedAt > 0.0; });
 }
 
 CellBox cellsAround(const std::vector<EmittingLight>& lights, const glm::ivec3& dims) {

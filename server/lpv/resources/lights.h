@@ -8,6 +8,7 @@
 #include "lpv/resources/cell_box.h"
 #include "scene/emitter_list.h"
 #include "scene/scene.h"
+#include "scene/small_lights.h"
 
 namespace lpv {
 
@@ -35,8 +36,11 @@ struct EmittingLight {
   bool mirrored = false;  ///< the transform turns the mesh inside out; it emits from the object-space front
   TexturePtr texture;     ///< radiance factor, or null; null for a mesh without texture coordinates
   int group = 0;          ///< of the scene's groups of lights, which one
+  int nextGroup = 0;      ///< the group that it is on its way to, and the share of its light that is there
+  double moved = 0.0;
+  double lookedAt = 0.0;  ///< share that receivers look at wherever they are (scene/small_lights.h), in layers apart
   bool polygons = false;  ///< receivers look at its triangles, not at its VPLs (lpv/transport/emitter_list.h)
-  bool tree = false;      ///< receivers look at the tree over its triangles (scene/emitter_tree.h)
+  bool tree = false;  ///< receivers look at the tree over its triangles (scene/emitter_tree.h)
 
   Emission emission() const;
 };
@@ -51,8 +55,8 @@ struct LookedAtLight {
 };
 LookedAtLight lookedAt(const EmittingLight& light);
 
-/// The scene's emitting lights in name order, in the cells of `grid`. `previous` saves working out radiance from power
-/// for unchanged lights.
+/// The scene's emitting lights in name order, in the cells of `grid`, with what GATHER's receivers look at. `previous`
+/// saves working out radiance from power for unchanged lights.
 std::vector<EmittingLight> emittingLights(const Scene& scene, const Grid& grid,
                                           const std::vector<EmittingLight>& previous);
 
@@ -65,8 +69,10 @@ bool isConstant(const EmittingLight& light);
 /// Whether the near field takes the light for polygons, as far as it goes by this light alone.
 bool fewPolygons(const EmittingLight& light);
 
-/// areLookedAtEverywhere of scene/emitter_list.h.
+/// areLookedAtEverywhere of scene/small_lights.h.
 bool lookedAtEverywhere(const std::vector<EmittingLight>& lights);
+/// Whether some of their light is.
+bool someLookedAt(const std::vector<EmittingLight>& lights);
 
 /// A box around every cell the lights can touch.
 CellBox cellsAround(const std::vector<EmittingLight>& lights, const glm::ivec3& dims);

@@ -28,9 +28,7 @@ bool tooLarge(const LatticeBox& box) {
 }
 
 double edgeFor(const EmittingLight& light, const Bounds& bounds) {
-  const double across = cellsAcross(light);
-  double cell = 1.0;
-  for (int i = 0; i < kMostHalvings && across < kLeastCellsAcross * cell && !fewPolygons(light); ++i) cell *= 0.5;
+  double cell = fewPolygons(light) ? 1.0 : voxelEdge(cellsAcross(light));
   while (tooLarge(latticeBox(bounds, cell))) cell *= 2.0;
   return cell;
 }

@@ -26,8 +26,6 @@ struct VoxelGrid {
 
 /// Blocks of the tree lie as they would if the grid began where the field does: `lower` is a multiple of this.
 inline constexpr int kVoxelAlignment = 128;
-/// The finest cells: 2^-kMostHalvings field cells.
-inline constexpr int kMostHalvings = 10;
 /// Cells of the box of a light, at most: above, its cells are larger than the field's. A field of 128^3 with what
 /// moves in it.
 inline constexpr double kMostVoxels = 130.0 * 130.0 * 130.0;

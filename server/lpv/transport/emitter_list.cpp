@@ -74,7 +74,7 @@ void EmitterBufferList::keepTrees(const std::vector<PlacedEmitterTree>& placed) 
 }
 
 GpuTask EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
-                                double k) {
+                                const EmitterListInputs& inputs) {
   std::vector<std::pair<MeshPtr, glm::dmat4>> shapes;
   for (const EmittingLight& light : lights)
     shapes.emplace_back(light.tree ? light.mesh : MeshPtr(), light.gridFromObject);
@@ -82,14 +82,18 @@ GpuTask EmitterBufferList::make(const std::vector<EmittingLight>& lights, const 
   while (trees.wait_for(std::chrono::microseconds(100)) != std::future_status::ready) co_yield yield();
   const std::vector<PlacedEmitterTree> placed = trees.get();
   keepTrees(placed);
-  everywhere = lookedAtEverywhere(lights);
-  fill(lights, voxels, placed, k);
+  everywhere = inputs.everywhere;
+  fill(lights, voxels, placed, inputs.openingRatio);
 }
 
 void EmitterBufferList::fill(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
                              const std::vector<PlacedEmitterTree>& placed, double k) {
   std::vector<glm::vec4> head(1 + 2 * lights.size());
-  head[0] = {float(lights.size()), float(std::min(k, 1e15)), 0.0F, 0.0F};
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (lights[i].lookedAt > 0.0) head.emplace_back(float(i), float(lights[i].lookedAt), 0.0F, 0.0F);
+  }
+  lookedAt = head.size() - 1 - 2 * lights.size();
+  head[0] = {float(lights.size()), float(std::min(k, 1e15)), float(lookedAt), 0.0F};
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (!lights[i].polygons) continue;
     head[1 + 2 * i] = glm::vec4(lights[i].radiance, layout::kAsPolygons);

@@ -23,6 +23,7 @@ void chooseTriangles(std::vector<EmittingLight>& lights, Transport transport, do
 struct EmitterListInputs {
   Stamp lights = 0;  ///< and with them their trees
   double openingRatio = 0.0;  ///< k; which lights are polygons follows from both
+  bool everywhere = false;    ///< receivers look at nothing else
 
   bool operator==(const EmitterListInputs&) const = default;
 };
@@ -31,10 +32,11 @@ struct EmitterBufferList {
   gpu::Buffer texels;  ///< as shaders/transport/emitter_list.glsl has them
   gpu::BufferTexture view;
   std::size_t count = 0;
-  bool everywhere = false;  ///< lookedAtEverywhere
+  bool everywhere = false;  ///< receivers look at all of it
+  std::size_t lookedAt = 0;  ///< else, at some lights' shares, wherever they are
 
-  /// `k`: the distance rule of the trees.
-  GpuTask make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels, double k);
+  GpuTask make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
+               const EmitterListInputs& inputs);
 
  private:
   /// One light's texels: some of its own, then a buffer's.

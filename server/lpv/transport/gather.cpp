@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
@@ -12,17 +13,6 @@ namespace lpv {
 namespace {
 
 constexpr float kFarthest = 1e15F;       ///< stands for an infinite k: its square is a float
-
-layout::GatherParams paramsOf(const LightField& field, const EmittingLight& light, const LightVoxels& voxels,
-                              const glm::dvec3& weight, double k) {
-  layout::GatherParams params{};
-  params.dims = field.grid.dims;
-  params.weight = glm::vec3(weight * voxels.radianceScale);
-  params.openingRatio = std::min(float(k), kFarthest);
-  params.entryCount = int(voxels.tree->entryCount);
-  params.firstChannel = light.group * field.channels;  // group 0 where layers are by direction
-  return params;
-}
 
 int roundsFor(const VplTree& tree, Sectors sectors) {
   return int(tree.entryCount) * (sectors == Sectors::kNone ? 1 : layout::kSectorRounds);
@@ -38,6 +28,23 @@ int sectorsPerDispatch(const VplTree& tree, Sectors sectors) {
 int dispatchesFor(const VplTree& tree, Sectors sectors) { return roundsFor(tree, sectors) / layout::kMaxRounds + 1; }
 
 }  // namespace
+
+/// A light, as receivers gather it.
+struct Gatherer::Source {
+  const LightVoxels& voxels;
+  glm::dvec3 weight;  ///< of Palette
+  double k;
+  bool twoSided;
+  std::uint32_t blocks;  ///< of receivers
+  const gpu::Buffer* visibility;  ///< null where nothing stands in the way
+};
+
+/// Where a share of it goes.
+struct Gatherer::Target {
+  int layer;
+  double share;
+  Sectors sectors;
+};
 
 gpu::Defines Gatherer::Variant::defines() const {
   return {gpu::define("LPV_CHANNELS", channels), gpu::define("LPV_TEXTURED", textured),
@@ -61,49 +68,78 @@ GpuTask Gatherer::clear(LightField& field) {
   co_await fillChunked(field.emitterDistance, std::bit_cast<std::uint32_t>(layout::kFarFromVpls));
 }
 
+/// What is looked up of a light goes into the layers of its groups or the sectors', what is looked at into those apart.
+std::vector<Gatherer::Target> Gatherer::targetsOf(const EmittingLight& light, const LightField& field,
+                                                  Sectors sectors) {
+  std::vector<Target> targets;
+  const double moved = light.nextGroup == light.group ? 0.0 : light.moved;
+  const auto add = [&](int group, double share) {
+    if (share > 0.0) targets.push_back({group, share, sectors});
+  };
+  const double lookedAt = field.apart > 0 ? light.lookedAt : 0.0;
+  for (const auto& [first, share] : {std::pair(0, 1.0 - lookedAt), {field.lookedUpGroups(), lookedAt}}) {
+    add(first + light.group, share * (1.0 - moved));
+    add(first + light.nextGroup, share * moved);
+  }
+  return targets;
+}
+
+/// What one light sends into one layer, or into all sectors.
+GpuTask Gatherer::add(LightField& field, const Source& source, const Target& target, double& queued, Pacing pacing) {
+  const LightVoxels& voxels = source.voxels;
+  const bool byDirection = target.sectors != Sectors::kNone;
+  const int allSectors = byDirection ? layout::kSectors : 1;
+  layout::GatherParams params{};
+  params.dims = field.grid.dims;
+  params.weight = glm::vec3(target.share * voxels.radianceScale * source.weight);
+  params.openingRatio = std::min(float(source.k), kFarthest);
+  params.entryCount = int(voxels.tree->entryCount);
+  params.firstChannel = target.layer * field.channels;  // the first of the sectors where layers are by direction
+  gpu::Program& program = programs_.get({.channels = field.channels,
+                                         .textured = voxels.momentsPerCell > 1,
+                                         .twoSided = source.twoSided,
+                                         .sectors = target.sectors,
+                                         .shadowed = source.visibility != nullptr});
+  const double units = GatherWork{1.0, 1.0, std::sqrt(double(voxels.tree->entryCount)), byDirection}.units();
+  const int step = sectorsPerDispatch(*voxels.tree, target.sectors);
+  const int turns = dispatchesFor(*voxels.tree, target.sectors);
+  for (std::uint32_t first = 0; first < source.blocks;) {
+    const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
+    const std::uint32_t count =
+        std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, source.blocks - first);
+    params.firstBlock = first;
+    for (int dispatch = 0; dispatch < allSectors / step * turns; ++dispatch) {
+      params.turn = dispatch % turns;
+      params.firstSector = dispatch / turns * step;
+      params.sectorsEnd = params.firstSector + step;
+      params_.update(0, gpu::bytesOfValue(params));
+      bind(field, voxels);
+      if (source.visibility != nullptr) source.visibility->bindStorage(layout::kCellVisibility);
+      program.dispatch(count);
+      gpu::memoryBarrier();
+    }
+    first += count;
+    queued += count * units;
+    if (queued < 0.9 * pacing.unitsFor(Stage::kGather)) continue;
+    co_yield submitted(Stage::kGather, queued);
+    queued = 0.0;
+  }
+}
+
 GpuTask Gatherer::run(LightField& field, const std::vector<EmittingLight>& lights,
                       const std::vector<LightVoxelsPtr>& voxels, const Palette& palette, double k, Sectors sectors,
                       const ReceiverBlocks& blocks, const CellShadows* shadows, Pacing pacing) {
-  const bool byDirection = sectors != Sectors::kNone;
-  const int allSectors = byDirection ? layout::kSectors : 1;
-  const auto blockCount = std::uint32_t(blocks.size());
   field.receivers = gpu::Buffer("receiver blocks", gpu::bytesOf(std::span(blocks)));
   field.cursors = gpu::Buffer("cursors", blocks.size() * sizeof(glm::uvec2));
   double queued = 0.0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    const LightVoxels& light = *voxels[i];
-    if (light.tree->entryCount == 0) continue;
+    if (voxels[i]->tree->entryCount == 0) continue;
     const gpu::Buffer* visibility = nullptr;
     if (shadows != nullptr) co_await visibility_.run(field, lights, i, *shadows, visibility, pacing);
-    layout::GatherParams params = paramsOf(field, lights[i], light, palette.weights[i], k);
-    gpu::Program& program = programs_.get({.channels = field.channels,
-                                           .textured = light.momentsPerCell > 1,
-                                           .twoSided = lights[i].twoSided,
-                                           .sectors = sectors,
-                                           .shadowed = shadows != nullptr});
-    const double units = GatherWork{1.0, 1.0, std::sqrt(double(light.tree->entryCount)), byDirection}.units();
-    const int step = sectorsPerDispatch(*light.tree, sectors), turns = dispatchesFor(*light.tree, sectors);
-    for (std::uint32_t first = 0; first < blockCount;) {
-      const double room = std::max(0.0, pacing.unitsFor(Stage::kGather) - queued);
-      const std::uint32_t count =
-          std::clamp<std::uint32_t>(std::uint32_t(std::min(room / units, 60000.0)), 1, blockCount - first);
-      params.firstBlock = first;
-      for (int dispatch = 0; dispatch < allSectors / step * turns; ++dispatch) {
-        params.turn = dispatch % turns;
-        params.firstSector = dispatch / turns * step;
-        params.sectorsEnd = params.firstSector + step;
-        params_.update(0, gpu::bytesOfValue(params));
-        bind(field, light);
-        if (visibility != nullptr) visibility->bindStorage(layout::kCellVisibility);
-        program.dispatch(count);
-        gpu::memoryBarrier();
-      }
-      first += count;
-      queued += count * units;
-      if (queued < 0.9 * pacing.unitsFor(Stage::kGather)) continue;
-      co_yield submitted(Stage::kGather, queued);
-      queued = 0.0;
-    }
+    const Source source = {*voxels[i],         palette.weights[i],           k,
+                           lights[i].twoSided, std::uint32_t(blocks.size()), visibility};
+    const std::vector<Target> targets = targetsOf(lights[i], field, sectors);
+    for (const Target& target : targets) co_await add(field, source, target, queued, pacing);
   }
   co_yield submitted(Stage::kGather, queued);
 }

@@ -51,12 +51,17 @@ class Gatherer {
   GpuTask clear(LightField& field);
   /// Adds what the lights send to these blocks, which hold zeros, as SH of incident radiance to field.transported().
   /// `k`: the distance rule; infinite takes every VPL by itself. Each light goes into the layer of its group, or, with
-  /// `sectors`, what comes from each into that sector's. `shadows`: null where nothing stands in the way.
+  /// `sectors`, what comes from each into that sector's; what receivers look at of it into those apart.
+  /// `shadows`: null where nothing stands in the way.
   GpuTask run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
               const Palette& palette, double k, Sectors sectors, const ReceiverBlocks& blocks,
               const CellShadows* shadows, Pacing pacing);
 
  private:
+  struct Source;
+  struct Target;
+  static std::vector<Target> targetsOf(const EmittingLight& light, const LightField& field, Sectors sectors);
+  GpuTask add(LightField& field, const Source& source, const Target& target, double& queued, Pacing pacing);
   void bind(const LightField& field, const LightVoxels& voxels);
 
   struct Variant {

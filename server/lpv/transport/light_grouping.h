@@ -14,6 +14,8 @@ namespace lpv {
 struct Grouping {
   std::vector<int> groups;             ///< per light
   Sectors sectors = Sectors::kNone;    ///< layers by direction: all lights are in group 0
+  std::vector<int> next = {};          ///< what `groups` are to become; empty: nothing
+  double moved = 0.0;                  ///< share of each light that is there already
 
   bool operator==(const Grouping&) const = default;
 };
@@ -25,12 +27,13 @@ struct Grouped {
 };
 
 /// Puts each light into a layer by what the scene says: by hand, where any light names a group; by itself, where
-/// LightingSettings::groupsItself; else into one. Sets `group` of each light.
+/// LightingSettings::groupsItself; else into one. Sets `group`,
+/// `nextGroup` and `moved` of each light.
 /// By itself: the fewest groups, up to kMaxGroups, whose lookups differ from a lookup per light by no more than
 /// groupingGoal (scene/error_goal.h). Where no such groups are found, which more than kMostDealt lights are not looked
 /// through for, layers are by direction, in the way that differs least. `previous`, the grouping of the same lights in
-/// the last tick, stands while it differs by no more than twice the goal, or half as much again as what is found, so
-/// that lights that move do not change groups all the time.
+/// the last tick, gives way to finer groups bit by bit (Grouping::moved; MATHS.md 4.4); by direction it stands while it
+/// differs by no more than half as much again as what is found. So nothing jumps where lights move.
 Grouped groupLights(const Scene& scene, const CellBox& cells, std::vector<EmittingLight>& lights,
                     const Grouping& previous);
 

@@ -58,7 +58,8 @@ GpuTask VolumeMaker::run(LightField& field, const FieldBuffer& from, const Palet
   const bool near = toTextures && bool(field.textures->emitterDistance);
   gpu::Program& program = programs_.get({.channels = field.channels, .target = target, .emitterDistance = near});
   const double slabCells = double(dims.x) * double(dims.y);
-  for (int slab = 0; slab < dims.z * field.groups;) {
+  const int groupsWanted = toTextures ? field.lookedUpGroups() : field.groups;
+  for (int slab = 0; slab < dims.z * groupsWanted;) {
     const int group = slab / dims.z, z = slab % dims.z;
     const int slabs = std::clamp(int(pacing.unitsFor(Stage::kVolume) / slabCells), 1, dims.z - z);
     params.dims = dims;

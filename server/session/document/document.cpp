@@ -4,6 +4,7 @@
 
 #include "scene/error_goal.h"
 #include "scene/grid_choice.h"
+#include "scene/transport_choice.h"
 
 namespace lpv {
 namespace {
@@ -129,7 +130,48 @@ Status Document::checkAll(Rollback& rollback) {
   if (rollback.contentAdded) {
     if (Status s = refit(false, rollback); !s.ok()) return s;
   }
-  return sameWorkload(rollback) ? Status() : checkCost(options_, grid_);
+  if (!sameWorkload(rollback)) {
+    if (Status s = checkCost(options_, grid_); !s.ok()) return s;
+  }
+  correct(rollback);
+  if (rollback.contentAdded || rollback.contentRemoved || gridRevision_ == revision_) chooseTransportAnew();
+  return {};
+}
+
+/// Like the number of cells it stands while things move.
+void Document::chooseTransportAnew() {
+  if (options_.transport != Transport::kAuto) return;
+  chosen_ = chooseTransport(*snapshot()).transport;
+  snapshot_.reset();
+}
+
+LightingSettings Document::inForce() const {
+  LightingSettings out = resolved(options_);
+  if (options_.transport == Transport::kAuto) out.transport = chosen_;
+  return out;
+}
+
+bool Document::missesWhatIsWanted() const {
+  return measured_ && measured_->revision >= std::max(gridRevision_, contentRevision_) &&
+         measured_->low > wantedError(options_);
+}
+
+/// Refuses nothing: where more cells cannot be had, those in use stay.
+void Document::correct(const Rollback& rollback) {
+  if (rollback.contentAdded || rollback.contentRemoved || rollback.fitted) {
+    contentRevision_ = revision_;
+    return;
+  }
+  if (!choosesCells(options_.grid) || correctedRevision_ > contentRevision_ || !missesWhatIsWanted()) return;
+  const int cells = longestEdgeOf(grid_), wanted = cellsForMeasured(options_, cells, measured_->error);
+  if (wanted <= cells) return;
+  const Expected<GridChoice> choice = chooseGrid(*snapshot(), options_, wanted);
+  if (!choice || longestEdgeOf(choice->grid) <= cells || !checkCost(options_, choice->grid).ok()) return;
+  correction_ = {cells, measured_->error, longestEdgeOf(choice->grid)};
+  correctedRevision_ = revision_;
+  grid_ = choice->grid;
+  gridRevision_ = revision_;
+  snapshot_.reset();
 }
 
 void Document::rollBack(Rollback& rollback) {
@@ -210,7 +252,7 @@ Status Document::refit(bool always, const Rollback& rollback) {
       glm::all(glm::lessThanEqual(now.min, bounds.min)) && glm::all(glm::greaterThanEqual(now.max, bounds.max));
   const bool stands = options_.grid.hasBounds || (inside && gridRevision_ != 0);
   if (!always && stands && !(chooses && firstOfItsKind(rollback))) return {};
-  const Expected<GridChoice> choice = chooseGrid(*snapshot(), options_);
+  const Expected<GridChoice> choice = chooseGrid(*snapshot(), options_, leastCells());
   if (!choice) return choice.status();
   if (!(choice->grid == grid_)) {
     grid_ = choice->grid;
@@ -279,7 +321,8 @@ Status Document::setOptions(const LightingSettings& options) {
   Grid grid = grid_;
   std::uint64_t gridRevision = gridRevision_;
   const bool other = !(options.grid == options_.grid);
-  if (other || choosesOtherwise(options, options_)) {
+  const bool otherwise = other || choosesOtherwise(options, options_);
+  if (otherwise) {
     const Expected<GridChoice> fitted = chooseGrid(*snapshot(), options);
     if (!fitted) return fitted.status().within("settings.grid");
     if (other || longestEdgeOf(fitted->grid) != longestEdgeOf(grid)) {
@@ -291,8 +334,10 @@ Status Document::setOptions(const LightingSettings& options) {
   grid_ = grid;
   gridRevision_ = gridRevision;
   options_ = options;
+  if (otherwise) correction_.reset();
   optionsRevision_ = ++revision_;
   snapshot_.reset();
+  chooseTransportAnew();
   lastChange_ = Changes();
   lastChange_.revision = revision_;
   lastChange_.options = options_;
@@ -304,7 +349,7 @@ ScenePtr Document::snapshot() {
   if (snapshot_) return snapshot_;
   auto scene = std::make_shared<Scene>();
   scene->revision = revision_;
-  scene->options = resolved(options_);
+  scene->options = inForce();
   scene->grid = grid_;
   for (const auto& [name, light] : lights_) scene->lights.emplace_hint(scene->lights.end(), name, light.object);
   for (const auto& [name, surface] : surfaces_) {

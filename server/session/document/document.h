@@ -15,6 +15,7 @@
 
 #include "engine/engine.h"
 #include "scene/edits.h"
+#include "scene/grid_choice.h"
 #include "scene/scene.h"
 #include "session/document/blobs.h"
 #include "session/document/object_state.h"
@@ -49,6 +50,14 @@ struct Changes {
   std::optional<Grid> grid;
 };
 
+/// What selfCheck found last.
+struct MeasuredError {
+  double error = 0.0;  ///< raw relative L2 of irradiance
+  double low = 0.0;    ///< the interval that holds it with 95 %
+  double high = 0.0;
+  std::uint64_t revision = 0;
+};
+
 /// Everything a document comes back from.
 struct DocumentState {
   std::uint64_t revision = 0;
@@ -73,7 +82,7 @@ struct DocumentState {
 struct SceneUpdate {
   bool whole = true;  ///< everything that there is: begin from an empty scene
   std::uint64_t revision = 0;
-  LightingSettings options;  ///< as they are carried out (scene/error_goal.h)
+  LightingSettings options;  ///< as they are carried out (scene/error_goal.h, scene/transport_choice.h)
   Grid grid;
   std::map<std::string, LightPtr> lights;
   std::map<std::string, SurfacePtr> surfaces;
@@ -119,6 +128,13 @@ class Document {
   /// Applies every operation or none. On success the revision has risen by one and the names of the objects concerned
   /// are returned, one per operation. Errors name the operation ("operations[3].create_light.radiance").
   Expected<std::vector<std::string>> apply(const Edit& edit, const Blobs& blobs);
+
+  /// Where the session's light was measured with the grid in use, and all of the interval misses the wanted error, the
+  /// next edit makes a grid of more cells, where their number is left to the server. Once after each edit by which
+  /// objects come or go or the grid is fitted; never fewer cells again while the settings of the grid stand, so that it
+  /// does not go back and forth.
+  void noteMeasured(const std::optional<MeasuredError>& measured) { measured_ = measured; }
+  const std::optional<GridCorrection>& correction() const { return correction_; }
 
   /// Sets objects to what they once were: one revision, also where there are none. RESOURCE_EXHAUSTED, by name, where
   /// the session would exceed its limits.
@@ -232,6 +248,11 @@ class Document {
   std::string freeName(const std::string& wanted) const;
   bool exists(const Deleted& deleted) const;
   Status refit(bool always, const Rollback& rollback);
+  void correct(const Rollback& rollback);
+  bool missesWhatIsWanted() const;
+  void chooseTransportAnew();
+  LightingSettings inForce() const;
+  int leastCells() const { return correction_ ? correction_->least : 0; }
   bool firstOfItsKind(const Rollback& rollback) const;
   void noteChange(const Rollback& rollback);
   void updateViewScene(const Rollback& rollback);
@@ -253,6 +274,12 @@ class Document {
   std::uint64_t revision_ = 0;
   std::uint64_t optionsRevision_ = 0;
   std::uint64_t gridRevision_ = 0;
+  std::uint64_t contentRevision_ = 0;  ///< when objects last came or went, or the grid was fitted
+  std::uint64_t correctedRevision_ = 0;
+  Transport chosen_ =
+      Transport::kGather;  ///< where AUTO is asked for: when objects last came or went, and for the grid
+  std::optional<MeasuredError> measured_;
+  std::optional<GridCorrection> correction_;  ///< not kept: a grid that was corrected is
   Objects<Light> lights_;
   Objects<Surface> surfaces_;
   std::map<std::string, CameraEntry> cameras_;

@@ -1,6 +1,5 @@
 // A document as values: what an edit changed, and all of it.
 
-#include "scene/error_goal.h"
 #include "session/document/document.h"
 
 namespace lpv {
@@ -33,6 +32,7 @@ Document::Document(const DocumentState& state, const Limits& limits, MeshHasher 
   for (const DocumentState::Camera& camera : state.cameras) cameras_[camera.name] = {camera.camera, camera.revision};
   for (const auto& [name, light] : lights_) count(*light.object, 1);
   for (const auto& [name, surface] : surfaces_) count(*surface.object, 1);
+  chooseTransportAnew();
   setStage();
 }
 
@@ -92,7 +92,7 @@ SceneUpdate Document::takeUpdate() {
   SceneUpdate out = std::exchange(pending_, SceneUpdate());
   pending_.whole = false;
   out.revision = revision_;
-  out.options = resolved(options_);
+  out.options = inForce();
   out.grid = grid_;
   if (!out.whole) return out;
   for (const auto& [name, light] : lights_) out.lights.emplace_hint(out.lights.end(), name, light.object);

@@ -260,42 +260,94 @@ TEST_F(GroupingEngineTest, ALightThatCrossesBordersDoesNotJump) {
   RecordProperty("worst", std::to_string(worst));
 }
 
-// Two lights part until one group does not do for them. What the groups of before and after give differs by 3.2, 1.5
-// and .8 % of the largest at the worst of 1,000 points for three pairs: the goal of 1 % allows that. Broken by: points
-// of the grid alone, where .1 .. .2 of the largest are not seen.
-TEST_F(GroupingEngineTest, ARegroupingChangesLittle) {
-  for (const glm::dvec3& place : {glm::dvec3(-1.2, 1.2, 0.0), glm::dvec3(0.0, 1.5, 0.0)}) {
-    Grouping previous;
-    for (double by = 0.0; previous.groups.empty() || previous.groups.back() == 0; by += 0.01) {
-      ASSERT_LT(by, 1.0);
-      Scene scene = sceneWith({place + glm::dvec3(0.0, 0.0, by), place - glm::dvec3(0.0, 0.0, by)});
-      scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
-      for (auto& [name, light] : scene.lights) {
-        auto smaller = std::make_shared<Light>(*light);
-        smaller->transform.scale = glm::dvec3(0.2);
-        light = smaller;
-      }
-      const Grouping before = previous;
-      const GroupedScene now(scene, before);
-      previous = {now.groups, now.sectors};
-      if (before.groups.empty() || previous == before) continue;
-      const auto points = reference::objectReceivers(scene.grid, reference::emittersOf(scene).triangles, 1000);
-      std::vector<std::vector<glm::dvec3>> seen;
-      for (const std::vector<int>& groups : {before.groups, now.groups}) {
-        std::size_t i = 0;
-        for (auto& [name, light] : scene.lights) {
-          auto named = std::make_shared<Light>(*light);
-          named->group = "group " + std::to_string(groups[i++]);
-          light = named;
-        }
-        ++scene.revision;
-        seen.push_back(lookedUp(*volumeOf(scene), points));
-      }
-      const double worst = reference::errors(seen[0], seen[1]).worst;
-      RecordProperty(place.x < 0.0 ? "corner" : "middle", std::to_string(worst));
-      EXPECT_LE(worst, 0.04);
-    }
+/// Two spheres of .2 m, `by` metres on both sides of a place.
+Scene partedBy(const glm::dvec3& place, double by) {
+  Scene scene = sceneWith({place + glm::dvec3(0.0, 0.0, by), place - glm::dvec3(0.0, 0.0, by)});
+  scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
+  for (auto& [name, light] : scene.lights) {
+    auto smaller = std::make_shared<Light>(*light);
+    smaller->transform.scale = glm::dvec3(0.2);
+    light = smaller;
   }
+  return scene;
+}
+
+Scene withAGroupEach(Scene scene) {
+  for (auto& [name, light] : scene.lights) {
+    auto named = std::make_shared<Light>(*light);
+    named->group = name;
+    light = named;
+  }
+  return scene;
+}
+
+// Two lights part until each has a group: beside what changes with a group each all the time, none of 1,000 points
+// changes from step to step, a twelfth of a cell, by more than .5 % of the largest. Groups that changed at once did it
+// by 3.2 and .8 %. Broken by that; light that moves over in one tick; groups that give way only where they are off by
+// the goal.
+TEST_F(GroupingEngineTest, ARegroupingDoesNotJump) {
+  SessionKey session = 1;
+  for (const glm::dvec3& place : {glm::dvec3(-1.2, 1.2, 0.0), glm::dvec3(0.0, 1.5, 0.0)}) {
+    session += 2;
+    double worst = 0.0;
+    std::uint64_t revision = 0;
+    std::size_t layers = 1;
+    VolumePtr before, apartBefore;
+    for (double by = 0.0; by < 0.125; by += 0.01) {
+      Scene scene = partedBy(place, by);
+      scene.revision = ++revision;
+      const VolumePtr volume = volumeOf(scene, session), apart = volumeOf(withAGroupEach(scene), session + 1);
+      EXPECT_GE(volume->layers.size(), layers);
+      layers = volume->layers.size();
+      if (before != nullptr) {
+        auto emitters = reference::emittersOf(scene).triangles;
+        for (const auto& e : reference::emittersOf(partedBy(place, by - 0.01)).triangles) emitters.push_back(e);
+        const auto points = reference::objectReceivers(scene.grid, emitters, 1000);
+        const auto seen = lookedUp(*volume, points), seenApart = lookedUp(*apart, points);
+        const auto was = lookedUp(*before, points), wasApart = lookedUp(*apartBefore, points);
+        double largest = 0.0, jump = 0.0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          largest = std::max(largest, seenApart[i].x);
+          jump = std::max(jump, std::abs(seen[i].x - seenApart[i].x - was[i].x + wasApart[i].x));
+        }
+        worst = std::max(worst, jump / largest);
+      }
+      before = volume;
+      apartBefore = apart;
+    }
+    EXPECT_EQ(layers, 2U);
+    EXPECT_LE(worst, 0.005);
+    RecordProperty(place.x < 0.0 ? "corner" : "middle", std::to_string(worst));
+  }
+}
+
+// Broken by: light that never moves over, or not back.
+TEST(Grouping, LightMovesOverAndBack) {
+  Grouping grouping;
+  const auto at = [&grouping](double by) {
+    const Scene scene = partedBy({0.0, 1.5, 0.0}, by);
+    std::vector<EmittingLight> lights = emittingLights(scene, scene.grid, {});
+    groupLights(scene, cellsOf(scene), lights, grouping);
+    grouping = {groupsOf(lights)};
+    grouping.moved = lights[0].moved;
+    if (grouping.moved > 0.0) grouping.next = {lights[0].nextGroup, lights[1].nextGroup};
+  };
+  std::vector<double> moved;
+  for (double by = 0.0; grouping.groups != std::vector<int>{0, 1}; by += 0.004) {
+    ASSERT_LT(by, 1.0);
+    at(by);
+    moved.push_back(grouping.moved);
+    if (grouping.moved < 0.4) continue;
+    while (grouping.moved > 0.0 && by > 0.0) at(by -= 0.004);
+    EXPECT_EQ(grouping.groups, (std::vector<int>{0, 0})) << "back again";
+    EXPECT_TRUE(grouping.next.empty());
+    break;
+  }
+  EXPECT_GE(moved.size(), 3U);
+  for (std::size_t i = 1; i < moved.size(); ++i) EXPECT_LE(moved[i] - moved[i - 1], 0.35);
+  for (double by = 0.0; by < 0.2; by += 0.004) at(by);
+  EXPECT_EQ(grouping.groups, (std::vector<int>{0, 1}));
+  EXPECT_TRUE(grouping.next.empty());
 }
 
 // Broken by: an order that depends on addresses.

@@ -8,6 +8,7 @@
 
 #include "gpu/frame/light_views.h"
 #include "scene/lookup.h"
+#include "scene/small_lights.h"
 
 namespace lpv {
 namespace {
@@ -107,19 +108,6 @@ TEST_F(LightPlacesTest, ASmallLampOverALargeFloorIsLookedAt) {
   ASSERT_EQ(result.frames.size(), 1U);
   EXPECT_LE(test::relativeErrors(test::floorIrradiance(*result.frames[0], view), test::truthOn(scene, view)).raw, 1e-3);
   EXPECT_EQ(result.report.lightsVoxelized, 0U) << "nobody reads a volume";
-}
-
-// Broken by: a light too many, or one that is not small.
-TEST_F(LightPlacesTest, OnlyFewSmallPolygonsAreLookedAtEverywhere) {
-  const EmittingLight lamp = lightOf(reference::quad(), 0.3, {8, 8, 8});
-  EXPECT_TRUE(lookedAtEverywhere({lamp}));
-  EXPECT_TRUE(lookedAtEverywhere(std::vector<EmittingLight>(16, lamp)));
-  EXPECT_FALSE(lookedAtEverywhere(std::vector<EmittingLight>(17, lamp)));
-  EXPECT_FALSE(lookedAtEverywhere({lamp, lightOf(reference::quad(), 1.3, {8, 8, 8})}));
-  const EmittingLight bulb = lightOf(reference::sphere(), 0.1, {8, 8, 8});
-  EXPECT_TRUE(lookedAtEverywhere({bulb, bulb}));
-  EXPECT_FALSE(lookedAtEverywhere({bulb, bulb, bulb}));
-  EXPECT_FALSE(lookedAtEverywhere({}));
 }
 
 // From 3 cells above the floor: grazing light, which grows with the square of the height, is interpolated linearly.

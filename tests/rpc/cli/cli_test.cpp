@@ -97,6 +97,11 @@ TEST_F(Cli, SessionTransport) {
                     HasSubstr("\"lookup\":\"LOOKUP_SH2\"")));
   EXPECT_EQ(lpvctlOut({"session", "set", id_, "--transport", "direct", "--lookup", "nearest"}), "");
   EXPECT_THAT(lpvctlOut({"session", "show", id_}), AllOf(HasSubstr("TRANSPORT_DIRECT"), HasSubstr("LOOKUP_NEAREST")));
+  EXPECT_EQ(lpvctlOut({"session", "set", id_, "--transport", "auto", "--lookup", "cap"}), "");
+  EXPECT_THAT(
+      lpvctlOut({"session", "show", id_}),
+      AllOf(HasSubstr("TRANSPORT_AUTO"), HasSubstr("Transport GATHER: the scene gives nothing to predict from")));
+  EXPECT_EQ(lpvctlOut({"session", "set", id_, "--transport", "direct", "--lookup", "nearest"}), "");
   const Outcome refused = lpvctl({"session", "set", id_, "--injection", "count"});
   EXPECT_EQ(refused.exit, 1);
   EXPECT_THAT(refused.err, HasSubstr("transport PROPAGATE"));

@@ -108,6 +108,8 @@ INSTANTIATE_TEST_SUITE_P(
                                   pb::LOOKUP_CAP, "gather"},
                       Transported{"Direct", [](auto* s) { s->set_transport(pb::TRANSPORT_DIRECT); },
                                   pb::TRANSPORT_DIRECT, pb::INJECTION_FLUX, pb::LOOKUP_CAP, "direct"},
+                      Transported{"Auto", [](auto* s) { s->set_transport(pb::TRANSPORT_AUTO); }, pb::TRANSPORT_AUTO,
+                                  pb::INJECTION_FLUX, pb::LOOKUP_CAP, "gather"},
                       Transported{"Propagate", [](auto* s) { s->set_transport(pb::TRANSPORT_PROPAGATE); },
                                   pb::TRANSPORT_PROPAGATE, pb::INJECTION_COUNT, pb::LOOKUP_SH2, "propagate"},
                       Transported{"Count", [](auto* s) { s->set_injection(pb::INJECTION_COUNT); },

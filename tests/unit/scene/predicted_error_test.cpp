@@ -16,6 +16,7 @@
 #include "scene/forecast.h"
 #include "scene/grid_choice.h"
 #include "scene/lookup.h"
+#include "scene/small_lights.h"
 
 namespace lpv {
 namespace {
@@ -61,14 +62,15 @@ std::vector<reference::Emitter> emittersOf(const Scene& scene, const Light& ligh
       .triangles;
 }
 
-/// The exact field at a centre, trilinear, one cap; and the lights themselves near them.
+/// The exact field at a centre, trilinear, one cap; and the lights themselves near them, and where they are small.
 glm::dvec3 emulated(const Scene& scene, const std::vector<reference::Emitter>& light, const glm::dvec3& p,
                     const glm::dvec3& n, double distance) {
   const glm::dvec3 truth = reference::irradianceOf(light, p, n);
   const glm::dvec3 g = scene.grid.gridFromWorld(p) - 0.5;
   if (glm::any(glm::lessThan(g, glm::dvec3(0.0))) || glm::any(glm::greaterThan(g, glm::dvec3(scene.grid.dims - 1))))
     return truth;
-  const double far = glm::smoothstep(kNearFieldBegin, kNearFieldEnd, distance / scene.grid.cell);
+  const double lookedAt = lookedAtShares(lightSizes(scene, scene.grid)).front();
+  const double far = (1.0 - lookedAt) * glm::smoothstep(kNearFieldBegin, kNearFieldEnd, distance / scene.grid.cell);
   glm::dvec3 got(0.0);
   std::array<reference::Coefficients, 3> sum{};
   for (int corner = 0; corner < 8; ++corner) {
@@ -343,6 +345,15 @@ TEST(Forecast, SaysTheChoiceAndWhy) {
   EXPECT_NE(stale.find("fitted now it would have 16"), std::string::npos) << stale;
   moved.lights.clear();
   EXPECT_NE(forecast(moved, {}).choice.find("nothing to predict from"), std::string::npos);
+}
+
+// Broken by: a correction that is not said; one said of another grid.
+TEST(Forecast, SaysWhatWasMeasured) {
+  const Scene scene = fittedTo(lampOverFloor(0.5, 1.5, 20.0), 48);
+  const GridCorrection correction = {32, 0.034, 48};
+  EXPECT_EQ(forecast(scene, {}, correction).choice.find("48 cells along the longest edge: measured 3.4 % with 32"), 0U)
+      << forecast(scene, {}, correction).choice;
+  EXPECT_EQ(forecast(fittedTo(scene, 32), {}, correction).choice.find("measured"), std::string::npos);
 }
 
 // Broken by: DIRECT's table for polygons.

@@ -91,5 +91,77 @@ TEST_F(ChosenGridTest, FollowsTheSceneWithinGivenBoundsToo) {
   EXPECT_EQ(after({FitGrid{}}).bounds(), options.grid.bounds);
 }
 
+class CorrectedGridTest : public ChosenGridTest {
+ protected:
+  /// A measurement of the document as it is.
+  void measure(double error, double low) {
+    chosen_.noteMeasured(MeasuredError{error, low, 2.0 * error - low, chosen_.revision()});
+  }
+  Grid moved(double height) { return after({moveLight("Lamp", {0, height, 0})}); }
+
+  Grid made_ = after({lampAt({0, 2, 0}), floor()});
+};
+
+// Broken by: a measurement that changes nothing; more than one correction for one content; one after the next content
+// that is taken from before it.
+TEST_F(CorrectedGridTest, MoreCellsWhereTheMeasuredErrorIsTooLarge) {
+  measure(0.02, 0.015);
+  const Grid corrected = moved(2.01);
+  EXPECT_GT(corrected.dims.x, made_.dims.x);
+  ASSERT_TRUE(chosen_.lastChange().grid.has_value()) << "whoever watches is told, with the revision";
+  EXPECT_EQ(*chosen_.lastChange().grid, corrected);
+  ASSERT_TRUE(chosen_.correction().has_value());
+  EXPECT_EQ(chosen_.correction()->missed, made_.dims.x);
+  EXPECT_EQ(chosen_.correction()->error, 0.02);
+  EXPECT_EQ(chosen_.correction()->least, corrected.dims.x);
+  measure(0.02, 0.015);
+  EXPECT_EQ(moved(2.02), corrected) << "once for one content";
+  CreateSurface other = floor();
+  other.name = "Other";
+  EXPECT_EQ(after({other}).dims.x, corrected.dims.x);
+  EXPECT_EQ(moved(2.03).dims.x, corrected.dims.x) << "that was measured before the content changed";
+  measure(0.02, 0.015);
+  EXPECT_GT(moved(2.04).dims.x, corrected.dims.x);
+}
+
+// Broken by: fewer cells where a measurement is good; a fit that forgets the correction; settings that do not.
+TEST_F(CorrectedGridTest, DoesNotGoBackAndForth) {
+  measure(0.02, 0.015);
+  const int corrected = moved(2.01).dims.x;
+  measure(0.0001, 0.00005);
+  EXPECT_EQ(moved(2.02).dims.x, corrected);
+  EXPECT_EQ(after({FitGrid{}}).dims.x, corrected);
+  measure(0.0001, 0.00005);
+  EXPECT_EQ(moved(2.0).dims.x, corrected);
+  EXPECT_TRUE(chosen_.setOptions(automatic(0.03)).ok());
+  EXPECT_EQ(chosen_.grid().dims.x, 16);
+  EXPECT_FALSE(chosen_.correction().has_value());
+}
+
+// Broken by: the error alone, whatever its interval; a measurement of another grid; cells that a client asked for.
+TEST_F(CorrectedGridTest, StandsWhereNothingIsKnownToBeWrong) {
+  measure(0.02, 0.009);
+  EXPECT_EQ(moved(2.01), made_) << "the interval holds what is wanted";
+  chosen_.noteMeasured(MeasuredError{0.02, 0.015, 0.025, 0});
+  EXPECT_EQ(moved(2.02), made_) << "from before the grid was there";
+  LightingSettings given = automatic(0.01);
+  given.grid.automatic = false;
+  given.grid.longest = 16;
+  ASSERT_TRUE(chosen_.setOptions(given).ok());
+  measure(0.02, 0.015);
+  EXPECT_EQ(moved(2.03).dims.x, 16);
+}
+
+// Broken by: a correction that makes an edit too dear, and the edit refused.
+TEST_F(CorrectedGridTest, IsLeftOutWhereItCostsTooMuch) {
+  chosen_.predictWith([this](const Workload& work) {
+    Prediction tick;
+    tick.seconds = work.cells > double(made_.cells()) ? 2.0 * limits_.maxTickSeconds : 0.0;
+    return tick;
+  });
+  measure(0.02, 0.015);
+  EXPECT_EQ(moved(2.01), made_);
+}
+
 }  // namespace
 }  // namespace lpv

@@ -62,6 +62,33 @@ TEST_F(SceneCopyTest, FollowsEveryKindOfEdit) {
   expectSame();
 }
 
+// Red when AUTO was carried out as GATHER whatever the scene; when a moving light chose anew.
+TEST_F(SceneCopyTest, HasTheTransportThatTheSceneAsksFor) {
+  LightingSettings options;
+  options.transport = Transport::kAuto;
+  options.followTransport();
+  options.grid.longest = 8;
+  options.grid.hasBounds = true;
+  options.grid.bounds = {glm::dvec3(-20.0), glm::dvec3(20.0)};
+  ASSERT_TRUE(document_.setOptions(options).ok());
+  expectSame();
+  EXPECT_EQ(copy_.scene()->options.transport, Transport::kGather);
+  CreateLight large = std::get<CreateLight>(test::createLight("a"));
+  large.fields.transform.scale = glm::dvec3(5.0);
+  apply({large});
+  expectSame();
+  EXPECT_EQ(copy_.scene()->options.transport, Transport::kDirect);
+  EXPECT_EQ(document_.options().transport, Transport::kAuto);
+  Document again(document_.state(), limits_, test::nameOfContent);
+  EXPECT_EQ(again.snapshot()->options.transport, Transport::kDirect);
+  apply({test::moveLight("a", glm::dvec3(0.0, 300.0, 0.0))});
+  expectSame();
+  EXPECT_EQ(copy_.scene()->options.transport, Transport::kDirect);
+  apply({DeleteLight{"a"}});
+  expectSame();
+  EXPECT_EQ(copy_.scene()->options.transport, Transport::kGather);
+}
+
 // Many names while nobody takes an update: the next update is the whole scene, and no name that is gone is held.
 // Red when notePending kept names without end.
 TEST_F(SceneCopyTest, TakesTheWholeAfterMoreNamesThanThereAreObjects) {
