@@ -1,5 +1,6 @@
 """A real lpvd on the loopback, for tests. LPVD_PATH is its binary."""
 
+import faulthandler
 import os
 import pathlib
 import shutil
@@ -69,6 +70,12 @@ def lamp_at(x):
     return scene.change_light("lamp", translation=(x, 2, 0))
 
 
+def end_a_hang(test):
+    """A test that waits for what never comes says where, and fails."""
+    faulthandler.dump_traceback_later(2 * PATIENCE, exit=True)
+    test.addCleanup(faulthandler.cancel_dump_traceback_later)
+
+
 class OnServer(unittest.TestCase):
     """One server for a class of tests, a session with a lamp for each of them."""
 
@@ -81,6 +88,7 @@ class OnServer(unittest.TestCase):
         cls.addClassCleanup(cls.server.close)
 
     def setUp(self):
+        end_a_hang(self)
         self.client = lpv.connect(self.server.address, timeout=PATIENCE)
         self.addCleanup(self.client.close)
         self.session = self.client.create_session(grid=20)

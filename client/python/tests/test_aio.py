@@ -8,11 +8,12 @@ import numpy as np
 import lpv
 from lpv import aio, scene
 from lpv.v1 import scene_pb2
-from server import PATIENCE, Server, lamp_at, room
+from server import PATIENCE, Server, end_a_hang, lamp_at, room
 
 
 class Coroutines(unittest.IsolatedAsyncioTestCase):
     async def asyncSetUp(self):
+        end_a_hang(self)
         asyncio.get_running_loop().set_debug(False)  # else every start of a server is reported as slow
         self.server = Server(state=True)
         self.addCleanup(self.server.close)
@@ -122,6 +123,7 @@ class TwoCredits(unittest.IsolatedAsyncioTestCase):
     # What volume.proto says of `credits`: both results are relative to one that was acknowledged before. Broken by a
     # client that keeps the newest result only: every second delta is one to a base it has dropped.
     async def test_both_results_in_flight_are_relative_to_an_acknowledged_one(self):
+        end_a_hang(self)
         asyncio.get_running_loop().set_debug(False)
         server = Server("--max-tick-rate", "60")
         self.addCleanup(server.close)

@@ -10,7 +10,7 @@ import numpy as np
 
 import lpv
 from lpv import scene
-from server import PATIENCE, OnServer, Server, lamp_at, room
+from server import PATIENCE, OnServer, Server, end_a_hang, lamp_at, room
 
 
 class Edits(OnServer):
@@ -98,6 +98,7 @@ class Interrupted(unittest.TestCase):
     """A server that keeps its state and is killed."""
 
     def setUp(self):
+        end_a_hang(self)
         self.server = Server(state=True)
         self.addCleanup(self.server.close)
         self.client = lpv.connect(self.server.address, timeout=PATIENCE)

@@ -7,9 +7,10 @@ import numpy as np
 import PIL.Image
 
 import lpv
+import lpv.decode
 from lpv import scene
 from lpv.v1 import result_pb2, scene_pb2, volume_pb2
-from server import PATIENCE, OnServer, Server, lamp_at, room
+from server import PATIENCE, OnServer, Server, end_a_hang, lamp_at, room
 
 
 def furthest(truth, held):
@@ -59,6 +60,24 @@ class Volumes(OnServer):
             volumes.request_key_frame()
             editor.apply(lamp_at(1))
             self.assertEqual(next(volumes).header.base_result_id, 0)
+
+    # Broken by asking for one key frame after the other.
+    def test_a_key_frame_that_cannot_be_read_is_told(self):
+        self.lit()
+        volumes = self.session.volumes("half")
+        next(volumes)
+        volumes.request_key_frame()
+        shape = lpv.decode.Shape.of
+        self.addCleanup(setattr, lpv.decode.Shape, "of", staticmethod(shape))
+
+        def unknown(header):
+            header.coefficients = 9
+            return shape(header)
+
+        lpv.decode.Shape.of = staticmethod(unknown)
+        with self.assertRaisesRegex(lpv.Malformed, "9 coefficients"):
+            next(volumes)
+        self.assertEqual(list(volumes), [])
 
     def test_a_region_has_its_bricks_and_no_others(self):
         self.lit()
@@ -112,6 +131,7 @@ class Volumes(OnServer):
 class Survival(unittest.TestCase):
     # Broken by results of the epoch before that are still taken, and by a stream that is not opened again.
     def test_streams_go_on_behind_a_server_that_was_killed(self):
+        end_a_hang(self)
         server = Server(state=True)
         self.addCleanup(server.close)
         with lpv.connect(server.address, timeout=PATIENCE) as client:
@@ -157,6 +177,7 @@ class Frames(OnServer):
             first = next(frames)
             self.assertEqual(first.header.camera_sequence, 1)
             sequence = frames.set_camera(scene.camera((0, 6, 0.1), (0, 0, 0)))
+            self.assertEqual(sequence, 2)
             second = next(frame for frame in frames if frame.header.camera_sequence == sequence)
             self.assertGreater(np.abs(second.array.astype(int) - first.array).max(), 20)
             frames.set_size(80, 60)
@@ -177,9 +198,9 @@ class Notebook(OnServer):
         self.assertEqual((picture.format, picture.height), ("PNG", 240))
         z, y, x, _ = volume.fluence().shape
         seen_along_z = np.asarray(picture)[:, :240 * x // y].sum(axis=2)
-        row, column = np.unravel_index(seen_along_z.argmax(), seen_along_z.shape)
-        self.assertGreater(column / seen_along_z.shape[1], 0.55)  # the lamp is on the right
-        self.assertLess(row / seen_along_z.shape[0], 0.5)  # and above
+        rows, columns = np.nonzero(seen_along_z > 0.98 * seen_along_z.max())
+        self.assertGreater(columns.mean() / seen_along_z.shape[1], 0.6)  # the lamp is on the right
+        self.assertLess(rows.mean() / seen_along_z.shape[0], 0.5)  # and above
         self.assertIn("revision", repr(volume))
 
     # The fluence of a volume against what is asked of the server at the same places.

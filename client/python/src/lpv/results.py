@@ -125,9 +125,12 @@ class VolumeParts:
         self._held: dict[int, State] = {}
         self._decoder: Decoder | None = None
         self._next = self._bytes = 0
+        #: what comes now is a key frame, complete by itself
+        self.whole = False
 
     def add(self, part: volume_pb2.VolumePart) -> Volume | None:
-        """The volume where this was its last part. Malformed where the result is of no use: ask for a key frame."""
+        """The volume where this was its last part. Malformed where the result is of no use: ask for a key frame, unless it
+        was one."""
         try:
             return self._add(part)
         except Malformed:
@@ -136,6 +139,7 @@ class VolumeParts:
 
     def _add(self, part: volume_pb2.VolumePart) -> Volume | None:
         if part.HasField("header"):
+            self.whole = part.header.base_result_id == 0
             self._decoder = Decoder(part.header, self._base(part.header.base_result_id))
             self._next = self._bytes = 0
         decoder = self._decoder

@@ -117,6 +117,9 @@ class _Results(_Watch, Generic[R]):
             result: R | None = self._parts.add(part)
         except Malformed:
             self.faults += 1
+            if getattr(self._parts, "whole", False):  # nothing better will come: a format that is not known here
+                self.close()
+                raise
             self._acknowledge(part.result_id, request_key_frame=True)
             return None
         if result is None:
