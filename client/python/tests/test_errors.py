@@ -1,5 +1,7 @@
 """Refusals carry code, field and reason; access tokens; sessions as files."""
 
+import subprocess
+import tempfile
 import unittest
 
 import lpv
@@ -57,8 +59,6 @@ class Refusals(OnServer):
 
 class Tokens(unittest.TestCase):
     def setUp(self):
-        import tempfile
-
         file = tempfile.NamedTemporaryFile("w", suffix=".token")
         self.addCleanup(file.close)
         file.write(ADMIN + "\n")
@@ -97,6 +97,28 @@ class Tokens(unittest.TestCase):
         self.assertEqual(self.refusal(viewer.info), "UNAUTHENTICATED")
         self.assertEqual(self.refusal(self.session_of("").info), "UNAUTHENTICATED")
         self.assertEqual(len(owner.tokens()), 1)
+
+
+class Tls(unittest.TestCase):
+    # Broken by a connection in plain text, and by certificates of anybody.
+    def test_a_server_is_believed_by_its_authority(self):
+        with tempfile.TemporaryDirectory() as folder:
+            key, certificate = f"{folder}/key", f"{folder}/certificate"
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes",
+                            "-keyout", key, "-out", certificate, "-days", "1", "-subj", "/CN=localhost",
+                            "-addext", "subjectAltName=IP:127.0.0.1"], check=True, capture_output=True)
+            server = Server("--tls-cert", certificate, "--tls-key", key)
+            self.addCleanup(server.close)
+            with lpv.connect(server.address, ca=certificate, timeout=PATIENCE) as client:
+                session = client.create_session(grid=8)
+                session.apply(*room())
+                self.assertEqual(next(session.volumes()).revision, 1)
+            for stranger in (lpv.connect(server.address, tls=True, timeout=5), lpv.connect(server.address, timeout=5)):
+                with stranger, self.assertRaises(lpv.Error) as caught:
+                    stranger.info()
+                self.assertEqual(caught.exception.code.name, "UNAVAILABLE")
+            with self.assertRaisesRegex(ValueError, "give both or none"):
+                lpv.connect(server.address, certificate=certificate)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Volumes and frames as streams: deltas in every format, credit, recovery, and what the wire's comments say."""
 
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -109,6 +110,17 @@ class Volumes(OnServer):
                 self.session.volume()  # a tick of its own for each
             self.assertEqual(next(volumes).revision, editor.revision)
             self.assertEqual(volumes.watch.results, 2)
+
+    # Broken by a stream that stays open behind a loop that was left.
+    def test_a_loop_that_is_left_ends_its_stream(self):
+        self.lit()
+        for _ in self.session.volumes():
+            self.assertEqual(self.session.info().subscriber_count, 1)
+            break
+        end = time.monotonic() + PATIENCE
+        while self.session.info().subscriber_count:
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
 
     def test_closing_wakes_who_waits(self):
         self.lit()

@@ -151,6 +151,9 @@ class _Iterated(Generic[A, T]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def __del__(self) -> None:
+        self.close()  # of a loop that was left
+
     def close(self) -> None:
         """Ends the iteration, also one that waits in another thread."""
         self.watch.close()  # type: ignore[attr-defined]

@@ -54,7 +54,7 @@ class Editor:
         self.revision = 0
         #: times that the stream of edits was opened again
         self.reopened = 0
-        #: why edits were refused, in order
+        #: why edits were refused, in order; those beyond max_edits_per_second, too
         self.refused: list[errors.Error] = []
         self._lock = threading.Lock()
         self._unanswered: collections.OrderedDict[int, tuple[scene_pb2.Edit, Pending]] = collections.OrderedDict()

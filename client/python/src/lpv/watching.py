@@ -69,6 +69,7 @@ class _Watch:
             if not self._closed:
                 self.reopened += 1
                 await self._transport.sleep(self._pause.seconds())
+        self.close()  # the stream, where another thread has closed this while it was opened
         raise StopAsyncIteration
 
 
