@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drags a lamp through a room on an lpvd and watches the light follow: see README.md beside this. pip install client/python"""
+"""Drags a lamp through a room on an lpvd and watches the light follow. pip install ./client/python"""
 
 import argparse
 import threading
@@ -19,8 +19,8 @@ below = [(-1.5, 0, 0), (1.5, 0, 0)]
 with lpv.connect(given.server) as client:
     session = client.create_session()
     with session.join("dragger") as editor, session.volumes("half") as volumes:
-        editor.apply(scene.surface("floor", scene.quad(6)), scene.light(
-            "lamp", scene.quad(0.5), radiance=(20, 18, 14), translation=(-1.5, 2, 0), rotation=(1, 0, 0, 0)), scene.fit_grid())
+        lamp = scene.light("lamp", scene.quad(0.5), radiance=(20, 18, 14), translation=(-1.5, 2, 0), rotation=(1, 0, 0, 0))
+        editor.apply(scene.surface("floor", scene.quad(6)), lamp, scene.fit_grid())
         seen = []
         threading.Thread(target=lambda: seen.extend(volumes), daemon=True).start()
         steps = max(1, int(given.seconds * 60))
@@ -28,11 +28,15 @@ with lpv.connect(given.server) as client:
             editor.send(scene.change_light("lamp", translation=(-1.5 + 3 * step / steps, 2, 0)), undo_group="drag")
             time.sleep(1 / 60)
         editor.drain(60)
-        print(f"{steps} edits acknowledged, {len(editor.refused)} refused, {editor.reopened} reconnections, revision {editor.revision}")
+        print(f"{steps} edits acknowledged, {len(editor.refused)} refused, {editor.reopened} reconnections, "
+              f"revision {editor.revision}")
         light = session.volume().fluence()[..., 1] ** 4  # the fourth power: where it is brightest
         x = np.average(session.volume().centres()[0], weights=light.sum(axis=(0, 1)))
-        print(f"{len(seen)} volumes, {sum(one.received_bytes for one in seen) / 1024:.0f} KiB; brightest at x = {x:.2f} m")
-        print("floor at the drag's start {:.3f}, at its end {:.3f} W/m^2".format(*session.probe(below).irradiance[:, 1]))
+        kib = sum(volume.received_bytes for volume in seen) / 1024
+        print(f"{len(seen)} volumes, {kib:.0f} KiB; brightest at x = {x:.2f} m")
+        left, right = session.probe(below).irradiance[:, 1]
+        print(f"floor at the drag's start {left:.3f}, at its end {right:.3f} W/m^2")
         editor.undo()
-        print("after undo {:.3f} and {:.3f} W/m^2".format(*session.probe(below).irradiance[:, 1]))
+        left, right = session.probe(below).irradiance[:, 1]
+        print(f"after undo {left:.3f} and {right:.3f} W/m^2")
     session.delete()

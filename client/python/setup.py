@@ -20,7 +20,8 @@ PROTOC = "3.21"  # pyproject.toml's range of protobuf is that of this release
 def tool(name):
     path = shutil.which(name)
     if path is None:
-        raise SystemExit(f"{name} is not on the PATH; on Debian 12: apt-get install protobuf-compiler protobuf-compiler-grpc")
+        raise SystemExit(f"{name} is not on the PATH; on Debian 12: apt-get install protobuf-compiler "
+                         "protobuf-compiler-grpc")
     return path
 
 
@@ -29,8 +30,8 @@ def checked_protoc():
     said = subprocess.run([protoc, "--version"], capture_output=True, text=True, check=True).stdout
     version = re.search(r"(\d+\.\d+)", said)
     if version is None or version[1] != PROTOC:
-        raise SystemExit(f"{protoc} is \"{said.strip()}\"; the stubs are made by protoc {PROTOC}: those of another release "
-                         "run with another range of protobuf than pyproject.toml names")
+        raise SystemExit(f"{protoc} is \"{said.strip()}\"; the stubs are made by protoc {PROTOC}: those of another "
+                         "release run with another range of protobuf than pyproject.toml names")
     return protoc
 
 

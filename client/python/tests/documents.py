@@ -1,13 +1,12 @@
-"""What proto/wire/COMPACT.md states, for tests. LPV_COMPACT_MD is the page's path, else it is that of a checkout."""
+"""What proto/wire/COMPACT.md states, for tests."""
 
-import os
 import pathlib
 
 import numpy as np
 
 from lpv.v1 import volume_pb2
 
-PAGE = pathlib.Path(os.environ.get("LPV_COMPACT_MD") or pathlib.Path(__file__).resolve().parents[3] / "proto/wire/COMPACT.md")
+PAGE = pathlib.Path(__file__).resolve().parents[3] / "proto" / "wire" / "COMPACT.md"
 
 
 def fenced(name):
@@ -41,8 +40,9 @@ class Result:
             self.checksum = int(rest[0], 16)
 
     def header(self, dims, base):
-        out = volume_pb2.VolumeHeader(coefficients=4, format=volume_pb2.VOLUME_FORMAT_COMPACT, brick_edge=8, part_count=1,
-                                      compression=volume_pb2.PAYLOAD_COMPRESSION_NONE, base_result_id=base)
+        out = volume_pb2.VolumeHeader(coefficients=4, format=volume_pb2.VOLUME_FORMAT_COMPACT, brick_edge=8,
+                                      part_count=1, compression=volume_pb2.PAYLOAD_COMPRESSION_NONE,
+                                      base_result_id=base)
         out.grid.dims.x, out.grid.dims.y, out.grid.dims.z = dims
         out.grid.cell_size = 1.0
         for scale in self.scales:

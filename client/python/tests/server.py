@@ -32,8 +32,8 @@ class Server:
         told = self.folder / "port"
         told.unlink(missing_ok=True)
         with open(self.folder / "log", "ab") as log:
-            self.process = subprocess.Popen([*self.arguments, "--listen", f"127.0.0.1:{self.port}", "--port-file", str(told)],
-                                            stdout=log, stderr=log)
+            listen = ["--listen", f"127.0.0.1:{self.port}", "--port-file", str(told)]
+            self.process = subprocess.Popen([*self.arguments, *listen], stdout=log, stderr=log)
         end = time.monotonic() + PATIENCE
         while not (told.exists() and told.read_text().strip()):
             if self.process.poll() is not None or time.monotonic() > end:
@@ -59,11 +59,11 @@ class Server:
         shutil.rmtree(self.folder)
 
 
-def room(grid_edits=True):
+def room(fitted=True):
     """A floor, and a lamp 2 m above it that shines down (half a turn about x)."""
-    operations = [scene.surface("floor", scene.quad(6)),
-                  scene.light("lamp", scene.quad(0.5), radiance=(20, 18, 14), translation=(-1.5, 2, 0), rotation=(1, 0, 0, 0))]
-    return [*operations, scene.fit_grid()] if grid_edits else operations
+    lamp = scene.light("lamp", scene.quad(0.5), radiance=(20, 18, 14), translation=(-1.5, 2, 0), rotation=(1, 0, 0, 0))
+    operations = [scene.surface("floor", scene.quad(6)), lamp]
+    return [*operations, scene.fit_grid()] if fitted else operations
 
 
 def lamp_at(x):
@@ -107,6 +107,6 @@ class OnServer(unittest.TestCase):
     def assertRefused(self, code, call, *arguments, field="", reason="", **named):
         with self.assertRaises(lpv.Error) as caught:
             call(*arguments, **named)
-        self.assertEqual((caught.exception.code.name, caught.exception.field, caught.exception.reason), (code, field, reason),
-                         caught.exception.message)
-        return caught.exception
+        error = caught.exception
+        self.assertEqual((error.code.name, error.field, error.reason), (code, field, reason), error.message)
+        return error

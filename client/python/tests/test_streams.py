@@ -21,7 +21,8 @@ def furthest(truth, held):
 
 
 class Volumes(OnServer):
-    FORMATS = {"float": 0.0, "half": 2.0**-10, "compact": 0.02}  # how far from the truth, COMPACT.md 4 and half's precision
+    # How far a cell may be from the truth: not at all; by half's precision; by COMPACT.md 4, once for each of two.
+    FORMATS = {"float": 0.0, "half": 2.0**-10, "compact": 0.02}
 
     # Broken by: a delta added to the newest result instead of its base; planes predicted along another axis.
     def test_deltas_add_up_to_what_get_volume_has(self):

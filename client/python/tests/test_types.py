@@ -15,8 +15,9 @@ INSTALLED = pathlib.Path(lpv.__file__).resolve().parent
 
 class Types(unittest.TestCase):
     def mypy(self, *arguments, cwd):
-        run = subprocess.run([sys.executable, "-m", "mypy", "--config-file", HERE / "mypy.ini", "--cache-dir", os.devnull,
-                              *arguments], cwd=cwd, capture_output=True, text=True, check=False)
+        options = ["--config-file", HERE / "mypy.ini", "--cache-dir", os.devnull]
+        command = [sys.executable, "-m", "mypy", *options, *arguments]
+        run = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
         return run.returncode, run.stdout + run.stderr
 
     def test_the_package_is_strictly_typed(self):

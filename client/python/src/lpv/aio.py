@@ -1,5 +1,5 @@
-"""The client as coroutines: `async with lpv.aio.connect(...)`. lpv.blocking has the same for programs without an event loop,
-over the same code."""
+"""The client as coroutines: `async with lpv.aio.connect(...)`. lpv.blocking has the same for programs without an event
+loop, over the same code."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from lpv.v1 import blob_pb2, geometry_pb2, result_pb2, scene_pb2, server_pb2, se
 from lpv.watching import FrameStream, SceneStream, VolumeStream
 
 __all__ = ["Client", "Editor", "FrameStream", "Pending", "SceneStream", "Session", "VolumeStream", "connect"]
-PART = 1 << 20
+PART = 1 << 19  # a message, with what is around its data, is at most 1 MiB
 _MAX_POINTS = 16384
 
 
 def connect(address: str = "localhost:50051", *, token: str = "", token_file: str = "", tls: bool = False, ca: str = "",
             certificate: str = "", key: str = "", timeout: float = 30.0) -> Client:
-    """A connection, made inside a running event loop; the first call uses the network. With `tls`, or files of an authority
-    (`ca`) or of the client (`certificate` and `key`), over TLS; `ca` left out: the authorities that gRPC brings along.
-    `timeout`: of one call, seconds."""
+    """A connection, made inside a running event loop; the first call uses the network. With `tls`, or files of an
+    authority (`ca`) or of the client (`certificate` and `key`), over TLS; `ca` left out: the authorities that gRPC
+    brings along. `timeout`: of one call, seconds."""
     secure = tls or ca or certificate or key
     channel = (grpc.aio.secure_channel(address, credentials(ca, certificate, key), options=OPTIONS) if secure
                else grpc.aio.insecure_channel(address, options=OPTIONS))
@@ -121,8 +121,9 @@ class Session:
 
     async def export(self) -> bytes:
         """Scene, geometry and settings as a file."""
-        request = session_pb2.ExportSessionRequest(name=self.name)
-        return b"".join([part.data async for part in self._transport.parts(self._transport.sessions.ExportSession, request)])
+        parts = self._transport.parts(self._transport.sessions.ExportSession,
+                                      session_pb2.ExportSessionRequest(name=self.name))
+        return b"".join([part.data async for part in parts])
 
     async def join(self, display_name: str = "") -> Editor:
         """A member, whose edits are applied once and can be undone."""
@@ -161,7 +162,7 @@ class Session:
         """The hash to name it by: of meshes that do not fit an edit, and of textures."""
         data = content.SerializeToString()
         kind = blob_pb2.BLOB_KIND_MESH if isinstance(content, blob_pb2.Mesh) else blob_pb2.BLOB_KIND_TEXTURE
-        parts = [blob_pb2.UploadBlobRequest(data=data[at:at + PART // 2]) for at in range(0, max(len(data), 1), PART // 2)]
+        parts = [blob_pb2.UploadBlobRequest(data=data[at:at + PART]) for at in range(0, max(len(data), 1), PART)]
         parts[0].header.CopyFrom(blob_pb2.BlobHeader(session=self.name, kind=kind, size=len(data)))
         response = await self._transport.unary(self._transport.blobs.UploadBlob, parts)
         return response.hash
@@ -179,8 +180,8 @@ class Session:
     async def frame(self, width: int = 0, height: int = 0, *, camera: geometry_pb2.Camera | str | None = None,
                     format: str = "png", quality: int = 0, exposure_ev: float | None = None,
                     min_revision: int | None = None, timeout: float | None = None) -> Frame:
-        """A picture, with every edit that was acknowledged. `camera`: scene.camera(...), the name of one of the session's,
-        or nothing: a view that the server chooses. `format`: png, jpeg or exr."""
+        """A picture, with every edit that was acknowledged. `camera`: scene.camera(...), the name of one of the
+        session's, or nothing: a view that the server chooses. `format`: png, jpeg or exr."""
         request = result_pb2.GetFrameRequest(session=self.name, width=width, height=height, quality=quality,
                                              min_revision=min_revision, exposure=_exposure(exposure_ev))
         request.format = scene.enum(result_pb2.FrameFormat, format)
@@ -218,8 +219,8 @@ class Session:
     def volumes(self, format: str = "compact", *, stage: str = "transported", compression: str = "unspecified",
                 max_rate: float = 0.0, tolerance_class: int = 0, credits: int = 1, guard_cells: int = 0,
                 region: tuple[Sequence[float], Sequence[float]] | None = None) -> VolumeStream:
-        """Volumes, each of the newest revision when the one before was applied: when the next one is asked for. `region`:
-        the minimum and maximum corner of what is wanted, metres."""
+        """Volumes, each of the newest revision when the one before was applied: when the next one is asked for.
+        `region`: the minimum and maximum corner of what is wanted, metres."""
         box = None if region is None else geometry_pb2.Box(min=scene.vec3(region[0]), max=scene.vec3(region[1]))
         wanted = volume_pb2.VolumeSubscription(session=self.name, max_rate=max_rate, tolerance_class=tolerance_class,
                                                credits=credits, guard_cells=guard_cells, region=box)

@@ -1,5 +1,5 @@
-"""Volumes from their parts: half floats, floats and COMPACT, plain or in zstd frames, whole or relative to a base. What comes
-from the server is checked; a part that does not fit its header is compact.Malformed and never a wrong picture."""
+"""Volumes from their parts: half floats, floats and COMPACT, plain or in zstd frames, whole or relative to a base. What
+comes from the server is checked; a part that does not fit its header is compact.Malformed and never a wrong picture."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ class Shape:
     def of(header: volume_pb2.VolumeHeader) -> Shape:
         guard, grid = header.guard_cells, header.grid
         if header.coefficients != 4 or header.brick_edge != EDGE or guard not in (0, 1):
-            raise Malformed(f"a volume of {header.coefficients} coefficients in bricks of {header.brick_edge} with {guard} "
-                            "guard cells; this client reads 4, 8, and 0 or 1")
+            raise Malformed(f"a volume of {header.coefficients} coefficients in bricks of {header.brick_edge} with "
+                            f"{guard} guard cells; this client reads 4, 8, and 0 or 1")
         if any(layer.HasField("grid") and layer.grid != grid for layer in header.layers):
             raise Malformed("a volume of several grids; this client reads one")
         dims = (grid.dims.x + 2 * guard, grid.dims.y + 2 * guard, grid.dims.z + 2 * guard)
@@ -120,7 +120,7 @@ class Decoder:
             self._add_words(bricks, body)
 
     def finish(self) -> State:
-        """The volume. Malformed where the server meant another, for example because the base was not what it thought."""
+        """The volume. Malformed where the server meant another, for example because the base was another."""
         self._elements.flags.writeable = False
         state = State(self.shape, self._elements, self._coefficients)
         if state.checksum() != self.header.result.checksum:
@@ -142,7 +142,8 @@ class Decoder:
         none = np.zeros((layers, compact.CHANNELS, compact.CELLS), np.int32)
         held = np.stack([self._coefficients.get(brick, none) for brick in bricks])
         compact.add_body(body, held)
-        cubes = compact.elements_from(held.reshape(-1, compact.CHANNELS, compact.CELLS)).reshape(-1, layers, 8, 8, 8, 3, 4)
+        cubes = compact.elements_from(held.reshape(-1, compact.CHANNELS, compact.CELLS))
+        cubes = cubes.reshape(-1, layers, EDGE, EDGE, EDGE, 3, 4)
         for brick, coefficients, cube in zip(bricks, held, cubes):
             box = self._boxes[brick]
             depth, height, width = cells_of(box)

@@ -1,5 +1,5 @@
-"""A member of a session: edits in order, each applied once whatever becomes of the connection or the server (PROTOCOL.md,
-Sequences and idempotency)."""
+"""A member of a session: edits in order, each applied once whatever becomes of the connection or the server
+(PROTOCOL.md, Sequences and idempotency)."""
 
 from __future__ import annotations
 
@@ -67,8 +67,9 @@ class Editor:
             self._begin()
 
     def saved(self) -> dict[str, Any]:
-        """All that Session.resume needs, in another process too: identity, sequence and the edits that were not answered.
-        JSON holds it. The secret in it lets its bearer edit as this member, where access tokens let it edit at all."""
+        """All that Session.resume needs, in another process too: identity, sequence and the edits that were not
+        answered. JSON holds it. The secret in it lets its bearer edit as this member, where access tokens let it edit
+        at all."""
         with self._lock:
             edits = [base64.b64encode(edit.SerializeToString()).decode() for edit, _ in self._unanswered.values()]
             return {"session": self.session, "client_id": self.identity.client_id, "secret": self.identity.secret,

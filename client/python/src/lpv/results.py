@@ -17,13 +17,13 @@ from lpv.v1 import result_pb2, volume_pb2
 
 _MOST_HELD = 3  # the base of two results in flight, and those two
 _MOST_FRAME_BYTES = 512 << 20
-_FLUENCE = np.float32(np.sqrt(4.0 * np.pi))  # of L00: the integral over all directions of a constant of that coefficient
+_FLUENCE = np.float32(np.sqrt(4.0 * np.pi))  # of an L00 of 1: the integral of what it stands for over all directions
 
 
 @dataclasses.dataclass(frozen=True)
 class Volume:
-    """A volume whose checksum was compared. `coefficients` is (layers, z, y, x, colour, coefficient): real SH of bands 0
-    and 1, L00, L1-1, L10, L11, of each layer, cell and colour (r, g, b), in the unit of header.stage."""
+    """A volume whose checksum was compared. `coefficients` is (layers, z, y, x, colour, coefficient): real SH of bands
+    0 and 1, L00, L1-1, L10, L11, of each layer, cell and colour (r, g, b), in the unit of header.stage."""
 
     header: volume_pb2.VolumeHeader
     state: State = dataclasses.field(repr=False)
@@ -129,8 +129,8 @@ class VolumeParts:
         self.whole = False
 
     def add(self, part: volume_pb2.VolumePart) -> Volume | None:
-        """The volume where this was its last part. Malformed where the result is of no use: ask for a key frame, unless it
-        was one."""
+        """The volume where this was its last part. Malformed where the result is of no use: ask for a key frame, unless
+        it was one."""
         try:
             return self._add(part)
         except Malformed:

@@ -33,14 +33,15 @@ def enum(kind: Any, name: str | int) -> Any:
 
 
 def settings(grid: int | None = None, **fields: Any) -> session_pb2.SessionSettings:
-    """`grid`: cells along the longest edge. Others as SessionSettings has them; enumerators as words: quality="accurate"."""
+    """`grid`: cells along the longest edge. Others as SessionSettings has them, enumerators as words: "accurate"."""
     out = session_pb2.SessionSettings()
     if grid is not None:
         out.grid.longest = grid
     for name, value in fields.items():
         field = out.DESCRIPTOR.fields_by_name.get(name)
         if field is None:
-            raise ValueError(f"there is no setting \"{name}\"; there are {', '.join(sorted(out.DESCRIPTOR.fields_by_name))}")
+            known = ", ".join(sorted(out.DESCRIPTOR.fields_by_name))
+            raise ValueError(f"there is no setting \"{name}\"; there are {known}")
         if field.message_type is not None:
             getattr(out, name).CopyFrom(value)
         else:

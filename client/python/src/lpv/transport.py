@@ -1,5 +1,5 @@
-"""Calls over one channel, in two kinds with one interface: Blocking and Async. What this package does is written once, as
-coroutines over this interface; over a Blocking transport they never wait for an event loop, and now() runs them."""
+"""Calls over one channel, in two kinds with one interface: Blocking and Async. What this package does is written once,
+as coroutines over this interface; over a Blocking transport they never wait for an event loop, and now() runs them."""
 
 from __future__ import annotations
 
@@ -179,6 +179,10 @@ class _BlockingStream(Stream):
 
 
 class Async(Transport):
+    def __init__(self, channel: Any, token: str, timeout: float) -> None:
+        super().__init__(channel, token, timeout)
+        self._tasks: set[asyncio.Task[None]] = set()
+
     async def unary(self, method: Any, request: Any, timeout: float | None = None) -> Any:
         sent = iter(request) if isinstance(request, list) else request
         try:
@@ -211,7 +215,8 @@ class Async(Transport):
 
     def start(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.get_running_loop().create_task(work)
-        self._tasks = {one for one in getattr(self, "_tasks", set()) if not one.done()} | {task}  # else it may be dropped
+        self._tasks.add(task)  # a loop holds its tasks weakly
+        task.add_done_callback(self._tasks.discard)
 
 
 class _AsyncStream(Stream):

@@ -1,6 +1,6 @@
 """Streams that last: volumes, frames, and what changes in the scene. They keep PROTOCOL.md, Credit and Reconnecting:
-a result is acknowledged when the next one is asked for, which is when it has been applied; a stream that breaks is opened
-again; results below the newest (epoch, revision) are dropped."""
+a result is acknowledged when the next one is asked for, which is when it has been applied; a stream that breaks is
+opened again; results below the newest (epoch, revision) are dropped."""
 
 from __future__ import annotations
 
