@@ -12,11 +12,13 @@ from server import PATIENCE, Server, end_a_hang, lamp_at, room
 
 
 class Coroutines(unittest.IsolatedAsyncioTestCase):
-    async def asyncSetUp(self):
+    def setUp(self):
         end_a_hang(self)
-        asyncio.get_running_loop().set_debug(False)  # else every start of a server is reported as slow
         self.server = Server(state=True)
         self.addCleanup(self.server.close)
+
+    async def asyncSetUp(self):
+        asyncio.get_running_loop().set_debug(False)  # else a busy machine's slow steps are reported
         self.client = aio.connect(self.server.address, timeout=PATIENCE)
         self.session = await self.client.create_session(grid=8)
 
@@ -120,15 +122,16 @@ class Slow:
 
 
 class TwoCredits(unittest.IsolatedAsyncioTestCase):
+    def setUp(self):
+        end_a_hang(self)
+        self.server = Server("--max-tick-rate", "60")
+        self.addCleanup(self.server.close)
+
     # What volume.proto says of `credits`: both results are relative to one that was acknowledged before. Broken by a
     # client that keeps the newest result only: every second delta is one to a base it has dropped.
     async def test_both_results_in_flight_are_relative_to_an_acknowledged_one(self):
-        end_a_hang(self)
-        asyncio.get_running_loop().set_debug(False)
-        server = Server("--max-tick-rate", "60")
-        self.addCleanup(server.close)
-        async with Slow(server.port, 0.1) as line, aio.connect(line.address, timeout=PATIENCE) as client, \
-                aio.connect(server.address, timeout=PATIENCE) as near:
+        async with Slow(self.server.port, 0.1) as line, aio.connect(line.address, timeout=PATIENCE) as client, \
+                aio.connect(self.server.address, timeout=PATIENCE) as near:
             session = await near.create_session(grid=8)
             editor = await session.join()
             await editor.apply(*room())
