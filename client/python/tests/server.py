@@ -95,7 +95,7 @@ class OnServer(unittest.TestCase):
 
     def join(self, name=""):
         editor = self.session.join(name)
-        self.addCleanup(lambda: editor._calls._closing or editor.close())
+        self.addCleanup(editor.abandon)
         return editor
 
     def lit(self):

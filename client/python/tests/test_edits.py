@@ -61,7 +61,7 @@ class Edits(OnServer):
         unknown = dict(field="client", reason="UNKNOWN_CLIENT")
         self.assertRefused("PERMISSION_DENIED", editor.apply, *room(), **unknown)
         self.assertRefused("PERMISSION_DENIED", editor.drain, **unknown)
-        editor._calls._closing = True
+        self.assertRefused("PERMISSION_DENIED", editor.send, lamp_at(0), **unknown)
 
     # geometry.proto writes the matrix out: the server reads it as scene.matrix_of has it.
     # Broken by row-major numbers, and by a scale in the world's axes.
@@ -138,14 +138,33 @@ class Interrupted(unittest.TestCase):
         self.assertGreaterEqual(self.editor.reopened, 2)
         self.editor.close()
 
+    # Broken by sending on for ever, by waiting for ever, and by a loop that does neither.
+    def test_the_257th_edit_waits_for_an_answer(self):
+        self.server.kill()
+        sent = []
+        sender = threading.Thread(target=lambda: sent.extend(self.editor.send(lamp_at(0)) for _ in range(300)))
+        sender.start()
+        while self.editor.sequence < 257:
+            time.sleep(0.01)
+        sender.join(0.5)
+        self.assertEqual((self.editor.sequence, sender.is_alive()), (257, True))
+        self.server.start()
+        sender.join(PATIENCE)
+        self.editor.drain(PATIENCE)
+        self.assertEqual((len(sent), self.editor.revision), (300, 301))
+        self.editor.close()
+
     # Broken by: saved() without the edits that were not answered; a sequence that begins again.
     def test_another_process_goes_on_with_what_was_saved(self):
         self.server.kill()
-        for step in range(5):
-            self.editor.send(lamp_at(step))
+        pending = [self.editor.send(lamp_at(step)) for step in range(5)]
         saved = json.loads(json.dumps(self.editor.saved()))
         self.assertEqual((saved["sequence"], len(saved["unanswered"])), (6, 5))
-        self.assertRaises(lpv.Error, self.editor.close, 0.1)
+        with self.assertRaisesRegex(ZeroDivisionError, "by zero"), self.editor:
+            1 / 0  # does not wait for answers
+        with self.assertRaisesRegex(lpv.Error, "closed before"):
+            pending[-1].result(PATIENCE)
+        self.assertEqual(self.editor.saved(), saved)
         self.server.start()
         with lpv.connect(self.server.address, timeout=PATIENCE) as other:
             resumed = other.session(saved["session"]).resume(saved)

@@ -82,7 +82,10 @@ class Editor(_Over[aio.Editor]):
         return self
 
     def __exit__(self, failed: object, *_: object) -> None:
-        self.close(None if failed is None else 0.1)
+        if failed is None:
+            self.close()
+        else:
+            self.abandon()
 
     send = _waits(aio.Editor.send)
     apply = _waits(aio.Editor.apply)
@@ -96,6 +99,10 @@ class Editor(_Over[aio.Editor]):
     def close(self, timeout: float | None = None) -> None:
         """Waits for the answers and ends the stream. The member stays: Session.resume(saved()) goes on with it."""
         now(self._calls.close(timeout))
+
+    def abandon(self) -> None:
+        """Ends the stream without waiting. What is not answered may be applied or not; saved() has it."""
+        self._calls.abandon()
 
     def saved(self) -> dict[str, Any]:
         """All that Session.resume needs, in another process too; JSON holds it."""

@@ -79,7 +79,7 @@ class Editor:
                    expected_revision: int | None = None) -> Pending:
         """Sends an edit without waiting for its answer, but for one of the 256 before it. Consecutive edits of one
         undo_group are one undo step."""
-        while len(self._unanswered) >= MOST_UNANSWERED:
+        while len(self._unanswered) >= MOST_UNANSWERED and self._ended is None and not self._closing:
             with self._lock:
                 oldest = [pending.future for _, pending in list(self._unanswered.values())[:1]]
             await self._transport.wait(oldest, None)
@@ -142,9 +142,23 @@ class Editor:
         try:
             await self.drain(timeout)
         finally:
-            self._closing = True
-            if self._stream is not None:
-                self._stream.cancel()
+            self.abandon()
+
+    def abandon(self) -> None:
+        """Ends the stream without waiting. What is not answered may be applied or not; saved() has it."""
+        self._closing = True
+        stream = self._stream
+        if stream is not None:
+            stream.cancel()
+
+    async def __aenter__(self) -> Editor:
+        return self
+
+    async def __aexit__(self, failed: object, *_: object) -> None:
+        if failed is None:
+            await self.close()
+        else:
+            self.abandon()
 
     async def _step(self, method: Any, kind: Any) -> scene_pb2.EditAck:
         await self.drain()
@@ -183,6 +197,7 @@ class Editor:
             if not self._closing:
                 self.reopened += 1
                 await self._transport.sleep(pause.seconds())
+        self._tell(errors.Error(grpc.StatusCode.CANCELLED, "the editor was closed before this edit was answered"))
 
     async def _attempt(self, pause: Pause) -> None:
         """One stream: all that is unanswered, in order, then what is sent meanwhile."""
@@ -221,7 +236,11 @@ class Editor:
     def _end(self, error: errors.Error) -> None:
         with self._lock:
             self._ended = error
+        self._tell(error)
+
+    def _tell(self, error: errors.Error) -> None:
+        """Everybody who waits."""
+        with self._lock:
             unanswered = list(self._unanswered.values())
-            self._unanswered.clear()
         for _, pending in unanswered:
             pending.future.set_exception(error)
