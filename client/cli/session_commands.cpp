@@ -1,6 +1,7 @@
-// session create | list | show | set | delete | fit | share | save | load
+// session create | list | show | set | delete | fit | share | tokens | revoke | save | load
 
 #include <fcntl.h>
+#include <google/protobuf/util/time_util.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -191,6 +192,32 @@ void addShare(CLI::App& group, Commands& commands) {
                     "Lifetime of the token: 90s, 10m, 1h, 2d (default: 30d)");
 }
 
+const char* roleText(v1::Role role) {
+  if (role == v1::ROLE_VIEWER) return "viewer";
+  if (role == v1::ROLE_EDITOR) return "editor";
+  return role == v1::ROLE_OWNER ? "owner" : "unknown role";
+}
+
+void addTokens(CLI::App& group, Commands& commands) {
+  auto id = std::make_shared<std::string>();
+  CLI::App& app =
+      commands.add(group, "tokens", "List a session's access tokens: id, role, expiry", [id](Context& context) {
+        Expected<client::Client> client = context.connect();
+        if (!client) return client.status();
+        const auto tokens = client->tokens(*id);
+        if (!tokens) return tokens.status();
+        std::vector<std::vector<std::string>> rows;
+        for (const v1::AccessToken& token : *tokens) {
+          if (context.json()) print(toJson(token));
+          rows.push_back({token.token_id(), roleText(token.role()),
+                          "until " + google::protobuf::util::TimeUtil::ToString(token.expire_time())});
+        }
+        if (!context.json()) printTable(rows);
+        return Status();
+      });
+  addSession(app, *id);
+}
+
 void addRevoke(CLI::App& group, Commands& commands) {
   struct Options {
     std::string id;
@@ -204,7 +231,7 @@ void addRevoke(CLI::App& group, Commands& commands) {
                                  return client->revokeToken(client::sessionName(given->id), given->token);
                                });
   addSession(app, given->id);
-  app.add_option("token", given->token, "Id of the token, printed by session share --json: the 16 digits after lpv_")
+  app.add_option("token", given->token, "Id of the token, printed by session tokens: the 16 digits after lpv_")
       ->required()
       ->type_name("TOKEN_ID");
 }
@@ -270,8 +297,8 @@ void addLoad(CLI::App& group, Commands& commands) {
 }  // namespace
 
 void addSessionCommands(CLI::App& app, Commands& commands) {
-  CLI::App& group =
-      Commands::group(app, "session", "Sessions: create, list, show, set, delete, fit, share, save, load");
+  CLI::App& group = Commands::group(
+      app, "session", "Sessions: create, list, show, set, delete, fit, share, tokens, revoke, save, load");
   addCreate(group, commands);
   addList(group, commands);
   addShow(group, commands);
@@ -279,6 +306,7 @@ void addSessionCommands(CLI::App& app, Commands& commands) {
   addDelete(group, commands);
   addFit(group, commands);
   addShare(group, commands);
+  addTokens(group, commands);
   addRevoke(group, commands);
   addSave(group, commands);
   addLoad(group, commands);

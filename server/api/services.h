@@ -29,6 +29,7 @@ void joinSession(const Context&, const pb::JoinSessionRequest&, pb::JoinSessionR
 void leaveSession(const Context&, const pb::LeaveSessionRequest&, pb::LeaveSessionResponse*, Done);
 void createToken(const Context&, const pb::CreateTokenRequest&, pb::CreateTokenResponse*, Done);
 void revokeToken(const Context&, const pb::RevokeTokenRequest&, pb::RevokeTokenResponse*, Done);
+Status listTokens(const Context&, const pb::ListTokensRequest&, pb::ListTokensResponse*);
 Status updatePresence(const Context&, const pb::UpdatePresenceRequest&, pb::UpdatePresenceResponse*);
 
 StreamPtr<pb::ExportSessionRequest, pb::ExportSessionResponse> exportSession(const Context&);

@@ -131,6 +131,7 @@ std::vector<Method> sessionMethods() {
       {"SessionService.UpdatePresence", Role::kViewer, "session", handler(updatePresence)},
       {"SessionService.CreateToken", Role::kOwner, "session", handler(createToken), "share"},
       {"SessionService.RevokeToken", Role::kOwner, "session", handler(revokeToken), "revoke"},
+      {"SessionService.ListTokens", Role::kOwner, "session", handler(listTokens), "tokens"},
       {"SessionService.ExportSession", Role::kViewer, "name", handler(exportSession)},
       {"SessionService.ImportSession", Role::kAdmin, "session_id", handler(importSession), "import", "session.name"},
   };

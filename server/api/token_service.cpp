@@ -1,10 +1,16 @@
 #include <google/protobuf/util/time_util.h>
 
+#include "api/call/paging.h"
 #include "api/services.h"
 #include "convert/session.h"
 
 namespace lpv::api {
 namespace {
+
+google::protobuf::Timestamp timestamp(std::chrono::system_clock::time_point time) {
+  return google::protobuf::util::TimeUtil::SecondsToTimestamp(
+      std::chrono::duration_cast<std::chrono::seconds>(time.time_since_epoch()).count());
+}
 
 Status tokensAreOff() {
   return {Code::kFailedPrecondition, "this server asks for no access tokens; start lpvd with --admin-token-file"};
@@ -31,8 +37,7 @@ void createToken(const Context& context, const pb::CreateTokenRequest& request, 
   }
   response->set_token(token->token);
   response->set_token_id(token->kept.id);
-  *response->mutable_expire_time() = google::protobuf::util::TimeUtil::SecondsToTimestamp(
-      std::chrono::duration_cast<std::chrono::seconds>(token->kept.expires.time_since_epoch()).count());
+  *response->mutable_expire_time() = timestamp(token->kept.expires);
   context.registry->whenDurable((*session)->id(), token->position, std::move(done));
 }
 
@@ -42,6 +47,21 @@ void revokeToken(const Context& context, const pb::RevokeTokenRequest& request, 
   const Expected<Position> gone = context.access->revoke((*session)->id(), request.token_id());
   if (!gone) return done(gone.status());
   context.registry->whenDurable((*session)->id(), *gone, std::move(done));
+}
+
+Status listTokens(const Context& context, const pb::ListTokensRequest& request, pb::ListTokensResponse* response) {
+  const Expected<SessionPtr> session = findSession(context, "session", request.session());
+  if (!session) return session.status();
+  if (!context.access->required()) return tokensAreOff();
+  return page(
+      request, context.access->tokensOf((*session)->id()), [](const AccessToken& token) { return token.id; },
+      [&](const AccessToken& token) {
+        pb::AccessToken* out = response->add_tokens();
+        out->set_token_id(token.id);
+        out->set_role(toProto(token.role));
+        *out->mutable_expire_time() = timestamp(token.expires);
+      },
+      response->mutable_next_page_token());
 }
 
 }  // namespace lpv::api

@@ -125,6 +125,16 @@ Expected<MintedToken> Access::mint(const std::string& session, Role role, std::c
   return out;
 }
 
+std::vector<AccessToken> Access::tokensOf(const std::string& session) const {
+  const MutexLock lock(mutex_);
+  const auto now = std::chrono::system_clock::now();
+  std::vector<AccessToken> out;
+  for (const auto& [id, token] : tokens_) {
+    if (token.session == session && now < token.expires) out.push_back(token);
+  }
+  return out;
+}
+
 Expected<Position> Access::revoke(const std::string& session, const std::string& tokenId) {
   Ended ended;
   Position gone = 0;

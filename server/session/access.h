@@ -59,6 +59,8 @@ class Access {
   /// A token for one session, for `life` from now. INVALID_ARGUMENT for a life that is not above 0 or longer than
   /// kMaxTokenLife; RESOURCE_EXHAUSTED at kMaxTokensPerSession.
   Expected<MintedToken> mint(const std::string& session, Role role, std::chrono::seconds life);
+  /// Those of a session that have not expired, ordered by id.
+  std::vector<AccessToken> tokensOf(const std::string& session) const;
   /// NOT_FOUND where the session has no such token. Ends what it has opened; the position is where the journal has it.
   Expected<Position> revoke(const std::string& session, const std::string& tokenId);
   /// Drops the tokens of a session that is gone; the journal drops them with it.

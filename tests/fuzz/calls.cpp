@@ -202,6 +202,7 @@ void Caller::dispatch(const Call& call, const api::Context& context) {
     LPV_ASK(ask, UpdatePresence, update_presence, updatePresence);
     LPV_ASK(askLater, CreateToken, create_token, createToken);
     LPV_ASK(askLater, RevokeToken, revoke_token, revokeToken);
+    LPV_ASK(ask, ListTokens, list_tokens, listTokens);
     LPV_ASK(ask, FindBlobs, find_blobs, findBlobs);
     LPV_ASK(askLater, ApplyEdit, apply_edit, applyEdit);
     LPV_ASK(ask, ListLights, list_lights, listLights);

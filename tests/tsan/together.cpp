@@ -244,6 +244,11 @@ void Together::shareAndRevoke() {
   std::promise<void> ended;
   const std::shared_ptr<void> ward =
       house().context().access->watch(*grant, [&ended](const Status&) { ended.set_value(); });
+  pb::ListTokensRequest list;
+  list.set_session("sessions/room");
+  pb::ListTokensResponse listed;
+  EXPECT_TRUE(house().ask(api::listTokens, list, &listed).ok());
+  EXPECT_FALSE(listed.tokens().empty());
   pb::RevokeTokenRequest revoke;
   revoke.set_session("sessions/room");
   revoke.set_token_id(made.token_id());

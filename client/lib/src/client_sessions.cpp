@@ -90,6 +90,19 @@ Expected<v1::CreateTokenResponse> Client::createToken(const v1::CreateTokenReque
   return unary(*connection_, *connection_->sessions, &v1::SessionService::Stub::CreateToken, request);
 }
 
+Expected<std::vector<v1::AccessToken>> Client::tokens(const std::string& session) {
+  std::vector<v1::AccessToken> all;
+  v1::ListTokensRequest request;
+  request.set_session(sessionName(session));
+  do {
+    auto page = unary(*connection_, *connection_->sessions, &v1::SessionService::Stub::ListTokens, request);
+    if (!page) return page.status();
+    for (v1::AccessToken& token : *page->mutable_tokens()) all.push_back(std::move(token));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return all;
+}
+
 Status Client::revokeToken(const std::string& session, const std::string& tokenId) {
   v1::RevokeTokenRequest request;
   request.set_session(sessionName(session));

@@ -1,5 +1,5 @@
-// client/python/drag_lamp.py with stubs made from the protos, against a real server: what the example says is true of
- // it.
+// client/python/drag_lamp.py over the installed package, against a real server: what the example says is true of it.
+// The package's own tests are in client/python/tests.
 
 #include <gtest/gtest.h>
 
@@ -55,11 +55,9 @@ class PythonTest : public ::testing::Test {
     return std::make_unique<ServerProcess>(std::vector<std::string>{"--state-dir", directory_}, listen);
   }
   static std::unique_ptr<ChildProcess> drag(const ServerProcess& server, const std::string& seconds) {
-    setenv("PYTHONPATH", PYTHON_STUBS, 1);
     setenv("PYTHONDONTWRITEBYTECODE", "1", 1);
     return std::make_unique<ChildProcess>(
-        DEBIAN_PYTHON3, std::vector<std::string>{PYTHON_EXAMPLE, "--server", server.address(), "--seconds", seconds,
-                                                 "--patience", "60"});
+        PYTHON_WITH_LPV, std::vector<std::string>{PYTHON_EXAMPLE, "--server", server.address(), "--seconds", seconds});
   }
   static Printed finish(ChildProcess& example) {
     EXPECT_EQ(example.wait(std::chrono::seconds(120)), 0) << example.output() << example.errors();

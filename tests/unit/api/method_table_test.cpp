@@ -30,6 +30,7 @@ SessionService.LeaveSession | unary | viewer | session | -
 SessionService.UpdatePresence | unary | viewer | session | -
 SessionService.CreateToken | unary | owner | session | share
 SessionService.RevokeToken | unary | owner | session | revoke
+SessionService.ListTokens | unary | owner | session | tokens
 SessionService.ExportSession | server stream | viewer | name | -
 SessionService.ImportSession | client stream | admin | session_id | import
 BlobService.UploadBlob | client stream | editor | header.session | -

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 
@@ -117,6 +118,24 @@ TEST_F(AccessTest, WhatIsOpenedWhileItsTokenGoesEndsAtOnce) {
   const auto ward = access_.watch(*grant, [&why](const Status& status) { why = status; });
   EXPECT_EQ(why.code(), Code::kUnauthenticated);
   EXPECT_EQ(ward, nullptr);
+}
+
+// Broken by listing every session's, expired ones, and by another order.
+TEST_F(AccessTest, ASessionsTokensAreListedInOrderOfTheirIds) {
+  EXPECT_TRUE(access_.tokensOf("a").empty());
+  for (const Role role : {Role::kViewer, Role::kOwner, Role::kEditor}) (void)mint("a", role);
+  (void)mint("b", Role::kViewer);
+  const std::string brief = mint("a", Role::kViewer, seconds(1));
+  EXPECT_EQ(access_.tokensOf("a").size(), 4U);
+  std::promise<void> ended;
+  const auto ward = access_.watch(*access_.verify(brief), [&ended](const Status&) { ended.set_value(); });
+  ended.get_future().wait();
+  const std::vector<AccessToken> listed = access_.tokensOf("a");
+  ASSERT_EQ(listed.size(), 3U);
+  EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end(), [](const auto& a, const auto& b) { return a.id < b.id; }));
+  for (const AccessToken& token : listed) EXPECT_EQ(token.session, "a");
+  ASSERT_TRUE(access_.revoke("a", listed[1].id).ok());
+  EXPECT_EQ(access_.tokensOf("a").size(), 2U);
 }
 
 TEST_F(AccessTest, SessionsTakeTheirTokensAlong) {

@@ -85,6 +85,8 @@ class Client {
   /// Fits the grid to the content.
   Expected<v1::Session> fitSession(const std::string& session);
   Expected<v1::CreateTokenResponse> createToken(const v1::CreateTokenRequest& request);
+  /// Those that are neither revoked nor expired, without their secrets.
+  Expected<std::vector<v1::AccessToken>> tokens(const std::string& session);
   Status revokeToken(const std::string& session, const std::string& tokenId);
   /// Exports the session as a snapshot file and passes its bytes to `sink` in chunks; `sink` returns false to stop.
   Status exportSession(const std::string& session, const std::function<bool(const std::string&)>& sink);
