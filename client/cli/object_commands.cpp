@@ -12,6 +12,7 @@
 #include "membership.h"
 #include "output.h"
 #include "progress.h"
+#include "values.h"
 
 namespace lpv::cli {
 namespace {

@@ -167,6 +167,11 @@ print_table() {
   note_total "$1"
 }
 
+# source_date ROOT: seconds since 1970 of the checkout's commit; where it has no history, of its CMakeLists.txt.
+source_date() {
+  git -C "$1" log -1 --format=%ct 2>/dev/null || stat -c %Y "$1"/CMakeLists.txt
+}
+
 note_total() { printf '%-34s %10s\n' total "$(duration $(($(now_ms) - $1)))"; }
 
 # --- machine ----------------------------------------------------------------------------------------------------------

@@ -121,6 +121,8 @@ Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const o
   if (!endpoint) return endpoint;
   if (Status s = writePortFile("--ops-port-file", options.opsPortFile, (*endpoint)->port()); !s.ok()) return s;
   spdlog::info("/live, /ready and /metrics on {} (port {})", options.opsListen, (*endpoint)->port());
+  if (!isLoopback(options.opsAt.host))
+    spdlog::warn("--ops-listen {}: whoever reaches it reads health and metrics, without a token", options.opsListen);
   return endpoint;
 }
 

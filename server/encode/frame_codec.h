@@ -1,5 +1,5 @@
 #pragma once
-// Encodes frames as image files in memory, with OpenImageIO.
+// Encodes frames as image files in memory.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -12,7 +12,7 @@ namespace lpv::encode {
 
 /// 8-bit RGB, rows from the top. `quality` 1..100.
 Expected<std::string> jpeg(const glm::ivec2& size, const std::vector<std::uint8_t>& rgb, int quality);
-/// Lossless, compression level 1: encoding time matters more than size.
+/// Lossless sRGB, compression level 1: encoding time matters more than size.
 Expected<std::string> png(const glm::ivec2& size, const std::vector<std::uint8_t>& rgb);
 /// Linear float32 RGB, ZIP-compressed.
 Expected<std::string> exr(const glm::ivec2& size, const std::vector<float>& rgb);

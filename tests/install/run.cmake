@@ -11,6 +11,7 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 step("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component lpv-dev)
 step("install lpvctl" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component lpvctl)
+step("install its module" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component lpvctl_images)
 step("configure" ${CMAKE_COMMAND} -S ${EXAMPLE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX}
      -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_FLAGS=${FLAGS})
 step("build" ${CMAKE_COMMAND} --build ${WORK}/build)
