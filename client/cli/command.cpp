@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <utility>
 
 #include "interrupt.h"
 #include "output.h"
@@ -44,7 +45,28 @@ const char* codeName(Code code) {
     case Code::kUnauthenticated:
       return "UNAUTHENTICATED";
   }
-  return "UNKNOWN";
+  return code == kLocal ? "LOCAL" : "UNKNOWN";
+}
+
+std::string oneLine(std::string line) {
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
+  return line;
+}
+
+/// Whether all of stderr is JSON; set once, before an action runs.
+bool jsonMessages = false;
+
+void printMessage(const char* kind, const std::string& before, const std::string& message) {
+  const std::string line = jsonMessages ? JsonObject().text(kind, message).str() : "lpvctl: " + before + message;
+  std::cerr << visible(line) << "\n";
+}
+
+void printErrorObject(const char* code, std::string_view reason, const std::string& message, const std::string& field) {
+  JsonObject object;
+  object.text("code", code).text("reason", std::string(reason)).text("message", message);
+  if (!field.empty()) object.text("field", field);
+  std::cerr << visible(object.str()) << "\n";
 }
 
 }  // namespace
@@ -66,23 +88,45 @@ Exit exitFor(const Status& status) {
   }
 }
 
+Status localError(std::string field, std::string message) {
+  return Status(kLocal, std::move(message), std::move(field));
+}
+
+Status asLocal(const Status& status) { return status.ok() ? status : localError(status.field(), status.message()); }
+
 std::string describe(const Status& status) {
+  if (status.code() == kLocal) return oneLine(status.message());
   std::string line = std::string(codeName(status.code())) + ": " + status.message();
   if (!status.field().empty() && status.message().find(status.field()) == std::string::npos) {
     line += " (" + status.field() + ")";
   }
   if (status.reason() != Reason::kNone) line += " [" + std::string(nameOf(status.reason())) + "]";
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-  return line;
+  return oneLine(std::move(line));
 }
+
+void printError(const Status& status, bool json) {
+  if (!json) {
+    std::cerr << "lpvctl: " << visible(describe(status)) << "\n";
+    return;
+  }
+  const std::string_view reason = status.reason() == Reason::kNone ? std::string_view() : nameOf(status.reason());
+  printErrorObject(codeName(status.code()), reason, status.message(), status.field());
+}
+
+void printUsageError(const std::string& message, bool json) {
+  if (json) return printErrorObject("USAGE", "", message, "");
+  std::cerr << "lpvctl: " << visible(message) << "\n";
+}
+
+void failUsage(const std::string& command, const std::string& message) { throw CLI::ValidationError(command, message); }
 
 client::ConnectOptions Context::options() const {
   client::ConnectOptions options;
   options.address = globals_.server;
   options.tokenFile = globals_.tokenFile;
   if (const char* token = std::getenv("LPV_TOKEN"); token != nullptr) options.token = token;
-  options.tls.caFile = globals_.ca;
+  options.tls.enabled = globals_.ca == kSystemRoots;
+  if (!options.tls.enabled) options.tls.caFile = globals_.ca;
   options.tls.certFile = globals_.cert;
   options.tls.keyFile = globals_.key;
   options.timeout = std::chrono::milliseconds(std::int64_t(globals_.timeoutSeconds * 1000.0));
@@ -90,7 +134,8 @@ client::ConnectOptions Context::options() const {
 }
 
 Expected<client::Client> Context::connect() const {
-  Expected<client::Client> client = client::Client::connect(options());
+  // Nothing is sent before the first call: what fails here is a file of this machine.
+  Expected<client::Client> client = asLocal(client::Client::connect(options()));
   if (client) cancelOnInterrupt(*client);
   return client;
 }
@@ -126,8 +171,10 @@ void requireSomeFlag(CLI::App& command) {
   });
 }
 
-void note(const std::string& message) { std::cerr << "lpvctl: " << visible(message) << "\n"; }
+void note(const std::string& message) { printMessage("note", "", message); }
 
-void warn(const std::string& message) { std::cerr << "lpvctl: warning: " << visible(message) << "\n"; }
+void warn(const std::string& message) { printMessage("warning", "warning: ", message); }
+
+void setJsonMessages(bool json) { jsonMessages = json; }
 
 }  // namespace lpv::cli

@@ -23,8 +23,28 @@ enum class Exit : int {
 
 Exit exitFor(const Status& status);
 
-/// "CODE: message (field)" in one line.
+/// The code of what went wrong on this machine, without a server: it has no name of the wire, whose 2, UNKNOWN, no
+/// server answers.
+inline constexpr Code kLocal = Code(2);
+/// An error of that code at `field`, and `status` as one.
+Status localError(std::string field, std::string message);
+Status asLocal(const Status& status);
+template <typename T>
+Expected<T> asLocal(Expected<T> value) {
+  if (value) return value;
+  return asLocal(value.status());
+}
+
+/// "CODE: message (field)" in one line; without the code for what went wrong here.
 std::string describe(const Status& status);
+
+/// One line on stderr: with `json` an object with code, reason, message and field. Codes beside the wire's: LOCAL, and
+/// USAGE for a command line that cannot be carried out.
+void printError(const Status& status, bool json);
+void printUsageError(const std::string& message, bool json);
+
+/// The value of --ca for the roots of this machine.
+inline constexpr const char* kSystemRoots = "system";
 
 /// Global flags.
 struct Globals {
@@ -43,6 +63,7 @@ class Context {
   explicit Context(Globals globals) : globals_(std::move(globals)) {}
 
   bool json() const { return globals_.json; }
+  const Globals& globals() const { return globals_; }
   /// Prepares a connection whose calls are cancelled by Ctrl-C.
   Expected<client::Client> connect() const;
   /// A connection that Ctrl-C does not cancel, for cleaning up afterwards; calls time out after 5 s.
@@ -78,6 +99,11 @@ void requireSomeFlag(CLI::App& command);
 void warn(const std::string& message);
 /// Says on stderr what was assumed.
 void note(const std::string& message);
+/// From now on warnings and notes are objects {"warning": ...} and {"note": ...}, so that all of stderr is JSON.
+void setJsonMessages(bool json);
+
+/// Ends an action as a usage error, exit code 2: for what only shows when the whole command line is known.
+[[noreturn]] void failUsage(const std::string& command, const std::string& message);
 
 // The commands; one function per file.
 void addSessionCommands(CLI::App& app, Commands& commands);
@@ -92,5 +118,6 @@ void addFrameCommands(CLI::App& app, Commands& commands);
 void addWatchCommand(CLI::App& app, Commands& commands);
 void addRenderCommand(CLI::App& app, Commands& commands);
 void addServerCommands(CLI::App& app, Commands& commands);
+void addHelpCommands(CLI::App& app, Commands& commands);
 
 }  // namespace lpv::cli

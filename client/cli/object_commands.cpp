@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "grid_growth.h"
 #include "import/image.h"
 #include "import/names.h"
 #include "lpv/blobs.h"
@@ -22,7 +23,7 @@ constexpr int kRelativeAttempts = 20;
 
 Expected<std::vector<glm::vec3>> readDirections(const std::string& path) {
   std::ifstream file(path);
-  if (!file) return invalid("directions", path + ": the file cannot be opened");
+  if (!file) return localError("directions", path + ": the file cannot be opened");
   std::vector<glm::vec3> out;
   std::size_t number = 0;
   for (std::string line; std::getline(file, line);) {
@@ -33,7 +34,7 @@ Expected<std::vector<glm::vec3>> readDirections(const std::string& path) {
     glm::vec3 d(0.0F);
     std::string rest;
     if (!(words >> d.x >> d.y >> d.z) || words >> rest) {
-      return invalid("directions", path + ": line " + std::to_string(number) + " must be three numbers x,y,z");
+      return localError("directions", path + ": line " + std::to_string(number) + " must be three numbers x,y,z");
     }
     out.push_back(d);
   }
@@ -45,14 +46,14 @@ Expected<std::string> uploadMeshFile(client::Client& client, const std::string& 
                                      const ImportOptions& options, const std::string& directionsPath) {
   ImportOptions as = options;
   as.keepVertices = !directionsPath.empty();
-  Expected<Mesh> mesh = importMesh(path, as);
+  Expected<Mesh> mesh = asLocal(importMesh(path, as));
   if (!mesh) return mesh.status();
   if (!directionsPath.empty()) {
     Expected<std::vector<glm::vec3>> directions = readDirections(directionsPath);
     if (!directions) return directions.status();
     if (directions->size() != mesh->positions.size()) {
-      return invalid("directions", directionsPath + " has " + std::to_string(directions->size()) + " directions, " +
-                                       path + " has " + std::to_string(mesh->positions.size()) + " vertices");
+      return localError("directions", directionsPath + " has " + std::to_string(directions->size()) + " directions, " +
+                                          path + " has " + std::to_string(mesh->positions.size()) + " vertices");
     }
     mesh->directions = std::move(*directions);
   }
@@ -64,7 +65,7 @@ Expected<std::string> uploadMeshFile(client::Client& client, const std::string& 
 Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path,
                                       ImageAlpha alpha) {
   if (path == "none") return std::string();
-  const Expected<Texture> texture = readImage(path, alpha);
+  const Expected<Texture> texture = asLocal(readImage(path, alpha));
   if (!texture) return texture.status();
   ProgressBar bar("uploading");
   return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
@@ -85,29 +86,54 @@ Status moveRelative(Context& context, client::Client& client, const ObjectKind& 
     }
     v1::Edit edit = client::editOf({kind.move(name, flags.relativeTo(object->transform))});
     edit.set_expected_revision(listing->revision);
-    status = applyAndPrint(context, client, session, edit, false);
+    status = applyAndPrint(context, client, session, edit, false).status();
     if (status.code() != Code::kAborted) return status;
   }
   return status;
 }
 
-Action applying(const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation, bool printName) {
-  return [flags, operation = std::move(operation), printName](Context& context) -> Status {
+/// World bounds, metres, of the mesh file as the flags place it.
+Bounds placedBounds(const ObjectFlags& flags) {
+  const Expected<Mesh> mesh = importMesh(flags.mesh, flags.import);
+  return mesh ? mesh->bounds.transformed(flags.transform.placed().worldFromObject()) : Bounds();
+}
+
+Action adding(const std::shared_ptr<ObjectFlags>& flags, const std::string& word, MakeOperation operation) {
+  return [flags, word, operation = std::move(operation)](Context& context) -> Status {
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
     const Expected<v1::Operation> made = operation(*client);
     if (!made) return made.status();
-    return applyAndPrint(context, *client, flags->id, client::editOf({*made}), printName);
+    const Expected<GridGrowth> growth = GridGrowth::since(*client, flags->id);
+    if (!growth) return growth.status();
+    const Expected<v1::EditAck> ack = applyAndPrint(context, *client, flags->id, client::editOf({*made}), true);
+    if (!ack) return ack.status();
+    if (growth->isLarge() && ack->names_size() > 0) {
+      growth->warn(word + " '" + ack->names(0) + "'", placedBounds(*flags), flags->transform.scale);
+    }
+    return {};
+  };
+}
+
+Action setting(const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
+  return [flags, operation = std::move(operation)](Context& context) -> Status {
+    Expected<client::Client> client = context.connect();
+    if (!client) return client.status();
+    const Expected<v1::Operation> made = operation(*client);
+    if (!made) return made.status();
+    return applyAndPrint(context, *client, flags->id, client::editOf({*made}), false).status();
   };
 }
 
 }  // namespace
 
-Status applyAndPrint(Context& context, client::Client& client, const std::string& session, const v1::Edit& edit,
-                     bool printName) {
-  return asMember(client, session, [&](client::Editor& editor) -> Status {
+Expected<v1::EditAck> applyAndPrint(Context& context, client::Client& client, const std::string& session,
+                                    const v1::Edit& edit, bool printName) {
+  v1::EditAck made;
+  Status status = asMember(client, session, [&](client::Editor& editor) -> Status {
     const Expected<v1::EditAck> ack = editor.apply(edit);
     if (!ack) return ack.status();
+    made = *ack;
     if (context.json()) {
       print(toJson(*ack));
     } else if (printName && ack->names_size() > 0) {
@@ -115,6 +141,8 @@ Status applyAndPrint(Context& context, client::Client& client, const std::string
     }
     return {};
   });
+  if (!status.ok()) return status;
+  return made;
 }
 
 void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
@@ -133,7 +161,7 @@ void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
                      if (given->relative)
                        return moveRelative(context, *client, kind, given->id, given->name, given->transform);
                      const v1::Edit edit = client::editOf({kind.move(given->name, given->transform.move())});
-                     return applyAndPrint(context, *client, given->id, edit, false);
+                     return applyAndPrint(context, *client, given->id, edit, false).status();
                    });
   addSession(app, given->id);
   app.add_option("name", given->name, "Name of the " + kind.word)->required()->type_name("NAME");
@@ -156,7 +184,7 @@ void addRemove(CLI::App& group, Commands& commands, const ObjectKind& kind) {
     if (!client) return client.status();
     std::vector<v1::Operation> operations;
     for (const std::string& name : given->names) operations.push_back(kind.remove(name));
-    return applyAndPrint(context, *client, given->id, client::editOf(std::move(operations)), false);
+    return applyAndPrint(context, *client, given->id, client::editOf(std::move(operations)), false).status();
   });
   addSession(app, given->id);
   app.add_option("names", given->names, "Names of the " + kind.word + "s; all are removed, or none if one is refused")
@@ -173,7 +201,7 @@ void ObjectFlags::addVisibilityTo(CLI::App& app) {
 CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
   CLI::App& app = commands.add(group, "add", "Add a mesh file as a " + kind.word + " and print its name",
-                               applying(flags, std::move(operation), true));
+                               adding(flags, kind.word, std::move(operation)));
   addSession(app, flags->id);
   app.add_option("mesh", flags->mesh, "Mesh file: glb, gltf, obj, ply or stl")->required()->type_name("MESHFILE");
   app.add_option("--name", flags->name, "Name (default: the file's name)")->type_name("NAME");
@@ -182,8 +210,8 @@ CLI::App& declareAdd(CLI::App& group, Commands& commands, const ObjectKind& kind
 
 CLI::App& declareSet(CLI::App& group, Commands& commands, const ObjectKind& kind,
                      const std::shared_ptr<ObjectFlags>& flags, MakeOperation operation) {
-  CLI::App& app = commands.add(group, "set", "Change the given properties of a " + kind.word,
-                               applying(flags, std::move(operation), false));
+  CLI::App& app =
+      commands.add(group, "set", "Change the given properties of a " + kind.word, setting(flags, std::move(operation)));
   addSession(app, flags->id);
   app.add_option("name", flags->name, "Name of the " + kind.word)->required()->type_name("NAME");
   app.add_option("--mesh", flags->mesh, "New mesh")->type_name("MESHFILE");

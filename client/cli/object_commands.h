@@ -28,8 +28,8 @@ struct ObjectKind {
 };
 
 /// Applies one edit. Prints the acknowledgement with --json, else the first object's name if `printName`.
-Status applyAndPrint(Context& context, client::Client& client, const std::string& session, const v1::Edit& edit,
-                     bool printName);
+Expected<v1::EditAck> applyAndPrint(Context& context, client::Client& client, const std::string& session,
+                                    const v1::Edit& edit, bool printName);
 
 /// Declares the commands `move` and `remove`.
 void addMove(CLI::App& group, Commands& commands, const ObjectKind& kind);

@@ -26,7 +26,7 @@ Expected<std::vector<client::SurfacePoint>> readPoints(const std::string& path) 
   std::ifstream opened;
   if (path != "-") opened.open(path);
   std::istream& file = path == "-" ? std::cin : opened;
-  if (!file) return invalid("points", path + ": the file cannot be opened");
+  if (!file) return localError("points", path + ": the file cannot be opened");
   std::vector<client::SurfacePoint> points;
   std::size_t number = 0;
   for (std::string line; std::getline(file, line);) {
@@ -35,10 +35,11 @@ Expected<std::vector<client::SurfacePoint>> readPoints(const std::string& path) 
     if (line.empty() || line[0] == '#') continue;
     const auto n = parseNumbers(line, {6});
     if (!n && number == 1) continue;
-    if (!n) return invalid("points", path + ": line " + std::to_string(number) + " must be six numbers x,y,z,nx,ny,nz");
+    if (!n)
+      return localError("points", path + ": line " + std::to_string(number) + " must be six numbers x,y,z,nx,ny,nz");
     points.push_back({{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}});
   }
-  if (points.empty()) return invalid("points", path + ": the file has no points");
+  if (points.empty()) return localError("points", path + ": the file has no points");
   return points;
 }
 

@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "command.h"
+#include "files.h"
 #include "frame_get.h"
 #include "import/scene_file.h"
 #include "lpv/convert.h"
 #include "output.h"
-#include "progress.h"
 #include "scene_flags.h"
 #include "scene_upload.h"
 #include "session_settings.h"
@@ -24,7 +24,7 @@ constexpr std::int64_t kLifeSeconds = 600;
 
 struct RenderOptions {
   std::string file;
-  std::string out;
+  FrameFile out;
   ImportOptions import;
   SessionFlags session;
   FrameFlags frame;
@@ -55,8 +55,9 @@ std::optional<v1::Camera> cameraFor(const RenderOptions& options, const Imported
 }
 
 Status render(Context& context, const RenderOptions& options) {
-  if (const auto format = frameFormatOf(options.out); !format) return format.status();
-  const Expected<ImportedScene> scene = importScene(options.file, options.import);
+  checkBinaryOutput(context, "render", options.out.path);
+  if (const auto format = options.out.format(); !format) return format.status();
+  const Expected<ImportedScene> scene = asLocal(importScene(options.file, options.import));
   if (!scene) return scene.status();
   for (const std::string& warning : scene->warnings) warn(warning);
   for (const std::string& assumed : scene->assumed) note(assumed);
@@ -74,18 +75,13 @@ Status render(Context& context, const RenderOptions& options) {
   const TemporarySession session(context, created->session().name());
   Expected<client::Editor> editor = client::Editor::join(*client, session.name(), "");
   if (!editor) return editor.status();
-  const auto uploaded = uploadScene(*editor, *scene);
+  const auto uploaded = SceneUpload(*scene).run(*editor);
   if (!uploaded) return uploaded.status();
   for (const std::string& warning : uploaded->warnings) warn(warning);
 
-  Expected<client::FrameResult> frame = Status(Code::kInternal, "no frame");
-  {
-    ProgressBar bar("rendering");
-    bar.show(0, 0);
-    frame = getFrame(*client, session.name(), options.frame, cameraFor(options, *scene), options.out);
-  }
+  const auto frame = getFrame(*client, session.name(), options.frame, cameraFor(options, *scene), options.out);
   if (frame && context.json()) {
-    print(JsonObject().text("file", options.out).raw("header", toJson(frame->header)).str());
+    print(JsonObject().text("file", options.out.path).raw("header", toJson(frame->header)).str());
   }
   return frame.status();
 }
@@ -98,10 +94,7 @@ void addRenderCommand(CLI::App& app, Commands& commands) {
       commands.add(app, "render", "Render one frame of a scene file in a temporary session (default quality: accurate)",
                    [given](Context& context) { return render(context, *given); });
   command.add_option("file", given->file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
-  command
-      .add_option("-o,--output", given->out, "File to write: png or jpg; exr stores linear radiance without tone curve")
-      ->required()
-      ->type_name("OUT");
+  given->out.addTo(command);
   addImportFlags(command, given->import);
   given->frame.addTo(command);
   given->session.addTo(command);

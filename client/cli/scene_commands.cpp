@@ -3,11 +3,12 @@
 #include <memory>
 
 #include "command.h"
+#include "grid_growth.h"
 #include "import/scene_file.h"
 #include "lpv/convert.h"
 #include "membership.h"
 #include "output.h"
-#include "progress.h"
+#include "question.h"
 #include "scene_flags.h"
 #include "scene_upload.h"
 
@@ -47,33 +48,73 @@ void printMade(const Context& context, const ImportedScene& scene, const Uploade
   printTable(rows);
 }
 
+struct LoadOptions {
+  std::string id;
+  std::string file;
+  bool replace = false;
+  bool add = false;
+  ImportOptions import;
+};
+
+/// Says, or asks on a terminal, what is to be done about an earlier load of the same objects. Returns what shall be
+/// removed.
+Expected<EarlierLoad> decideOn(const EarlierLoad& earlier, const Context& context, const LoadOptions& options) {
+  if (options.replace) return earlier;
+  if (options.add || earlier.same == 0) return EarlierLoad();
+  const std::string there = "the session has objects of " + options.file + " already: " + std::to_string(earlier.same);
+  if (context.json() || !canAsk()) {
+    warn(there +
+         ", which are there twice now; --replace replaces them, lpvctl undo takes this load back, --add says "
+         "that it is meant");
+    return EarlierLoad();
+  }
+  const std::string answer = ask(there + ". Replace them, add them again, or cancel? [r/a/C]");
+  if (answer == "r" || answer == "replace") return earlier;
+  if (answer == "a" || answer == "add") return EarlierLoad();
+  return localError("", "cancelled; nothing was loaded");
+}
+
+Status loadScene(Context& context, const LoadOptions& options) {
+  const Expected<ImportedScene> scene = asLocal(importScene(options.file, options.import));
+  if (!scene) return scene.status();
+  for (const std::string& warning : scene->warnings) warn(warning);
+  for (const std::string& assumed : scene->assumed) note(assumed);
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const SceneUpload upload(*scene);
+  const Expected<EarlierLoad> earlier = upload.earlier(*client, options.id);
+  if (!earlier) return earlier.status();
+  const Expected<EarlierLoad> replaced = decideOn(*earlier, context, options);
+  if (!replaced) return replaced.status();
+  const Expected<GridGrowth> growth = GridGrowth::since(*client, options.id);
+  if (!growth) return growth.status();
+  Status status = asMember(*client, options.id, [&](client::Editor& editor) -> Status {
+    const Expected<UploadedScene> made = upload.run(editor, *replaced);
+    if (!made) return made.status();
+    for (const std::string& warning : made->warnings) warn(warning);
+    if (made->lights.empty())
+      warn("the file has no emissive material and adds no light; add one with lpvctl light add");
+    printMade(context, *scene, *made);
+    return {};
+  });
+  if (status.ok() && growth->isLarge()) {
+    growth->warn("the content of " + options.file, boundsOf(*scene), glm::dvec3(options.import.scale));
+  }
+  return status;
+}
+
 void addSceneLoad(CLI::App& group, Commands& commands) {
-  struct Options {
-    std::string id;
-    std::string file;
-    ImportOptions import;
-  };
-  auto given = std::make_shared<Options>();
-  CLI::App& app =
-      commands.add(group, "load", "Add the lights, surfaces and cameras of a scene file", [given](Context& context) {
-        Expected<ImportedScene> scene = importScene(given->file, given->import);
-        if (!scene) return scene.status();
-        for (const std::string& warning : scene->warnings) warn(warning);
-        for (const std::string& assumed : scene->assumed) note(assumed);
-        Expected<client::Client> client = context.connect();
-        if (!client) return client.status();
-        return asMember(*client, given->id, [&](client::Editor& editor) -> Status {
-          const Expected<UploadedScene> made = uploadScene(editor, *scene);
-          if (!made) return made.status();
-          for (const std::string& warning : made->warnings) warn(warning);
-          if (made->lights.empty())
-            warn("the file has no emissive material and adds no light; add one with lpvctl light add");
-          printMade(context, *scene, *made);
-          return {};
-        });
-      });
+  auto given = std::make_shared<LoadOptions>();
+  CLI::App& app = commands.add(group, "load", "Add the lights, surfaces and cameras of a scene file",
+                               [given](Context& context) { return loadScene(context, *given); });
   addSession(app, given->id);
   app.add_option("file", given->file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
+  auto* replace =
+      app.add_flag("--replace", given->replace,
+                   "Remove the session's lights and surfaces of the same names first, as a part of the same "
+                   "undo step (default: asked on a terminal where the file was loaded before)");
+  app.add_flag("--add", given->add, "Add the objects once more where the file was loaded before, without being asked")
+      ->excludes(replace);
   addImportFlags(app, given->import);
 }
 

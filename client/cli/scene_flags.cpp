@@ -1,7 +1,5 @@
 #include "scene_flags.h"
 
-#include <cstdio>
-#include <fstream>
 #include <utility>
 
 #include "lpv/convert.h"
@@ -64,6 +62,14 @@ client::Move TransformFlags::move() const {
   return out;
 }
 
+Transform TransformFlags::placed() const {
+  Transform out;
+  if (translate) out.translation = *translate;
+  if (rotate) out.rotation = rotationFromEulerDegrees(*rotate);
+  if (scale) out.scale = *scale;
+  return out;
+}
+
 client::Move TransformFlags::relativeTo(const Transform& now) const {
   client::Move out = move();
   if (out.translation) *out.translation += now.translation;
@@ -105,16 +111,6 @@ v1::Camera FrameFlags::camera() const {
 CLI::Option* addColour(CLI::App& app, const std::string& name, std::optional<glm::dvec3>& value,
                        const std::string& about) {
   return addParsed<glm::dvec3>(app, name, value, "v|r,g,b", parseColour, about);
-}
-
-Status writeFile(const std::string& path, const std::string& bytes) {
-  const std::string partial = path + ".part";
-  std::ofstream file(partial, std::ios::binary);
-  file.write(bytes.data(), std::streamsize(bytes.size()));
-  file.close();
-  if (file && std::rename(partial.c_str(), path.c_str()) == 0) return {};
-  std::remove(partial.c_str());
-  return invalid("output", "cannot write " + path);
 }
 
 }  // namespace lpv::cli

@@ -26,6 +26,8 @@ struct TransformFlags {
   void addTo(CLI::App& app);
   bool any() const { return translate || rotate || scale; }
   client::Move move() const;
+  /// The transform of a new object.
+  Transform placed() const;
   /// The absolute move that --relative means from `now`: translations are added, rotations turn about the world's axes,
   /// scales are multiplied.
   client::Move relativeTo(const Transform& now) const;
@@ -55,8 +57,5 @@ struct FrameFlags {
 /// Adds an option whose value is "v" or "r,g,b".
 CLI::Option* addColour(CLI::App& app, const std::string& name, std::optional<glm::dvec3>& value,
                        const std::string& about);
-
-/// Writes a temporary file and renames it, so that `path` is either complete or unchanged.
-Status writeFile(const std::string& path, const std::string& bytes);
 
 }  // namespace lpv::cli

@@ -1,5 +1,6 @@
 #include "scene_upload.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -10,10 +11,6 @@
 #include "progress.h"
 
 namespace lpv::cli {
-namespace {
-
-constexpr int kMaxOperations = 1000;
-constexpr std::size_t kMaxEditBytes = 900000;  // a message may have 1 MiB
 
 /// The blobs of all meshes and textures; each is serialised once.
 class SceneBlobs {
@@ -49,6 +46,11 @@ class SceneBlobs {
   std::map<const void*, client::Blob> blobs_;
 };
 
+namespace {
+
+constexpr int kMaxOperations = 1000;
+constexpr std::size_t kMaxEditBytes = 900000;  // a message may have 1 MiB
+
 v1::Operation operationFor(const Light& light, const SceneBlobs& blobs) {
   v1::Light out;
   out.set_name(light.name);
@@ -79,8 +81,11 @@ v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
   return client::createSurface(std::move(out));
 }
 
-std::vector<v1::Edit> editsFor(const ImportedScene& scene, const SceneBlobs& blobs, bool fits) {
+std::vector<v1::Edit> editsFor(const ImportedScene& scene, const SceneBlobs& blobs, const EarlierLoad& replaced,
+                               bool fits) {
   std::vector<v1::Operation> operations;
+  for (const std::string& name : replaced.lights) operations.push_back(client::deleteLight(name));
+  for (const std::string& name : replaced.surfaces) operations.push_back(client::deleteSurface(name));
   for (const Light& light : scene.lights) operations.push_back(operationFor(light, blobs));
   for (const Surface& surface : scene.surfaces) operations.push_back(operationFor(surface, blobs));
   for (const auto& [name, camera] : scene.cameras) operations.push_back(client::putCamera(name, camera));
@@ -125,7 +130,14 @@ void removeCreated(client::Editor& editor, const UploadedScene& made, const std:
   }
 }
 
-/// Applies the edits as one undo step. If one is refused, deletes what the edits before it created.
+/// Takes back what the edits before a refused one did: as the member's newest step, or, for nobody's edits, by deleting
+/// what they created.
+void takeBack(client::Editor& editor, const UploadedScene& made, const std::string& step) {
+  if (editor.identity().client_id().empty()) return removeCreated(editor, made, step);
+  (void)editor.undo();
+}
+
+/// Applies the edits as one undo step.
 Expected<UploadedScene> applyAll(client::Editor& editor, std::vector<v1::Edit> edits) {
   const std::string step = "load " + std::to_string(editor.sequence());
   UploadedScene made;
@@ -133,12 +145,38 @@ Expected<UploadedScene> applyAll(client::Editor& editor, std::vector<v1::Edit> e
     edit.set_undo_group(step);
     const Expected<v1::EditAck> ack = editor.apply(edit);
     if (!ack) {
-      removeCreated(editor, made, step);
+      if (made.revision != 0) takeBack(editor, made, step);
       return ack.status();
     }
     collect(edit, *ack, made);
   }
   return made;
+}
+
+/// Whether `name` is `wanted`, or what the session makes of it where that is taken: "Lamp.001".
+bool isNamedAfter(const std::string& name, const std::string& wanted) {
+  if (name.rfind(wanted, 0) != 0) return false;
+  const std::string suffix = name.substr(wanted.size());
+  return suffix.empty() ||
+         (suffix.size() > 3 && suffix[0] == '.' && suffix.find_first_not_of("0123456789", 1) == std::string::npos);
+}
+
+/// Adds those of the session's objects that have the name of one of the scene's: the name itself, or one with a number
+/// where the mesh is the same too.
+template <typename Object, typename Imported>
+void findEarlier(const std::vector<Object>& objects, const std::vector<Imported>& imported, const SceneBlobs& blobs,
+                 std::vector<std::string>& names, std::size_t& same) {
+  for (const Object& object : objects) {
+    bool named = false, sameMesh = false;
+    for (const Imported& each : imported) {
+      if (!isNamedAfter(object.name(), each.name)) continue;
+      const bool equal = blobs.hashOf(each.mesh.get()) == object.mesh();
+      named = named || equal || object.name() == each.name;
+      sameMesh = sameMesh || equal;
+    }
+    if (named) names.push_back(object.name());
+    if (sameMesh) ++same;
+  }
 }
 
 /// How an object lies to a box.
@@ -179,21 +217,33 @@ std::vector<std::string> leftOut(const ImportedScene& scene, const v1::Session& 
 
 }  // namespace
 
-Expected<UploadedScene> uploadScene(client::Editor& editor, const ImportedScene& scene) {
-  const SceneBlobs blobs(scene);
+SceneUpload::SceneUpload(const ImportedScene& scene) : scene_(scene), blobs_(std::make_unique<SceneBlobs>(scene)) {}
+SceneUpload::~SceneUpload() = default;
+
+Expected<EarlierLoad> SceneUpload::earlier(client::Client& client, const std::string& session) const {
+  EarlierLoad out;
+  const auto lights = client.lights(session);
+  if (!lights) return lights.status();
+  const auto surfaces = client.surfaces(session);
+  if (!surfaces) return surfaces.status();
+  findEarlier(lights->items, scene_.lights, *blobs_, out.lights, out.same);
+  findEarlier(surfaces->items, scene_.surfaces, *blobs_, out.surfaces, out.same);
+  return out;
+}
+
+Expected<UploadedScene> SceneUpload::run(client::Editor& editor, const EarlierLoad& replaced) const {
+  client::Client client = editor.client();
   {
-    client::Client client = editor.client();
     ProgressBar bar("uploading");
-    const Status sent = client::uploadMissing(client, editor.session(), blobs.all(),
+    const Status sent = client::uploadMissing(client, editor.session(), blobs_->all(),
                                               [&](auto done, auto total) { bar.show(done, total); });
     if (!sent.ok()) return sent;
   }
-  client::Client client = editor.client();
   const Expected<v1::Session> session = client.session(editor.session());
   if (!session) return session.status();
   const bool fixed = session->settings().grid().has_bounds();
-  Expected<UploadedScene> made = applyAll(editor, editsFor(scene, blobs, !fixed));
-  if (made && fixed) made->warnings = leftOut(scene, *session);
+  Expected<UploadedScene> made = applyAll(editor, editsFor(scene_, *blobs_, replaced, !fixed));
+  if (made && fixed) made->warnings = leftOut(scene_, *session);
   return made;
 }
 

@@ -6,10 +6,11 @@
 
 #include <cstdio>
 #include <fstream>
-#include <iterator>
+#include <functional>
 #include <memory>
 
 #include "command.h"
+#include "files.h"
 #include "output.h"
 #include "progress.h"
 #include "session_settings.h"
@@ -53,7 +54,7 @@ Status saveToken(const std::string& path, const std::string& token) {
   const std::string line = token + "\n";
   const bool written = file >= 0 && ::write(file, line.data(), line.size()) == ssize_t(line.size());
   if (file >= 0) ::close(file);
-  return written ? Status() : invalid("save-token", "cannot write " + path);
+  return written ? Status() : localError("save-token", "cannot write " + path);
 }
 
 void addSaveToken(CLI::App& app, std::string& file) {
@@ -236,6 +237,46 @@ void addRevoke(CLI::App& group, Commands& commands) {
       ->type_name("TOKEN_ID");
 }
 
+/// Passes the session's parts to `write`, which returns false to stop, with a progress line. Returns their bytes.
+Expected<std::uint64_t> exportTo(client::Client& client, const std::string& session,
+                                 const std::function<bool(const std::string&)>& write) {
+  ProgressBar bar("saving");
+  std::uint64_t bytes = 0;
+  Status status = client.exportSession(session, [&](const std::string& part) {
+    bytes += part.size();
+    bar.show(bytes, 0);
+    return write(part);
+  });
+  if (!status.ok()) return status;
+  return bytes;
+}
+
+/// Writes a temporary file and renames it; "-": to stdout, part by part.
+Status saveSession(Context& context, client::Client& client, const std::string& session, const std::string& path) {
+  if (isStandardStream(path)) {
+    Status written;
+    const auto toStdout = [&written](const std::string& part) {
+      written = writeFile(kStandardStream, part);
+      return written.ok();
+    };
+    const Status sent = exportTo(client, session, toStdout).status();
+    return written.ok() ? sent : written;
+  }
+  const std::string partial = path + ".part";
+  std::ofstream file(partial, std::ios::binary);
+  if (!file) return localError("file", "cannot write " + path);
+  const Expected<std::uint64_t> bytes = exportTo(client, session, [&](const std::string& part) {
+    return bool(file.write(part.data(), std::streamsize(part.size())));
+  });
+  file.close();
+  Status status = file ? bytes.status() : localError("file", "cannot write " + path);
+  if (status.ok() && std::rename(partial.c_str(), path.c_str()) != 0)
+    status = localError("file", "cannot write " + path);
+  if (!status.ok()) std::remove(partial.c_str());
+  if (status.ok() && context.json()) print(JsonObject().text("file", path).number("bytes", double(*bytes)).str());
+  return status;
+}
+
 void addSave(CLI::App& group, Commands& commands) {
   struct Options {
     std::string id;
@@ -243,28 +284,13 @@ void addSave(CLI::App& group, Commands& commands) {
   };
   auto given = std::make_shared<Options>();
   CLI::App& app = commands.add(group, "save", "Save a session's content to a file", [given](Context& context) {
+    checkBinaryOutput(context, "session save", given->file);
     Expected<client::Client> client = context.connect();
     if (!client) return client.status();
-    const std::string partial = given->file + ".part";
-    std::ofstream file(partial, std::ios::binary);
-    if (!file) return invalid("file", "cannot write " + given->file);
-    std::uint64_t bytes = 0;
-    Status status = client->exportSession(given->id, [&](const std::string& part) {
-      bytes += part.size();
-      return bool(file.write(part.data(), std::streamsize(part.size())));
-    });
-    file.close();
-    if (!file) status = invalid("file", "cannot write " + given->file);
-    if (status.ok() && std::rename(partial.c_str(), given->file.c_str()) != 0) {
-      status = invalid("file", "cannot write " + given->file);
-    }
-    if (!status.ok()) std::remove(partial.c_str());
-    if (status.ok() && context.json())
-      print(JsonObject().text("file", given->file).number("bytes", double(bytes)).str());
-    return status;
+    return saveSession(context, *client, given->id, given->file);
   });
   addSession(app, given->id);
-  app.add_option("file", given->file, "File to write")->required()->type_name("FILE");
+  app.add_option("file", given->file, "File to write; - is stdout")->required()->type_name("FILE");
 }
 
 void addLoad(CLI::App& group, Commands& commands) {
@@ -276,20 +302,19 @@ void addLoad(CLI::App& group, Commands& commands) {
   auto given = std::make_shared<Options>();
   CLI::App& app =
       commands.add(group, "load", "Create a session from a saved file and print its id", [given](Context& c) {
-        std::ifstream file(given->file, std::ios::binary);
-        if (!file) return invalid("file", given->file + ": the file cannot be opened");
-        const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+        const Expected<std::string> bytes = readFile(given->file, "file");
+        if (!bytes) return bytes.status();
         Expected<client::Client> client = c.connect();
         if (!client) return client.status();
         ProgressBar bar("uploading");
         const auto made =
-            client->importSession(given->id, bytes, [&](auto done, auto total) { bar.show(done, total); });
+            client->importSession(given->id, *bytes, [&](auto done, auto total) { bar.show(done, total); });
         if (!made) return made.status();
         if (Status saved = saveToken(given->tokenFile, made->owner_token()); !saved.ok()) return saved;
         print(c.json() ? toJson(*made) : client::sessionId(made->session().name()));
         return Status();
       });
-  app.add_option("file", given->file, "File to read")->required()->type_name("FILE");
+  app.add_option("file", given->file, "File to read; - is stdin")->required()->type_name("FILE");
   app.add_option("--id", given->id, "Wanted id (the server chooses)")->type_name("ID");
   addSaveToken(app, given->tokenFile);
 }

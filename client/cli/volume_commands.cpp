@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "command.h"
+#include "files.h"
 #include "npy.h"
 #include "output.h"
 #include "progress.h"
@@ -52,8 +53,8 @@ Expected<Array> arrayOf(const Volume& volume, const VolumeOptions& options) {
     return out;
   }
   if (*options.layer < 0 || std::size_t(*options.layer) >= volume.layers.size()) {
-    return invalid("layer", "layer " + std::to_string(*options.layer) + " does not exist; the volume has " +
-                                std::to_string(volume.layers.size()));
+    return localError("layer", "layer " + std::to_string(*options.layer) + " does not exist; the volume has " +
+                                   std::to_string(volume.layers.size()));
   }
   out.values = volume.layers[std::size_t(*options.layer)].coefficients;
   return out;
@@ -72,6 +73,7 @@ std::string metadata(const VolumeOptions& options, const Array& array, const cli
 Expected<client::VolumeResult> fetch(Context& context, const VolumeOptions& options) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
+  const Spinner spinner("waiting for the volume");
   v1::GetVolumeRequest request;
   request.set_session(options.id);
   request.set_stage(options.stage.value_or(v1::VOLUME_STAGE_TRANSPORTED));
@@ -81,6 +83,7 @@ Expected<client::VolumeResult> fetch(Context& context, const VolumeOptions& opti
 }
 
 Status getVolume(Context& context, const VolumeOptions& options) {
+  checkBinaryOutput(context, "volume get", options.out);
   const auto result = fetch(context, options);
   if (!result) return result.status();
   const Expected<Array> array = arrayOf(result->volume, options);
@@ -128,7 +131,7 @@ void addGet(CLI::App& group, Commands& commands) {
   CLI::App& get = commands.add(group, "get", "Save the volume as NumPy float32 (nz,ny,nx,3,4), summed over layers",
                                [given](Context& context) { return getVolume(context, *given); });
   addSession(get, given->id);
-  get.add_option("-o,--output", given->out, "File to write")->required()->type_name("OUT.npy");
+  get.add_option("-o,--output", given->out, "File to write; - is stdout")->required()->type_name("OUT.npy");
   addStage(get, *given);
   auto* one = get.add_option("--layer", given->layer, "Save one layer instead of the sum")->type_name("K");
   get.add_flag("--layers", given->layers, "Save all layers: (g,nz,ny,nx,3,4)")->excludes(one);

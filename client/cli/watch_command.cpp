@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "command.h"
@@ -76,11 +77,25 @@ class Report {
     return changed_.wait_for(lock, time, [this] { return ended_; });
   }
 
-  /// Prints one line about the last interval.
-  void second() {
+  /// Whether nothing has come since the last line, but something before it: the revision that was seen last then.
+  std::optional<std::uint64_t> silentSince() const {
     const std::lock_guard lock(mutex_);
+    if (results_ > 0 || last_.revision() == 0) return std::nullopt;
+    return last_.revision();
+  }
+
+  /// Prints one line about the last interval. `still`: the scene has not changed since what was seen last; that is said
+  /// once, until something comes.
+  void second(bool still) {
+    const std::lock_guard lock(mutex_);
+    const bool said = std::exchange(still_, still);
+    if (still && said) return;
+    if (still && json_) {
+      note(stillLine());
+      return;
+    }
     const double seconds = std::chrono::duration<double>(Clock::now() - lineBegan_).count();
-    const std::string line = summaryLine(seconds);
+    const std::string line = still ? stillLine() : summaryLine(seconds);
     results_ = 0;
     bytes_ = 0;
     ages_.clear();
@@ -125,6 +140,11 @@ class Report {
     return name;
   }
 
+  std::string stillLine() const {
+    return "the scene stands still at revision " + std::to_string(last_.revision()) +
+           "; nothing is sent until it changes";
+  }
+
   std::string summaryLine(double seconds) {
     std::sort(ages_.begin(), ages_.end());
     std::string line = fixed(double(results_) / seconds, 1) + " /s  " + fixed(double(bytes_) / seconds / 1e6, 2) +
@@ -140,8 +160,9 @@ class Report {
   const bool terminal_;
   const Clock::time_point began_;
   Clock::time_point lineBegan_ = Clock::now();
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
+  bool still_ = false;
   std::vector<double> ages_;
   std::uint64_t bytes_ = 0;
   std::uint64_t results_ = 0;
@@ -150,9 +171,17 @@ class Report {
   Status status_;
 };
 
+/// Whether the session is still at the revision that was seen last.
+bool standsStill(client::Client& client, const std::string& session, const Report& report) {
+  const std::optional<std::uint64_t> seen = report.silentSince();
+  if (!seen) return false;
+  const Expected<v1::Session> now = client.session(session);
+  return now && now->revision() == *seen;
+}
+
 /// Runs until the time is over, the stream has ended, or Ctrl-C.
 template <typename Watcher>
-Status follow(const WatchOptions& options, Report& report, Watcher& watcher) {
+Status follow(client::Client& client, const WatchOptions& options, Report& report, Watcher& watcher) {
   const Clock::time_point end = options.seconds > 0.0
                                     ? Clock::now() + std::chrono::milliseconds(std::int64_t(options.seconds * 1e3))
                                     : Clock::time_point::max();
@@ -161,7 +190,7 @@ Status follow(const WatchOptions& options, Report& report, Watcher& watcher) {
     if (report.wait(std::chrono::milliseconds(50))) break;
     if (Clock::now() < line) continue;
     line += std::chrono::seconds(1);
-    report.second();
+    report.second(standsStill(client, options.id, report));
   }
   watcher.stop();
   return report.finish(watcher.stats());
@@ -205,7 +234,7 @@ Status watch(Context& context, const WatchOptions& options) {
     client::VolumeWatcher watcher(
         *client, volumeWish(options), [&](const client::VolumeResult& r) { report.add(r.header.result(), r.bytes); },
         hooksFor(report));
-    return follow(options, report, watcher);
+    return follow(*client, options, report, watcher);
   }
   v1::FrameSubscription wanted;
   wanted.set_session(options.id);
@@ -219,7 +248,7 @@ Status watch(Context& context, const WatchOptions& options) {
   client::FrameWatcher watcher(
       *client, wanted, [&](const client::FrameResult& r) { report.add(r.header.result(), r.file.size()); },
       hooksFor(report));
-  return follow(options, report, watcher);
+  return follow(*client, options, report, watcher);
 }
 
 void addVolumeFlags(CLI::App& command, WatchOptions& options, CLI::Option* volume) {

@@ -92,7 +92,7 @@ EditOutcome Session::applyUndoRedo(const ClientIdentity& client, std::uint64_t s
     const ObjectKey& key = plan->objects[i].first;
     if (!key.camera) outcome.status = locks_.check(client.id, key.name, Clock::now());
   }
-  if (outcome.status.ok()) outcome.status = document_.restore(plan->objects);
+  if (outcome.status.ok()) outcome.status = document_.restore(plan->objects, plan->grid);
   outcome.revision = document_.revision();
   if (outcome.status.ok()) {
     const auto most = std::size_t(limits_.maxOperationsPerEdit);  // a step of many edits may be of any size
@@ -101,7 +101,7 @@ EditOutcome Session::applyUndoRedo(const ClientIdentity& client, std::uint64_t s
     }
     outcome.skipped = plan->skipped;
     outcome.skipped.resize(std::min(outcome.skipped.size(), most));
-    history_.done(client.id, direction, std::move(*plan));
+    history_.done(client.id, direction, std::move(*plan), document_);
   }
   recordOutcome(client, outcome);
   return outcome;

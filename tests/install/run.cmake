@@ -17,6 +17,12 @@ step("configure" ${CMAKE_COMMAND} -S ${EXAMPLE} -B ${WORK}/build -G ${GENERATOR}
 step("build" ${CMAKE_COMMAND} --build ${WORK}/build)
 step("usage" ${WORK}/build/example)
 step("installed lpvctl" ${WORK}/prefix/bin/lpvctl --help)
+foreach(page man/man1/lpvctl.1 man/man1/lpvctl-light.1 bash-completion/completions/lpvctl zsh/site-functions/_lpvctl
+        fish/vendor_completions.d/lpvctl.fish)
+  if(NOT EXISTS ${WORK}/prefix/share/${page})
+    message(FATAL_ERROR "share/${page} was not installed")
+  endif()
+endforeach()
 
 # Nobody listens on port 1: a clean message and exit code 3.
 execute_process(COMMAND ${WORK}/build/example 127.0.0.1:1 RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE error)

@@ -29,12 +29,18 @@ void forEachReplaced(const Map& objects, const Before& before, const Use& use) {
   }
 }
 
+/// Whether there was no object of a kind before an edit.
+template <typename Map, typename Before>
+bool wasEmpty(const Map& objects, const Before& before) {
+  const auto wasThere = [](const auto& was) { return was.second.has_value(); };
+  const auto untouched = [&before](const auto& object) { return !before.contains(object.first); };
+  return std::ranges::none_of(before, wasThere) && std::ranges::none_of(objects, untouched);
+}
+
 /// Whether an edit brought the first of a kind of objects.
 template <typename Map, typename Before>
 bool isFirst(const Map& objects, const Before& before) {
-  const auto wasThere = [](const auto& was) { return was.second.has_value(); };
-  const auto untouched = [&before](const auto& object) { return !before.contains(object.first); };
-  return !objects.empty() && std::ranges::none_of(before, wasThere) && std::ranges::none_of(objects, untouched);
+  return !objects.empty() && wasEmpty(objects, before);
 }
 
 int longestEdgeOf(const Grid& grid) { return std::max({grid.dims.x, grid.dims.y, grid.dims.z}); }
@@ -82,8 +88,10 @@ Expected<std::vector<std::string>> Document::apply(const Edit& edit, const Blobs
   return names;
 }
 
-Status Document::restore(const std::vector<NamedState>& objects) {
+Status Document::restore(const std::vector<NamedState>& objects, const std::optional<RestoredGrid>& grid) {
   return change([&](Rollback& rollback) {
+    rollback.restores = true;
+    rollback.restoredGrid = grid;
     for (const NamedState& each : objects) restoreOne(each, rollback);
     return Status();
   });
@@ -127,9 +135,7 @@ Status Document::checkAll(Rollback& rollback) {
   count(rollback);
   if (Status s = checkTotals(); !s.ok()) return s;
   if (Status s = checkGroups(rollback); !s.ok()) return s;
-  if (rollback.contentAdded) {
-    if (Status s = refit(false, rollback); !s.ok()) return s;
-  }
+  if (Status s = fitAfter(rollback); !s.ok()) return s;
   if (!sameWorkload(rollback)) {
     if (Status s = checkCost(options_, grid_); !s.ok()) return s;
   }
@@ -240,8 +246,22 @@ bool Document::firstOfItsKind(const Rollback& rollback) const {
   return isFirst(lights_, rollback.lights) || isFirst(surfaces_, rollback.surfaces);
 }
 
-/// New content that leaves a fitted grid makes a new fit, and so do the first light and the first surface where the
-/// number of cells goes by them; a moving light never does (MATHS.md 1).
+bool Document::firstOfAll(const Rollback& rollback) const {
+  return wasEmpty(lights_, rollback.lights) && wasEmpty(surfaces_, rollback.surfaces);
+}
+
+/// The grid after an edit, an undo or a redo: the one that comes back, else a fit where new content asks for one.
+Status Document::fitAfter(const Rollback& rollback) {
+  if (!rollback.restoredGrid) return rollback.contentAdded ? refit(false, rollback) : Status();
+  grid_ = rollback.restoredGrid->grid;
+  gridRevision_ = revision_;
+  snapshot_.reset();
+  return rollback.restoredGrid->holds ? Status() : refit(true, rollback);
+}
+
+/// New content that leaves a fitted grid makes a new fit. So does what comes into an empty scene, unless an undo brings
+/// it, and the first light and the first surface where the number of cells goes by them; a moving light never does
+/// (MATHS.md 1).
 Status Document::refit(bool always, const Rollback& rollback) {
   const bool chooses = choosesCells(options_.grid);
   if (options_.grid.hasBounds && !chooses) return {};
@@ -250,7 +270,8 @@ Status Document::refit(bool always, const Rollback& rollback) {
   const Bounds now = grid_.bounds();
   const bool inside =
       glm::all(glm::lessThanEqual(now.min, bounds.min)) && glm::all(glm::greaterThanEqual(now.max, bounds.max));
-  const bool stands = options_.grid.hasBounds || (inside && gridRevision_ != 0);
+  const bool fitted = gridRevision_ != 0 && (rollback.restores || !firstOfAll(rollback));
+  const bool stands = options_.grid.hasBounds || (inside && fitted);
   if (!always && stands && !(chooses && firstOfItsKind(rollback))) return {};
   const Expected<GridChoice> choice = chooseGrid(*snapshot(), options_, leastCells());
   if (!choice) return choice.status();

@@ -89,6 +89,12 @@ struct SceneUpdate {
   std::map<std::string, std::optional<Camera>> cameras;
 };
 
+/// A grid that an undo or redo brings back.
+struct RestoredGrid {
+  Grid grid;
+  bool holds = true;  ///< false: somebody has created an object beyond it since, so that it is fitted anew
+};
+
 /// Names the content of a mesh that no blob carried (SetVertices).
 using MeshHasher = std::function<BlobHash(const Mesh&)>;
 
@@ -118,6 +124,11 @@ class Document {
   std::uint64_t revision() const { return revision_; }
   const LightingSettings& options() const { return options_; }
   const Grid& grid() const { return grid_; }
+  /// The revision that last wrote the grid; 0: none has.
+  std::uint64_t gridRevision() const { return gridRevision_; }
+  /// The same as the last edit, undo or redo found them.
+  const Grid& gridBefore() const { return replaced_.grid; }
+  std::uint64_t gridRevisionBefore() const { return replaced_.gridRevision; }
   std::size_t lightCount() const { return lights_.size(); }
   std::size_t surfaceCount() const { return surfaces_.size(); }
   std::int64_t triangleCount() const { return tally_.triangles; }
@@ -136,9 +147,9 @@ class Document {
   void noteMeasured(const std::optional<MeasuredError>& measured) { measured_ = measured; }
   const std::optional<GridCorrection>& correction() const { return correction_; }
 
-  /// Sets objects to what they once were: one revision, also where there are none. RESOURCE_EXHAUSTED, by name, where
-  /// the session would exceed its limits.
-  Status restore(const std::vector<NamedState>& objects);
+  /// Sets objects, and the grid where one is given, to what they once were: one revision, also where there are none.
+  /// RESOURCE_EXHAUSTED, by name, where the session would exceed its limits.
+  Status restore(const std::vector<NamedState>& objects, const std::optional<RestoredGrid>& grid = {});
 
   /// What the last revision changed; every deletion of it, of names given again too.
   const Changes& lastChange() const { return lastChange_; }
@@ -192,6 +203,8 @@ class Document {
     bool contentAdded = false;
     bool contentRemoved = false;
     bool fitted = false;
+    bool restores = false;  ///< an undo or redo
+    std::optional<RestoredGrid> restoredGrid;
     bool counted = false;  ///< tally_ has what the edit made
 
     template <typename T>
@@ -254,6 +267,8 @@ class Document {
   LightingSettings inForce() const;
   int leastCells() const { return correction_ ? correction_->least : 0; }
   bool firstOfItsKind(const Rollback& rollback) const;
+  bool firstOfAll(const Rollback& rollback) const;
+  Status fitAfter(const Rollback& rollback);
   void noteChange(const Rollback& rollback);
   void updateViewScene(const Rollback& rollback);
   void setStage();

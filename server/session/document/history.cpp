@@ -57,6 +57,7 @@ void History::recordWrites(const std::string& client, const Edit& edit, const st
       recordFields(key, touch.fields, document, step);
     }
   }
+  recordGrid(document, step);
   if (!client.empty()) push(client, std::move(step));
   forgetNames();
 }
@@ -86,6 +87,19 @@ void History::recordFields(const ObjectKey& key, const FieldSet& fields, const D
   }
 }
 
+/// The write that a grid of this revision of the document goes back to: what no edit has brought back is a write
+/// itself.
+std::uint64_t History::gridWriteOf(std::uint64_t revision) const {
+  return gridWrite_.revision == revision ? gridWrite_.write : revision;
+}
+
+void History::recordGrid(const Document& document, Step& step) {
+  if (document.gridRevision() != document.revision()) return;
+  step.grid = {{gridWriteOf(document.gridRevisionBefore()), document.gridBefore()},
+               {document.revision(), document.grid()}};
+  gridWrite_ = {document.revision(), document.revision()};
+}
+
 void History::push(const std::string& client, Step step) {
   Member& member = members_[client];
   while (!member.redo.empty()) forget(member.redo, true);
@@ -111,6 +125,8 @@ void History::push(const std::string& client, Step step) {
 
 /// What was there before is what the first edit of a group found, what is left what the last one wrote.
 void History::merge(Step& into, Step step) {
+  if (step.grid && into.grid) step.grid->before = into.grid->before;
+  if (step.grid) into.grid = step.grid;
   for (auto& [key, change] : step.wholes) {
     const auto [found, isNew] = into.wholes.try_emplace(key, std::move(change));
     if (!isNew) found->second.after = std::move(change.after);
@@ -179,7 +195,7 @@ void History::hold(const ObjectState& object, int sign) {
 
 /// Counts a step that comes (1) or goes (-1).
 void History::weigh(const Step& step, int sign) {
-  bytes_ += sign * kChangeBytes * std::int64_t(step.wholes.size() + step.fields.size());
+  bytes_ += sign * kChangeBytes * std::int64_t(step.wholes.size() + step.fields.size() + (step.grid ? 1 : 0));
   for (const auto& [key, change] : step.wholes) {
     hold(change.before.object, sign);
     hold(change.after.object, sign);

@@ -11,6 +11,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -22,6 +23,9 @@
 #include "session/limits.h"
 
 namespace lpv {
+
+/// The grid in lists of what was skipped, as Session has it.
+inline constexpr const char* kGridField = "session.grid";
 
 /// Which way along a member's steps.
 enum class UndoDirection { kUndo, kRedo };
@@ -40,8 +44,8 @@ class History {
   struct Plan;
   /// What undoing, or redoing, the member's newest step would do now. FAILED_PRECONDITION where there is none.
   Expected<Plan> plan(const std::string& client, UndoDirection direction, const Document& document) const;
-  /// The document has restored plan.objects.
-  void done(const std::string& client, UndoDirection direction, Plan plan);
+  /// `document` has just restored plan.objects and plan.grid.
+  void done(const std::string& client, UndoDirection direction, Plan plan, const Document& document);
 
   /// Forgets a member's steps.
   void leave(const std::string& client);
@@ -84,13 +88,22 @@ class History {
     FieldSide before;
     FieldSide after;
   };
+  struct GridSide {
+    std::uint64_t write = 0;
+    Grid grid;
+  };
+  struct GridChange {
+    GridSide before;
+    GridSide after;
+  };
   struct Step {
     std::uint64_t number = 0;  ///< rises over all members
     std::string group;
     std::map<ObjectKey, WholeChange> wholes;
     std::map<std::pair<IncarnationPtr, std::size_t>, FieldChange> fields;
+    std::optional<GridChange> grid;  ///< where the edit fitted it
 
-    bool empty() const { return wholes.empty() && fields.empty(); }
+    bool empty() const { return wholes.empty() && fields.empty() && !grid; }
   };
   struct Member {
     std::deque<Step> undo;  ///< oldest first
@@ -113,6 +126,8 @@ class History {
   const NameBinding* find(const ObjectKey& key) const;
   void recordObject(const ObjectKey& key, const Document& document, Step& step);
   void recordFields(const ObjectKey& key, const FieldSet& fields, const Document& document, Step& step);
+  void recordGrid(const Document& document, Step& step);
+  std::uint64_t gridWriteOf(std::uint64_t revision) const;
   void push(const std::string& client, Step step);
   static void merge(Step& into, Step step);
 
@@ -120,6 +135,10 @@ class History {
                  Plan& plan) const;
   void planField(const IncarnationPtr& life, std::size_t field, const FieldChange& change, UndoDirection direction,
                  const Document& document, Plan& plan) const;
+
+  void planGrid(const Step& step, UndoDirection direction, const Document& document, Plan& plan) const;
+  bool createdBeyond(const Step& step, UndoDirection direction, const Document& document, const Plan& plan) const;
+  void recordRestoredGrid(UndoDirection direction, const Document& document, Plan& plan);
 
   void weigh(const Step& step, int sign);
   void hold(const ObjectState& object, int sign);
@@ -132,6 +151,11 @@ class History {
   Limits limits_;
   std::map<ObjectKey, NameBinding> names_;
   std::map<std::string, Member> members_;
+  /// The grid that a revision of the document put in place, and the revision that first wrote that grid.
+  struct {
+    std::uint64_t revision = 0;
+    std::uint64_t write = 0;
+  } gridWrite_;
   std::map<BlobHash, HeldBlob> held_;
   std::int64_t bytes_ = 0;  ///< of all steps, about
   std::uint64_t lastNumber_ = 0;
@@ -140,7 +164,9 @@ class History {
 
 struct History::Plan {
   std::vector<NamedState> objects;  ///< for Document::restore
-  std::vector<std::string> skipped;  ///< "name.field", or "name" for a whole object: left as somebody else has made it
+  std::optional<RestoredGrid> grid;  ///< the same
+  /// "name.field", or "name" for a whole object, or kGridField: left as somebody else has made it.
+  std::vector<std::string> skipped;
 
  private:
   friend class History;

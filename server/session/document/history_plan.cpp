@@ -44,6 +44,7 @@ Expected<History::Plan> History::plan(const std::string& client, UndoDirection d
   for (const auto& [place, change] : step.fields) {
     planField(place.first, place.second, change, direction, document, out);
   }
+  planGrid(step, direction, document, out);
   for (const auto& [key, state] : out.states) out.objects.emplace_back(key, state);
   std::sort(out.skipped.begin(), out.skipped.end());
   out.skipped.erase(std::unique(out.skipped.begin(), out.skipped.end()), out.skipped.end());
@@ -91,12 +92,53 @@ void History::planField(const IncarnationPtr& life, std::size_t field, const Fie
   if (stands) plan.states[change.key] = withField(object, field, to.value);
 }
 
-void History::done(const std::string& client, UndoDirection direction, Plan plan) {
+void History::planGrid(const Step& step, UndoDirection direction, const Document& document, Plan& plan) const {
+  if (!step.grid) return;
+  if (gridWriteOf(document.gridRevision()) != sideFrom(*step.grid, direction).write) {
+    plan.skipped.push_back(kGridField);
+    return;
+  }
+  plan.applied.grid = step.grid;
+  const Grid& grid = sideTo(*step.grid, direction).grid;
+  plan.grid = {grid, !createdBeyond(step, direction, document, plan)};
+}
+
+/// Whether an object that the step's grid was to hold stays, beyond the grid that comes back: one created since, or one
+/// of the step's own that is left as somebody else has made it. What was only moved there asks for no grid.
+bool History::createdBeyond(const Step& step, UndoDirection direction, const Document& document,
+                            const Plan& plan) const {
+  const Bounds grid = sideTo(*step.grid, direction).grid.bounds();
+  const std::uint64_t since = sideFrom(*step.grid, direction).write;
+  for (const auto& [key, binding] : names_) {
+    if (!binding.life || plan.states.contains(key)) continue;
+    if (binding.write <= since && !step.wholes.contains(key)) continue;
+    const Bounds bounds = boundsOf(document.object(key));
+    if (bounds.empty()) continue;
+    if (glm::any(glm::lessThan(bounds.min, grid.min)) || glm::any(glm::greaterThan(bounds.max, grid.max))) return true;
+  }
+  return false;
+}
+
+/// What the document has made of the grid: the one that was planned, a fit instead, or one that objects have asked for
+/// that came back.
+void History::recordRestoredGrid(UndoDirection direction, const Document& document, Plan& plan) {
+  if (document.gridRevision() != document.revision()) return;
+  const bool asPlanned = plan.grid && plan.grid->grid == document.grid();
+  GridChange change;
+  sideFrom(change, direction) = {gridWriteOf(document.gridRevisionBefore()), document.gridBefore()};
+  sideTo(change, direction) = {asPlanned ? sideTo(*plan.applied.grid, direction).write : document.revision(),
+                               document.grid()};
+  gridWrite_ = {document.revision(), sideTo(change, direction).write};
+  plan.applied.grid = change;
+}
+
+void History::done(const std::string& client, UndoDirection direction, Plan plan, const Document& document) {
   Member& member = members_[client];
   std::deque<Step>& from = direction == UndoDirection::kUndo ? member.undo : member.redo;
   std::deque<Step>& to = direction == UndoDirection::kUndo ? member.redo : member.undo;
   forget(from, true);
   member.grouping = false;
+  recordRestoredGrid(direction, document, plan);
   for (const auto& [place, change] : plan.applied.fields) {
     place.first->writes[place.second] = sideTo(change, direction).write;
   }

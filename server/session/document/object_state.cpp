@@ -43,4 +43,10 @@ ObjectState withField(const ObjectState& object, std::size_t field, const FieldV
   return {nullptr, nullptr, std::get<Camera>(value)};
 }
 
+Bounds boundsOf(const ObjectState& object) {
+  const auto placed = [](const auto& each) { return each.mesh->bounds.transformed(each.transform.worldFromObject()); };
+  if (object.light) return object.light->enabled ? placed(*object.light) : Bounds();
+  return object.surface ? placed(*object.surface) : Bounds();
+}
+
 }  // namespace lpv

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "scene/bounds.h"
 #include "scene/fields.h"
 #include "scene/scene.h"
 
@@ -39,5 +40,7 @@ std::string fieldName(const ObjectKey& key, const ObjectState& object, std::size
 FieldValue fieldOf(const ObjectState& object, std::size_t field);
 /// `object` with that field replaced; the value is one that fieldOf gave for an object of the same kind.
 ObjectState withField(const ObjectState& object, std::size_t field, const FieldValue& value);
+/// World bounds, metres, of what a fitted grid holds; empty for a camera and for a light that is off.
+Bounds boundsOf(const ObjectState& object);
 
 }  // namespace lpv

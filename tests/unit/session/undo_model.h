@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,6 +28,12 @@ class UndoModel {
   void begin() {
     ++write_;
     writes_.clear();
+    fit_.reset();
+  }
+  /// The edit has fitted the grid: another one is there now.
+  void fitGrid(int grid) {
+    fit_ = Fit{grid_, {grid, write_}};
+    grid_ = fit_->after;
   }
   void create(const std::string& name, const std::string& kind, const std::map<std::string, int>& values) {
     Object object{kind, values, {}};
@@ -47,9 +54,13 @@ class UndoModel {
     Member& member = members_[client];
     member.redo.clear();
     const bool joins = member.open && !group.empty() && !member.undo.empty() && member.undo.back().group == group;
-    member.open = joins || !writes_.empty();
-    if (!joins && writes_.empty()) return;
-    if (!joins) member.undo.push_back({group, {}, {}});
+    const bool wrote = !writes_.empty() || fit_;
+    member.open = joins || wrote;
+    if (!joins && !wrote) return;
+    if (!joins) member.undo.push_back({group, {}, {}, {}});
+    std::optional<Fit>& fit = member.undo.back().fit;
+    if (fit && fit_) fit_->before = fit->before;
+    if (fit_) fit = fit_;
     std::vector<Write>& step = member.undo.back().writes;
     step.insert(step.end(), writes_.begin(), writes_.end());
     if (int(member.undo.size()) > depth_) member.undo.pop_front();
@@ -66,6 +77,17 @@ class UndoModel {
   std::set<std::string> redo(const std::string& client) {
     Member& member = members_[client];
     return move(member, member.redo, member.undo, false);
+  }
+
+  int grid() const { return grid_.value; }
+  /// What was undone, or redone, last has fitted the grid instead of bringing one back.
+  void fittedOnTheWay(const std::string& client, bool back, int grid) {
+    Member& member = members_[client];
+    std::deque<Step>& steps = back ? member.redo : member.undo;
+    if (!moved_) steps.push_back({});
+    const Side now = {grid, ++write_};
+    steps.back().fit = back ? Fit{now, gridBefore_} : Fit{gridBefore_, now};
+    grid_ = now;
   }
 
   std::map<std::string, const Object*> scene() const {
@@ -90,10 +112,15 @@ class UndoModel {
     Side before;
     Side after;
   };
+  struct Fit {
+    Side before;
+    Side after;
+  };
   struct Step {
     std::string group;
     std::vector<Write> writes;
     std::map<int, std::map<std::string, int>> left;  ///< writers of objects that the step's undo has brought back
+    std::optional<Fit> fit = {};
   };
   struct Member {
     std::deque<Step> undo;
@@ -223,7 +250,15 @@ class UndoModel {
       if (!write.field.empty()) moveField(move, write);
     }
     finish(move);
-    if (!move.moved.writes.empty()) to.push_back(move.moved);
+    gridBefore_ = grid_;
+    if (step.fit && grid_.writer != (back ? step.fit->after : step.fit->before).writer) {
+      move.skipped.insert("session.grid");
+    } else if (step.fit) {
+      grid_ = back ? step.fit->before : step.fit->after;
+      move.moved.fit = step.fit;
+    }
+    moved_ = !move.moved.writes.empty() || move.moved.fit;
+    if (moved_) to.push_back(move.moved);
     return move.skipped;
   }
 
@@ -244,6 +279,10 @@ class UndoModel {
   const int depth_;
   int write_ = 0;
   std::vector<Write> writes_;
+  std::optional<Fit> fit_;   ///< of the edit that is made
+  Side grid_;
+  Side gridBefore_;          ///< what was undone or redone last
+  bool moved_ = false;       ///< that has left a step on the other stack
   std::vector<Object> objects_;
   std::map<std::string, Name> names_;
   std::map<std::string, Member> members_;

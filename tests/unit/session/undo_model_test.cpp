@@ -1,6 +1,7 @@
 // Undo and redo of three members at once, held to a model that is too simple to be wrong in the same way.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 #include <map>
 #include <random>
@@ -138,6 +139,7 @@ class AgainstTheModel : public UndoTest {
     ++accepted_;
     model_.begin();
     for (std::size_t i = 0; i < all.size(); ++i) all[i].tell(outcome.names[i]);
+    if (grid() != model_.grid()) model_.fitGrid(grid());
     model_.end(client.id, group);
   }
   void stepBy(const ClientIdentity& client, UndoDirection direction) {
@@ -147,10 +149,43 @@ class AgainstTheModel : public UndoTest {
     if (!can) return;
     const auto skipped = direction == UndoDirection::kUndo ? model_.undo(client.id) : model_.redo(client.id);
     ASSERT_EQ(std::set<std::string>(outcome.skipped.begin(), outcome.skipped.end()), skipped);
+    if (grid() != model_.grid()) {
+      ASSERT_TRUE(asksForAFit(outcome.names));
+      model_.fittedOnTheWay(client.id, direction == UndoDirection::kUndo, grid());
+      ++fits_;
+    }
     ++steps_;
     skips_ += skipped.empty() ? 0 : 1;
   }
+  /// The session's grid as a number; 0 is the first one.
+  int grid() {
+    const Grid now = session_->scene()->grid;
+    const auto [found, isNew] = numbers_.try_emplace({now.origin.x, now.origin.y, now.origin.z, now.cell,
+                                                      double(now.dims.x), double(now.dims.y), double(now.dims.z)},
+                                                     int(grids_.size()));
+    if (isNew) grids_.push_back(now);
+    return found->second;
+  }
+  /// Whether something that is there lies beyond the model's grid, or the objects of these names are the first of a
+  /// kind: the grid that comes back, or stays, may then be another than the model's.
+  bool asksForAFit(const std::vector<std::string>& names) {
+    const Bounds held = grids_[std::size_t(model_.grid())].bounds();
+    const std::set<std::string> back(names.begin(), names.end());
+    bool beyond = false;
+    const auto look = [&](const auto& objects) {
+      bool first = !objects.empty();
+      for (const auto& each : objects) {
+        const Bounds box = each.object->mesh->bounds.transformed(each.object->transform.worldFromObject());
+        beyond = beyond || glm::any(glm::lessThan(box.min, held.min)) || glm::any(glm::greaterThan(box.max, held.max));
+        first = first && back.contains(each.object->name);
+      }
+      return first;
+    };
+    const bool firstLight = look(session_->lights()), firstSurface = look(session_->surfaces());
+    return beyond || firstLight || firstSurface;
+  }
   void expectSame() {
+    ASSERT_EQ(grid(), model_.grid());
     std::map<std::string, std::map<std::string, int>> scene;
     for (const auto& each : session_->lights()) {
       const Light& light = *each.object;
@@ -171,16 +206,21 @@ class AgainstTheModel : public UndoTest {
     ASSERT_EQ(scene, expected);
   }
 
+  std::vector<Grid> grids_;
+  std::map<std::array<double, 7>, int> numbers_;
+  const int first_ = grid();  ///< 0, the grid of nothing
   std::mt19937 random_{5};
   test::UndoModel model_{kDepth};
   std::set<std::string> inEdit_;  ///< cameras that stand, within the edit that is made
   int accepted_ = 0;
   int steps_ = 0;
   int skips_ = 0;
+  int fits_ = 0;
 };
 
 // Seen to fail when an undo leaves its own write behind instead of the one before, when a merge takes what was there
-// before from its last edit, and when a creation that somebody else has changed is taken back.
+// before from its last edit, and when a creation that somebody else has changed is taken back. For grids: when an undo
+// leaves its own write behind, when a group keeps the grid that its last edit found, and when none comes back.
 TEST_F(AgainstTheModel, ThreeMembersAndNobodyAgree) {
   constexpr int kOperations = 100'000;
   std::vector<ClientIdentity> members = {a_, b_, *session_->join()};
@@ -203,6 +243,8 @@ TEST_F(AgainstTheModel, ThreeMembersAndNobodyAgree) {
   EXPECT_GT(accepted_, kOperations / 4);
   EXPECT_GT(steps_, kOperations / 10);
   EXPECT_GT(skips_, kOperations / 50);
+  EXPECT_GT(grids_.size(), 100U);
+  EXPECT_LT(fits_, steps_ / 20) << "undo brings grids back; it seldom fits one";
 }
 
 }  // namespace

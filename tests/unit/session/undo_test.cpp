@@ -198,6 +198,109 @@ TEST_F(UndoTest, ADeformedMeshComesBack) {
   EXPECT_EQ(light()->mesh, deformed);
 }
 
+class UndoGridTest : public UndoTest {
+ protected:
+  Grid grid() { return session_->scene()->grid; }
+  /// A square light of this size, metres.
+  static Operation lightOf(const std::string& name, double size, const glm::dvec3& at = glm::dvec3(0.0)) {
+    CreateLight op = std::get<CreateLight>(createLight(name));
+    op.fields.transform.scale = glm::dvec3(size);
+    op.fields.transform.translation = at;
+    return op;
+  }
+};
+
+// Broken by: a step that does not remember the grid.
+TEST_F(UndoGridTest, TheGridComesBackWithTheEditThatHadItFitted) {
+  apply(a_, {createLight("Lamp"), createSurface("Wall")});
+  const Grid room = grid();
+  apply(a_, {lightOf("Statue", 1800.0)});
+  const Grid large = grid();
+  ASSERT_GT(large.cell, 4.0 * room.cell);
+  EXPECT_TRUE(undo(a_).skipped.empty());
+  EXPECT_EQ(grid(), room);
+  EXPECT_EQ(session_->changesSince(2, nullptr).grid, room) << "watchers are told";
+  redo(a_);
+  EXPECT_EQ(grid(), large);
+  apply(a_, {lightOf("Larger", 9000.0)});
+  undo(a_);
+  EXPECT_EQ(grid(), large);
+  undo(a_);
+  EXPECT_EQ(grid(), room);
+}
+
+// Broken by: a grid for nothing that counts as fitted.
+TEST_F(UndoGridTest, WhatComesIntoAnEmptySceneIsFittedAfterAnUndoToo) {
+  apply(a_, {lightOf("Statue", 1800.0)});
+  undo(a_);
+  apply(a_, {lightOf("Statue", 0.01)});
+  EXPECT_LT(grid().cell, 0.001);
+}
+
+TEST_F(UndoGridTest, AFitOnRequestIsAStepWhereItChangesTheGrid) {
+  apply({}, {createLight("Lamp"), createSurface("Wall")});
+  const Grid before = grid();
+  apply(a_, {moveLight("Lamp", {50, 0, 0})});
+  apply(a_, {FitGrid{}});
+  ASSERT_FALSE(grid() == before);
+  apply(a_, {FitGrid{}});
+  undo(a_);
+  EXPECT_EQ(grid(), before);
+  EXPECT_EQ(place(), 50.0);
+  undo(a_);
+  EXPECT_EQ(place(), 0.0);
+}
+
+// Broken by: the first grid of a drag's last edit.
+TEST_F(UndoGridTest, AGroupBringsBackTheGridThatItsFirstEditFound) {
+  apply({}, {createLight("Lamp"), createSurface("Wall")});
+  const Grid room = grid();
+  for (const double size : {10.0, 100.0, 1000.0}) apply(a_, {lightOf("Statue", size)}, "load");
+  undo(a_);
+  EXPECT_EQ(grid(), room);
+}
+
+// Broken by: a grid that comes back over somebody else's.
+TEST_F(UndoGridTest, SomebodyElsesGridStaysAndIsNamed) {
+  apply({}, {createLight("Lamp"), createSurface("Wall")});
+  apply(a_, {lightOf("Statue", 1800.0)});
+  apply(b_, {lightOf("Larger", 9000.0)});
+  const Grid theirs = grid();
+  EXPECT_THAT(undo(a_).skipped, ElementsAre(kGridField));
+  EXPECT_EQ(grid(), theirs);
+  undo(b_);
+  EXPECT_LT(grid().cell, theirs.cell);
+  apply(a_, {lightOf("Statue", 20'000.0)});
+  const Expected<SessionSettings> other = [&] {
+    SessionSettings settings;
+    settings.options.grid.longest = 16;
+    return settings;
+  }();
+  ASSERT_TRUE(session_->changeSettings([&](const SessionSettings&) { return other; }).ok());
+  const Grid set = grid();
+  EXPECT_THAT(undo(a_).skipped, ElementsAre(kGridField));
+  EXPECT_EQ(grid(), set);
+}
+
+// Broken by: the old grid all the same.
+TEST_F(UndoGridTest, IsFittedAnewWhereSomebodyHasBuiltBeyondTheOldOne) {
+  apply({}, {createLight("Lamp"), createSurface("Wall")});
+  const Grid room = grid();
+  apply(a_, {lightOf("Statue", 1800.0)});
+  const Grid large = grid();
+  apply(b_, {lightOf("Sofa", 2.0, {20, 0, 0})});
+  ASSERT_EQ(grid(), large) << "inside";
+  EXPECT_TRUE(undo(a_).skipped.empty());
+  const Grid fitted = grid();
+  EXPECT_FALSE(fitted == room);
+  EXPECT_GT(fitted.bounds().max.x, 20.0);
+  EXPECT_LT(fitted.cell, large.cell / 10.0);
+  redo(a_);
+  EXPECT_EQ(grid(), large);
+  undo(a_);
+  EXPECT_EQ(grid(), fitted) << "what the redo found";
+}
+
 class UndoBytesTest : public UndoTest {
  protected:
   UndoBytesTest() : UndoTest(small()) {}
