@@ -402,7 +402,8 @@ struct ShadowParams {
   int pools;
   int apart;  // 1: the last pool does not go into the sum, but to kReflectedLightOut and kReflectedShareOut
   int jitter;  // 0: rays go to the same places from every pixel; 1: to others, so that steps become grain
-  int even;  // 1: rays go to points that are spread evenly over the pool; 0: to those that are worth most to the receiver
+  int even;  // 1: rays go to points that are spread evenly over the pool; 0: to those that are worth most to the
+             // receiver
   int pad0;
 };
 

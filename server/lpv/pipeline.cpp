@@ -442,8 +442,8 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
   }
 }
 
-/// What each pool of lights, and last what surfaces reflect, sends to a view is made from; empty where no picture of each
-/// is kept.
+/// What each pool of lights, and last what surfaces reflect, sends to a view is made from; empty where no picture of
+/// each is kept.
 std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& scene, const FrameRequest& frame,
                                             const View& view) {
   const StageProducts& made = *s.products;

@@ -71,7 +71,8 @@ struct NearFieldPass::Inputs {
     return poolPicture == nullptr ? all : all.subspan(std::min(pool, all.size()), pool < all.size() ? 1 : 0);
   }
   bool looksAtReflections() const {
-    return sources.shadows->reflected != nullptr && (poolPicture == nullptr || pool == sources.shadows->pools->pools.size());
+    return sources.shadows->reflected != nullptr &&
+           (poolPicture == nullptr || pool == sources.shadows->pools->pools.size());
   }
   /// Whether what surfaces reflect is smoothed over pixels: where each sends rays of its own.
   bool filters() const {
@@ -180,7 +181,8 @@ GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters,
     patches.points.bindStorage(layout::kNearFieldPoints);
     patches.shadows.bindStorage(layout::kShadowPoints);
   };
-  co_await look({shadows, shadows.pools->pools, false, patches.points, double(patches.count), true, false, bind}, pacing);
+  co_await look({shadows, shadows.pools->pools, false, patches.points, double(patches.count), true, false, bind},
+                pacing);
 }
 
 GpuTask NearFieldPass::filterReflections(const Inputs& inputs, Pacing pacing) {
@@ -216,13 +218,14 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     inputs.buffer.points.update(0, gpu::bytesOfValue(none));
     params_.bindUniform(layout::kNearFieldParams);
     inputs.bind();
-    choose_.get({.pass = pass.pass, .everywhere = inputs.everywhere(), .pool = inputs.poolPicture != nullptr}).dispatch(std::uint32_t(groups));
+    choose_.get({.pass = pass.pass, .everywhere = inputs.everywhere(), .pool = inputs.poolPicture != nullptr})
+        .dispatch(std::uint32_t(groups));
     gpu::memoryBarrier();
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
       const double points = double(groups) * layout::kNearFieldGroup * kPointsOfBlock;
-      co_await look({*inputs.sources.shadows, inputs.lookedAt(), inputs.looksAtReflections(), inputs.buffer.points, points,
-                     false, inputs.sources.reduced, [&inputs] { inputs.bind(); }},
+      co_await look({*inputs.sources.shadows, inputs.lookedAt(), inputs.looksAtReflections(), inputs.buffer.points,
+                     points, false, inputs.sources.reduced, [&inputs] { inputs.bind(); }},
                     pacing);
       continue;
     }
@@ -266,8 +269,7 @@ GpuTask NearFieldPass::runPools(const Inputs& inputs, Pacing pacing) {
     if (!known.madeFrom(inputs.sources.pools[i])) {
       gpu::Texture picture = std::move(known.product());
       known.forget();
-      if (!picture)
-        picture = gpu::Texture::make2d("pool of lights", size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
+      if (!picture) picture = gpu::Texture::make2d("pool of lights", size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
       Inputs part = inputs;
       part.poolPicture = &picture;
       part.pool = i;

@@ -67,8 +67,8 @@ struct NearFieldSources {
   NearLights lights;
   const ShadowCasters* shadows = nullptr;  ///< null: nothing stands in the way
   bool reduced = true;  ///< some pixels look, others lie between; else each does
-  /// Of a reduced picture with shadows or bounces: what each pool's part of it is made from, last what surfaces reflect.
-  /// Empty: all pools are looked at together.
+  /// Of a reduced picture with shadows or bounces: what each pool's part of it is made from, last what surfaces
+  /// reflect. Empty: all pools are looked at together.
   std::vector<PoolPictureInputs> pools;
 };
 

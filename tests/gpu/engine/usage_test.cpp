@@ -44,6 +44,7 @@ class Ticks {
     if (frame) {
       request.frames.resize(1);
       request.frames[0].view = 1;
+      request.frames[0].reduced = reduced;
       request.frames[0].size = {64, 64};
       request.frames[0].camera.eye = {0.0, -3.0, 1.5};
       request.frames[0].camera.target = {0.0, 0.0, 0.0};
@@ -55,6 +56,8 @@ class Ticks {
     const gpu::Usage after = gpu::usage();
     return {after.dispatches - before.dispatches, after.objects - before.objects, after.bytes - before.bytes};
   }
+
+  bool reduced = false;  ///< frames are a stream's
 
  private:
   Pipeline pipeline_{10.0};  // nothing is cut into pieces
@@ -80,6 +83,31 @@ TEST_F(UsageTest, OfTheSmallestScene) {
   scene.lights["light"] = moved;
   expectUsage(session.tick(scene, true, false), {25, 3, 388}, "moved");
   expectUsage(session.tick(scene, false, true), {2, 3, 886272}, "a volume");
+}
+
+// With shadows a stream looks again at the light that moved, and at no other.
+// Broken by: pools of lights that are looked at together.
+TEST_F(UsageTest, OfAStreamWithShadows) {
+  Scene scene = smallest();
+  scene.options.visibility = Visibility::kOn;
+  scene.options.bounces = 0;
+  const auto addLight = [&scene](const std::string& name, double x) {
+    auto light = std::make_shared<Light>(*scene.lights.at("light"));
+    light->name = name;
+    light->transform.translation.x = x;
+    scene.lights[name] = light;
+  };
+  for (const char* name : {"a", "b", "c"}) addLight(name, 0.2);
+  Ticks session;
+  session.reduced = true;
+  session.tick(scene, true, false);
+  const auto dispatchesOf = [&](std::initializer_list<const char*> moved) {
+    for (const char* name : moved) addLight(name, scene.lights.at(name)->transform.translation.x + 0.1);
+    return session.tick(scene, true, false).dispatches;
+  };
+  const auto none = dispatchesOf({}), one = dispatchesOf({"b"}), all = dispatchesOf({"a", "b", "c", "light"});
+  EXPECT_LT(none, one);
+  EXPECT_NEAR(double(all - none), 4.0 * double(one - none), 8.0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // transport/emitter_list.glsl = EmitterList of scene/emitter_list.h.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -87,6 +88,17 @@ TEST_F(DirectTest, SeveralLightsAreTheSameInGlslAndCpp) {
           1e-5);
 }
 
+/// Irradiance with normal z of two-sided triangles, by three corners; each in the place of its first corner.
+std::vector<glm::vec4> fromTriangles(const std::vector<glm::vec4>& corners) {
+  const gpu::Buffer buffer = test::bufferOf(std::vector<glm::vec4>(1));
+  const gpu::BufferTexture view("direct lights", buffer);
+  view.bind(layout::kDirect);
+  return test::evaluate("#include \"common/sh.glsl\"\n#include \"transport/emitter_list.glsl\"",
+                        "if (i % 3u == 0u) outputs[i].x = triangleIrradiance(inputs[i].xyz, "
+                        "inputs[i + 1u].xyz, inputs[i + 2u].xyz, vec3(0, 0, 1), 2.0);",
+                        corners);
+}
+
 // Corners on the horizon, and corners a million times as far away as others.
 // Broken by: p + (q - p) t where an edge crosses the horizon.
 TEST_F(DirectTest, AnyCornersAreTheSameInGlslAndCpp) {
@@ -106,14 +118,31 @@ TEST_F(DirectTest, AnyCornersAreTheSameInGlslAndCpp) {
     const glm::dvec3 corners[3] = {glm::dvec3(c[0]), glm::dvec3(c[1]), glm::dvec3(c[2])};
     want.push_back(triangleIrradiance(corners, glm::dvec3(n), 2));
   }
-  const gpu::Buffer buffer = test::bufferOf(std::vector<glm::vec4>(1));
-  const gpu::BufferTexture view("direct lights", buffer);
-  view.bind(layout::kDirect);
-  const auto out = test::evaluate("#include \"common/sh.glsl\"\n#include \"transport/emitter_list.glsl\"",
-                                  "if (i % 3u == 0u) outputs[i].x = triangleIrradiance(inputs[i].xyz, "
-                                  "inputs[i + 1u].xyz, inputs[i + 2u].xyz, vec3(0, 0, 1), 2.0);",
-                                  inputs);
+  const auto out = fromTriangles(inputs);
   for (std::size_t i = 0; i < want.size(); ++i) ASSERT_NEAR(out[3 * i].x, want[i], 2e-5) << i % 8;
+}
+
+// A lamp of .2 m lights a floor of 200 m: at 500 times its size its edges all but cancel.
+// Broken by: the product of the corners for that of corner and edge (60 % off).
+TEST_F(DirectTest, ASmallPolygonFarAwayIsNotLostInRounding) {
+  std::vector<glm::vec4> inputs;
+  std::vector<double> want;
+  std::mt19937 random(7);
+  std::normal_distribution<float> normal;
+  for (int i = 0; i < 500; ++i) {
+    const float x = normal(random), y = normal(random);
+    const glm::vec3 at = 16.0F * glm::normalize(glm::vec3(x, y, 2.0F));
+    for (int k = 0; k < 3; ++k) {
+      const float u = normal(random), v = normal(random);
+      inputs.emplace_back(at + 0.03F * glm::vec3(u, v, normal(random)), 0.0F);
+    }
+    glm::dvec3 corners[3];
+    for (int k = 0; k < 3; ++k) corners[k] = glm::dvec3(inputs[inputs.size() - 3 + std::size_t(k)]);
+    want.push_back(triangleIrradiance(corners, glm::dvec3(0.0, 0.0, 1.0), 2));
+  }
+  const auto out = fromTriangles(inputs);
+  const double largest = *std::max_element(want.begin(), want.end());
+  for (std::size_t i = 0; i < want.size(); ++i) EXPECT_NEAR(out[3 * i].x, want[i], 1e-3 * largest) << i;
 }
 
 }  // namespace

@@ -291,6 +291,48 @@ TEST_F(ShadowTest, AChangeIsAllThereInItsTick) {
   }
 }
 
+// A stream keeps what each light sends to its pixels while light, camera and what is in the way stand. What it shows is
+// what a new stream shows, whichever of them changed. Broken by: inputs without the light, the camera or the surfaces.
+TEST_F(ShadowTest, AChangeIsAllThereInAStreamsNextFrame) {
+  Scene scene = plateScene();
+  FloorView view = floorView(scene, kBelow, {96, 64});
+  auto second = std::make_shared<Light>(*scene.lights.at("light"));
+  second->name = "second";
+  second->transform.translation += glm::dvec3(0.6, -0.4, 0.1);
+  second->radiance = {0.2, 0.5, 1.0};
+  scene.lights["second"] = second;
+  view.frame.view = 1;
+  const auto changed = [&](const char* light, const glm::dvec3& by) {
+    auto moved = std::make_shared<Light>(*scene.lights.at(light));
+    moved->transform.translation += by;
+    scene.lights[light] = moved;
+  };
+  SessionKey other = 10;
+  const auto expectAsNew = [&](const char* what) {
+    ++scene.revision;
+    const auto got = floorOf(scene, view, true);
+    EXPECT_GT(brightest(got), 0.0) << what;
+    EXPECT_EQ(got, floorOf(scene, view, true, ++other)) << what;
+  };
+  expectAsNew("nothing");
+  changed("second", {0.1, 0.0, 0.0});
+  expectAsNew("the second light moved");
+  changed("light", {0.0, 0.1, 0.0});
+  expectAsNew("the first light moved");
+  auto plate = std::make_shared<Surface>(*scene.surfaces.at("plate"));
+  plate->transform.translation.x += 0.2;
+  scene.surfaces["plate"] = plate;
+  expectAsNew("the plate moved");
+  auto dimmed = std::make_shared<Light>(*scene.lights.at("second"));
+  dimmed->radiance *= 0.5;
+  scene.lights["second"] = dimmed;
+  expectAsNew("the second light was dimmed");
+  view.frame.camera.eye.z += 0.2;
+  expectAsNew("the camera moved");
+  scene.lights.erase("light");
+  expectAsNew("the first light was taken away");
+}
+
 // The same whichever way the room is lit: what is read is lit as what is looked at.
 TEST_F(ShadowTest, ProbesAndFramesAgree) {
   Scene scene = plateScene();

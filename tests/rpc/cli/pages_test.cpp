@@ -77,7 +77,8 @@ TEST(Pages, ManReadsEveryPage) {
 // Broken by: words of another command; no words for a flag's value.
 TEST(Pages, BashCompletes) {
   const auto completed = [](const std::string& words) {
-    return bash("set +e; source <($LPVCTL completion bash); complete -p lpvctl >/dev/null; cd " LPVCTL_FOLDER "; COMP_WORDS=(" +
+    return bash("set +e; source <($LPVCTL completion bash); complete -p lpvctl >/dev/null; cd " LPVCTL_FOLDER
+                "; COMP_WORDS=(" +
                 words +
                 "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _lpvctl; "
                 "printf '%s\\n' \"${COMPREPLY[@]}\"");
@@ -99,11 +100,12 @@ TEST(Pages, BashCompletes) {
 // The functions that show completions are replaced by ones that print them. Broken by: the same.
 TEST(Pages, ZshCompletes) {
   const auto completed = [](const std::string& words) {
-    return bash("zsh -f -c 'autoload -U compinit && compinit -D -u; source <(" LPVCTL_PATH
-                " completion zsh); [[ $_comps[lpvctl] == _lpvctl ]] || exit 1; "
-                "_describe() { local name=${@[-1]}; print -l -- \"${(@P)name}\" }; compadd() { shift; print -l -- \"$@\" }; "
-                "_message() { }; _files() { print FILES }; words=(" +
-                words + "); CURRENT=${#words}; _lpvctl'");
+    return bash(
+        "zsh -f -c 'autoload -U compinit && compinit -D -u; source <(" LPVCTL_PATH
+        " completion zsh); [[ $_comps[lpvctl] == _lpvctl ]] || exit 1; "
+        "_describe() { local name=${@[-1]}; print -l -- \"${(@P)name}\" }; compadd() { shift; print -l -- \"$@\" }; "
+        "_message() { }; _files() { print FILES }; words=(" +
+        words + "); CURRENT=${#words}; _lpvctl'");
   };
   EXPECT_THAT(completed("lpvctl light m"), AllOf(HasSubstr("move:Move, turn or scale"), HasSubstr("add:")));
   EXPECT_THAT(completed("lpvctl light m"), Not(HasSubstr("render:")));
