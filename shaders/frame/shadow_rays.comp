@@ -56,9 +56,11 @@ float candidatesAt(ivec2 pixel) {
 
 /// The points that a turn's rays go to, -1 for none, and what each ray is worth.
 ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
-  if (shadow.even == 1) return evenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), weights);
+  ivec4 chosen = ivec4(-1);
+  if (shadow.even == 1) chosen = evenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), weights);
+  if (chosen != ivec4(-1)) return chosen;  // else only other points than these four send light here
   float all;
-  const ivec4 chosen = chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel), all);
+  chosen = chosenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), candidatesAt(pixel), all);
   weights = vec4(all);
   return chosen;
 }

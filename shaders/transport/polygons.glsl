@@ -2,10 +2,10 @@
 #include "common/angles.glsl"
 
 /// The part of E that an edge from p to q of a light's outline gives: the angle it takes times the cosine of its plane.
-/// p x (q - p) is p x q, but for rounding: edges of a small light that is far away all but cancel, and with p x q what
-/// is left of them at 500 times its size is noise.
+/// p x (q - p) and q x (q - p) are p x q, but for rounding: edges of a small light that is far away all but cancel, and
+/// with p x q what is left of them at 500 times its size is noise.
 float edgeIrradiance(vec3 p, vec3 q, vec3 n) {
-  const vec3 normal = cross(p, q - p);
+  const vec3 normal = cross(dot(p, p) < dot(q, q) ? p : q, q - p);
   const float size = length(normal);
   return size > 0.0 ? angleBetween(size, dot(p, q)) * dot(normal, n) / size : 0.0;
 }
