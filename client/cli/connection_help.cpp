@@ -1,7 +1,6 @@
 #include "connection_help.h"
 
 #include <netdb.h>
-#include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 #include <sys/socket.h>
@@ -81,13 +80,17 @@ void expectName(SSL* ssl, const std::string& host) {
   SSL_set_tlsext_host_name(ssl, host.c_str());
 }
 
-/// A refusal for want of a certificate comes after the handshake in TLS 1.3: with the first bytes that are read.
-bool refusedForCertificate(SSL* ssl, bool connected) {
+/// The server asks for a certificate, and there is none.
+int noteCertificateAsked(SSL* ssl, X509** /*certificate*/, EVP_PKEY** /*key*/) {
+  *static_cast<bool*>(SSL_get_app_data(ssl)) = true;
+  return 0;
+}
+
+/// Whether the server says nothing to a client without certificate. In TLS 1.3 it refuses one after the handshake, and
+/// gRPC does so by closing the connection, without an alert; a client that it takes gets its HTTP/2 settings.
+bool isRefused(SSL* ssl, bool connected) {
   char byte = 0;
-  if (connected && SSL_read(ssl, &byte, 1) > 0) return false;
-  const int reason = ERR_GET_REASON(ERR_peek_last_error());
-  return reason == SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED || reason == SSL_R_SSLV3_ALERT_HANDSHAKE_FAILURE ||
-         reason == SSL_R_SSLV3_ALERT_BAD_CERTIFICATE;
+  return !connected || SSL_read(ssl, &byte, 1) <= 0;
 }
 
 Handshake handshake(const Socket& socket, const std::string& host, const Globals& globals) {
@@ -104,14 +107,16 @@ Handshake handshake(const Socket& socket, const std::string& host, const Globals
   SSL_set_alpn_protos(ssl.get(), kHttp2, sizeof kHttp2);
   SSL_set_fd(ssl.get(), socket.number());
   expectName(ssl.get(), host);
-  ERR_clear_error();
+  bool asked = false;
+  SSL_set_app_data(ssl.get(), &asked);
+  SSL_CTX_set_client_cert_cb(context.get(), noteCertificateAsked);
   const bool connected = SSL_connect(ssl.get()) == 1;
   const std::unique_ptr<X509, decltype(&X509_free)> certificate(SSL_get1_peer_certificate(ssl.get()), &X509_free);
   out.tls = certificate != nullptr;
   if (!out.tls) return out;
   const long verified = SSL_get_verify_result(ssl.get());
   if (verified != X509_V_OK) out.distrust = X509_verify_cert_error_string(verified);
-  out.wantsClient = globals.cert.empty() && refusedForCertificate(ssl.get(), connected);
+  out.wantsClient = globals.cert.empty() && asked && isRefused(ssl.get(), connected);
   return out;
 }
 

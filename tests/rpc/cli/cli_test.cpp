@@ -166,7 +166,7 @@ TEST_F(Cli, SceneLoadAndRenderWithinFixedBounds) {
   EXPECT_THAT(gathers.err, HasSubstr("1 of 1 surfaces reach beyond the grid's bounds"));
   EXPECT_THAT(lpvctlOut({"scene", "list", id_}), HasSubstr("lamp"));
   EXPECT_EQ(lpvctlOut({"session", "set", id_, "--bounds", "-100,-100,-100,100,100,100"}), "");
-  EXPECT_EQ(lpvctl({"scene", "load", id_, room_}).err, "");
+  EXPECT_EQ(lpvctl({"scene", "load", id_, room_, "--add"}).err, "");
   const Outcome render = lpvctl(
       {"render", room_, "-o", folder_.path("far.png"), "--size", "32x32", "--bounds", far, "--transport", "propagate"});
   EXPECT_EQ(render.exit, 0) << render.err;

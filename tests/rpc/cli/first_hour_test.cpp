@@ -112,7 +112,7 @@ TEST_F(FirstHour, AStatueInMillimetresIsNamedAndUndoneWithItsGrid) {
   EXPECT_EQ(fits.err, "");
   EXPECT_EQ(gridOf(), before);
   const Outcome far = lpvctl({"light", "add", id_, lamp_, "--translate", "900,0,0"});
-  EXPECT_THAT(far.err, AllOf(HasSubstr("light 'lamp' lies far from everything else"), Not(HasSubstr("--scale"))));
+  EXPECT_THAT(far.err, AllOf(HasSubstr("light 'lamp.001' lies far from everything else"), Not(HasSubstr("--scale"))));
   EXPECT_EQ(lpvctlOut({"undo", id_}), "");
   EXPECT_EQ(gridOf(), before);
   const Outcome loaded = lpvctl({"scene", "load", id_, folder_.path("statue.ply"), "--scale", "10"});

@@ -120,7 +120,7 @@ TEST_F(TokenList, IsWhatLpvctlPrints) {
   const Outcome json = listed(owner_, {"--json"});
   EXPECT_THAT(json.out, HasSubstr("\"tokenId\":\"" + viewer.token_id() + "\",\"role\":\"ROLE_VIEWER\""));
   const Outcome refused = listed(viewer.token());
-  EXPECT_EQ(refused.exit, 1);
+  EXPECT_EQ(refused.exit, 4);
   EXPECT_EQ(refused.out, "");
   EXPECT_THAT(refused.err, HasSubstr("owner"));
 }

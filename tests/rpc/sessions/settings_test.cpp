@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, Announcements,
     ::testing::Values(
         Announced{"LampOverEightMetres", 16, 0.008, {lampAt("lamp", 1, {0, 2, 0}), wallAt("floor", 8, {})}},
-        Announced{"LampOverTwoHundredMetres", 24, 0.005, {lampAt("lamp", 8, {0, 30, 0}), wallAt("floor", 200, {})}},
+        Announced{"LampOverTwoHundredMetres", 24, 0.005, {lampAt("lamp", 16, {0, 30, 0}), wallAt("floor", 200, {})}},
         Announced{"SmallLampOverTwoHundredMetres", 32, 0.0, {lampAt("lamp", 0.2, {0, 6, 0}), wallAt("floor", 200, {})}},
         Announced{"LampThroughAWall", 48, 0.015, {lampAt("lamp", 1, {0, 3, 0}), wallAt("wall", 4, {0, 1, 0}, 0)}},
         Announced{"RoomWithFourLights",
