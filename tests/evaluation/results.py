@@ -66,10 +66,36 @@ def percent(value):
     return "-" if value is None else f"{100.0 * value:.2g}"
 
 
+def provenance(content):
+    return (f"{content['machine']['processor']}, {content['machine']['cores']} cores; {content['device'].get('driver', '')}; "
+            f"commit {content['commit'][:12]}, {content['date'][:10]}")
+
+
+def converged(content):
+    """Markdown: what light with all bounces is off by, a line per scene and camera. Noise is that of the reference: what
+    an exact answer would be off by."""
+    head = ["scene", "view", "flags", "E: raw L2 %", "E: NRMSE %", "E: noise %", "frame: NRMSE %", "frame: noise %",
+            "shadowed NRMSE %", "p95 of \\|ln\\|", "> 10 % off", "FLIP", "frame, s"]
+    lines = [provenance(content), "", f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    cases = {}
+    for row in content["rows"]:
+        if row.get("against") == "all":
+            cases.setdefault((row["case"], row["camera"]), {})[row["quantity"]] = row
+    for (case, camera), rows in cases.items():
+        e, frame = (rows.get(quantity, {"values": {}})["values"] for quantity in ("irradiance", "pixels"))
+        flags = next(iter(rows.values()))["settings"]["flags"] or "-"
+        shares = [percent(values.get(key)) for values, key in (
+            (e, "raw_l2"), (e, "nrmse"), (e, "nrmse_of_reference"), (frame, "nrmse"), (frame, "nrmse_of_reference"),
+            (frame, "nrmse_shadowed"))]
+        plain = [f"{frame[key]:.2g}" if frame.get(key) is not None else "-"
+                 for key in ("log_ratio_p95", "share_over_10_percent", "hdr_flip", "frame_seconds")]
+        lines.append(f"| {case} | {camera} | {flags} | " + " | ".join(shares + plain) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def unshadowed(content):
     """Markdown: what direct light with nothing in the way is off by, a line per scene and camera."""
-    lines = [f"{content['machine']['processor']}, {content['machine']['cores']} cores; {content['device'].get('driver', '')}; "
-             f"commit {content['commit'][:12]}, {content['date'][:10]}", "",
+    lines = [provenance(content), "",
              "| scene | view | cells | quality | k | flags | announced % | E: raw L2 % | E: NRMSE % | frame: raw L2 % | frame: NRMSE % |",
              "|---|---|---|---|---|---|---|---|---|---|---|"]
     cases = {}
