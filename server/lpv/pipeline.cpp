@@ -442,6 +442,8 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
   }
 }
 
+namespace {
+
 /// What each pool of lights, and last what surfaces reflect, sends to a view is made from; empty where no picture of
 /// each is kept.
 std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& scene, const FrameRequest& frame,
@@ -463,6 +465,8 @@ std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& 
   if (made.reflecting() != nullptr) out.emplace_back(shared).reflected = made.reflected.stamp();
   return out;
 }
+
+}  // namespace
 
 GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
   if (view.nearField == nullptr || view.nearField->size != frame.size) {

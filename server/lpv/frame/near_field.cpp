@@ -252,6 +252,7 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
     buffer.reflectedShare = picture("reflected share");
   }
   if (sources.pools.empty()) {
+    buffer.pools.clear();
     co_await runPasses(inputs, pacing);
   } else {
     co_await runPools(inputs, pacing);
