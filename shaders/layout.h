@@ -90,16 +90,16 @@ LPV_CONST int kDirect =
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
 LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
 LPV_CONST int kOccluders = 18;  // usamplerBuffer: what shadow rays can meet (shaders/visibility/occluders.glsl)
-LPV_CONST int kReflectedLight = 20;  // of a picture: E from surfaces as if nothing lay between, and which share of it
-LPV_CONST int kReflectedShare = 21;  // arrives, by few rays from each pixel; a: rays
+LPV_CONST int kPoolLight = 20;  // of a picture: E from a pool of lights as if nothing lay between, and which share of
+LPV_CONST int kPoolShare = 21;  // it arrives, by few rays from each pixel; a: see ShadowParams.apart; -1 where nothing is in the way
 LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
 LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps of its radiance
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField
-LPV_CONST int kReflectedLightOut = 5;
-LPV_CONST int kReflectedShareOut = 6;
+LPV_CONST int kPoolLightOut = 5;
+LPV_CONST int kPoolShareOut = 6;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
@@ -119,6 +119,7 @@ LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bi
 LPV_CONST int kNearFieldBlockY = 4;
 LPV_CONST int kNearFieldSpacing = 8;  // of NearFieldParams where frames are reduced
 LPV_CONST int kPatchGroup = 64;  // patches, or parts of their rows: a thread each
+LPV_CONST int kCreviceRays = 64;  // of a patch, to what is nearer than it is large
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
 
@@ -400,7 +401,8 @@ struct ShadowParams {
   int turns;  // at most, for a point
   int pool;  // this one, of `pools`
   int pools;
-  int apart;  // 1: the last pool does not go into the sum, but to kReflectedLightOut and kReflectedShareOut
+  int apart;  // 1: what a pool sends does not go into the sum, but to kPoolLightOut and kPoolShareOut; 2: the same, with
+              // what a ray is worth in the place of the number of rays
   int jitter;  // 0: rays go to the same places from every pixel; 1: to others, so that steps become grain
   int even;  // 1: rays go to points that are spread evenly over the pool; 0: to those that are worth most to the
              // receiver

@@ -2,6 +2,7 @@
 // a dispatch (MATHS.md 3d). A point goes on after the first four only if these, or those of the three points beside it,
 // disagree: elsewhere it is in the light or in the dark, or behind an even pane. Threads per point.
 #include "layout.h"
+#include "visibility/patch_weight.glsl"
 #include "visibility/receivers.glsl"
 #define LPV_FACING 1
 #include "visibility/light_points.glsl"

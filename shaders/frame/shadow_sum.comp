@@ -1,6 +1,7 @@
 // Adds what is seen of a pool of lights to the points of a list, and after the last pool puts the sum into the picture, or
-// to the patches. Where all rays arrived, or none were sent, E is what it was: unshadowed light stays exact
-// (ratio estimator: Heitz, Hill and McGuire 2018). Threads per point.
+// to the patches; or what each pool sends, and the share that arrives, into pictures of their own (near_field_filter.comp).
+// Where all rays arrived, or none were sent, E is what it was: unshadowed light stays exact (ratio estimator: Heitz, Hill
+// and McGuire 2018). Threads per point.
 #include "layout.h"
 #include "visibility/receivers.glsl"
 #include "visibility/shadow_points.glsl"
@@ -9,8 +10,16 @@ layout(local_size_x = 4 * kNearFieldGroup) in;
 
 #if !LPV_PATCHES
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
-layout(binding = kReflectedLightOut, rgba32f) writeonly uniform image2D reflectedLight;
-layout(binding = kReflectedShareOut, rgba32f) writeonly uniform image2D reflectedShare;
+layout(binding = kPoolLightOut, rgba32f) writeonly uniform image2D poolLight;
+layout(binding = kPoolShareOut, rgba32f) writeonly uniform image2D poolShare;
+#endif
+
+#if !LPV_PATCHES
+/// How much a share says, as ShadowParams.apart has it.
+float worth(ShadowPoint p) {
+  const float ofRay = dot(p.all.rgb, vec3(1.0 / 3.0)) / max(p.all.a, 1.0);
+  return shadow.turns == 0 ? -1.0 : shadow.apart == 1 ? p.all.a : ofRay;
+}
 #endif
 
 void main() {
@@ -18,18 +27,20 @@ void main() {
   if (four >= list.count) return;
   const ShadowPoint p = shadowPoints[point];
   const vec3 share = mix(p.seen.rgb / max(p.all.rgb, vec3(1e-30)), vec3(1.0), equal(p.seen.rgb, p.all.rgb));
-  const bool last = shadow.pool + 1 == shadow.pools, apart = last && shadow.apart == 1;
-  const vec3 sum = (apart ? vec3(0.0) : p.light.rgb * share) + (shadow.pool > 0 ? p.sum.rgb : vec3(0.0));
-  shadowPoints[point].sum = vec4(sum, 0.0);
-  if (!last) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+#if !LPV_PATCHES
+  if (shadow.apart > 0) {
+    imageStore(poolLight, pixel, p.light);
+    imageStore(poolShare, pixel, vec4(share, worth(p)));
+    return;
+  }
+#endif
+  const vec3 sum = p.light.rgb * share + (shadow.pool > 0 ? p.sum.rgb : vec3(0.0));
+  shadowPoints[point].sum = vec4(sum, 0.0);
+  if (shadow.pool + 1 < shadow.pools) return;
 #if LPV_PATCHES
   patches[pixel.x].direct = vec4(sum, 0.0);
 #else
-  if (apart) {
-    imageStore(reflectedLight, pixel, p.light);
-    imageStore(reflectedShare, pixel, vec4(share, p.all.a > 0.0 ? 1.0 : 0.0));
-  }
   imageStore(nearField, pixel, vec4(sum, imageLoad(nearField, pixel).w));
 #endif
 }

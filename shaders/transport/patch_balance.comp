@@ -4,6 +4,7 @@
 // (Sinkhorn 1967). LPV_STEP 0: what each gets, a thread per patch; 1: means of both ways, a thread per eight partners;
 // 2: one turn of scaling, a thread per patch.
 #include "layout.h"
+#include "common/sh.glsl"
 #include "visibility/patches.glsl"
 
 #ifndef LPV_STEP
@@ -38,7 +39,7 @@ void main() {
     sum += exchange[b * params.count + a] * (LPV_STEP == 0 ? 1.0 : patches[b].scale[before]);
   }
 #if LPV_STEP == 0
-  patches[a].wanted = sum;
+  patches[a].wanted = min(sum, kPi * patches[a].place.w);
   patches[a].scale[now] = 1.0;
 #else
   const float scale = patches[a].scale[before];

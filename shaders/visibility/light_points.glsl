@@ -9,6 +9,8 @@
 #error "LPV_FACING: 0 or 1"
 #endif
 
+#include "visibility/patch_weight.glsl"
+
 layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
 
 const int kCandidates = 32;  // points of a range that are weighed for four rays
@@ -22,8 +24,8 @@ float pointWeight(int i, vec3 x, vec3 n) {
   const float along = -dot(emits.xyz, d), towards = emits.w > 1.5 ? abs(along) : max(along, 0.0);
   const float r2 = dot(d, d) + 1e-8;
 #if LPV_FACING
-  const float reach2 = max(-emits.w, 0.0) * 0.3183098862;  // of a patch, a disc
-  return place.w * towards * max(dot(n, d), 0.0) / (r2 * (r2 + reach2));
+  if (emits.w < 0.0) return place.w / -emits.w * patchWeight(d, -emits.w, emits.xyz, n);
+  return place.w * towards * max(dot(n, d), 0.0) / (r2 * r2);
 #else
   return place.w * towards * inversesqrt(r2) / r2;
 #endif

@@ -1,4 +1,5 @@
 // Patches of the surfaces that reflect light (server/scene/patches.h), grid space.
+#include "visibility/patch_weight.glsl"
 
 struct Patch {
   vec4 place;   // position, area
@@ -16,14 +17,6 @@ struct Patch {
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };
 
 const float kNearPatch = 9.0;  // by the square of the distance over its area: nearer triangles are taken as they are
-
-/// E with normal n from a patch of unit radiance, seen at d, with nothing between: to second order in its size, which is
-/// .44 times its area (four times the variance along each axis of its plane: a right triangle's). Finite beside it.
-float patchWeight(vec3 d, float area, vec3 normal, vec3 n) {
-  const float r2 = max(dot(d, d), 1e-12), size = 0.44 * area, p = dot(n, d), q = min(dot(normal, d), 0.0);
-  const float second = size / (r2 + size) * (dot(n, normal) * q + 2.0 * p - 3.0 * p * q * q / r2);
-  return p > 0.0 ? area * -q * max(p + second, 0.0) / (r2 * (r2 + size)) : 0.0;
-}
 
 /// A share per colour in ten bits each.
 uint packedShare(vec3 share) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "gpu/gl.h"
@@ -44,8 +45,8 @@ struct NearFieldPass::Inputs {
   const EmitterBuffer& seenLights;
   const NearFieldSources& sources;
   const gpu::Buffer& frameParams;
-  const gpu::Texture* poolPicture = nullptr;  ///< what is made; null: the whole
-  std::size_t pool = 0;                       ///< whose picture it is
+  std::optional<std::size_t> pool = std::nullopt;  ///< what is made is of it alone; none: of all together
+  const gpu::Texture* poolPicture = nullptr;       ///< where it is kept; null: the buffer's
 
   int spacing() const { return sources.reduced ? layout::kNearFieldSpacing : 1; }
   bool everywhere() const { return sources.lights.emitterDistance == nullptr; }
@@ -61,23 +62,25 @@ struct NearFieldPass::Inputs {
     buffer.tiles.bindStorage(layout::kNearFieldTiles);
     buffer.points.bindStorage(layout::kNearFieldPoints);
     if (sources.shadows != nullptr) buffer.shadows.bindStorage(layout::kShadowPoints);
-    if (!filters()) return;
-    buffer.reflectedLight.bindImage(layout::kReflectedLightOut, GL_WRITE_ONLY);
-    buffer.reflectedShare.bindImage(layout::kReflectedShareOut, GL_WRITE_ONLY);
+    if (!filtered()) return;
+    buffer.poolLight.bindImage(layout::kPoolLightOut, GL_WRITE_ONLY);
+    buffer.poolShare.bindImage(layout::kPoolShareOut, GL_WRITE_ONLY);
+  }
+  /// Of lights, and one more if surfaces reflect.
+  std::size_t pools() const {
+    return sources.shadows->pools->pools.size() + (sources.shadows->reflected != nullptr ? 1 : 0);
   }
   /// The pools that are looked at, of those that there are.
   std::span<const LightPool> lookedAt() const {
     const std::span<const LightPool> all = sources.shadows->pools->pools;
-    return poolPicture == nullptr ? all : all.subspan(std::min(pool, all.size()), pool < all.size() ? 1 : 0);
+    return pool ? all.subspan(std::min(*pool, all.size()), *pool < all.size() ? 1 : 0) : all;
   }
   bool looksAtReflections() const {
     return sources.shadows->reflected != nullptr &&
-           (poolPicture == nullptr || pool == sources.shadows->pools->pools.size());
+           (!pool || *pool == sources.shadows->pools->pools.size());
   }
-  /// Whether what surfaces reflect is smoothed over pixels: where each sends rays of its own.
-  bool filters() const {
-    return sources.shadows != nullptr && sources.shadows->reflected != nullptr && !sources.reduced;
-  }
+  /// Whether shares are smoothed over pixels: where each sends rays of its own.
+  bool filtered() const { return sources.shadows != nullptr && !sources.reduced; }
 };
 
 /// Receivers on a list that look at the lights through what may stand in the way.
@@ -104,6 +107,12 @@ struct NearFieldPass::Pass {
   glm::ivec2 part{0};     ///< pixels across and down of what a thread has
   glm::ivec2 stride{0};   ///< of NearFieldParams
   NearFieldWork work;     ///< of a thread
+
+  /// The two that begin.
+  static Pass weights() { return {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}; }
+  static Pass first(int spacing) {
+    return {LPV_PASS_FIRST, kBlock * spacing, {0, 0}, {.evaluated = double(kPointsOfBlock)}};
+  }
 };
 
 NearFieldBuffer::NearFieldBuffer(const glm::ivec2& s)
@@ -155,6 +164,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   params.turns = shadows.turns;
   params.pools = int(from.pools.size()) + (from.reflected ? 1 : 0);
   params.jitter = from.patches || from.reduced ? 0 : 1;
+  params.apart = params.jitter;
   for (const LightPool& pool : from.pools) {
     params.even = from.reduced && pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints ? 1 : 0;
     params.firstLight = pool.firstLight;
@@ -167,7 +177,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   if (!from.reflected) co_return;
   params.turns = std::min(params.turns, kReflectedTurns);
   params.even = 0;
-  params.apart = params.jitter;
+  params.apart *= 2;
   params.firstPoint = 0;
   params.pointCount = shadows.reflected->count;
   co_await look(from, {params, shadows.reflected->lightTexels, true}, pacing);
@@ -185,7 +195,7 @@ GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters,
                 pacing);
 }
 
-GpuTask NearFieldPass::filterReflections(const Inputs& inputs, Pacing pacing) {
+GpuTask NearFieldPass::filter(const Inputs& inputs, Pacing pacing) {
   const int tiles = int(count(partsOf(inputs.buffer.size, kTile)));
   constexpr double kUnits = 60.0 * layout::kNearFieldTile * layout::kNearFieldTile;  // of a tile: pixels shaded
   for (int first = 0; first < tiles;) {
@@ -194,9 +204,9 @@ GpuTask NearFieldPass::filterReflections(const Inputs& inputs, Pacing pacing) {
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kNearFieldParams);
     inputs.bind();
-    inputs.buffer.reflectedLight.bind(layout::kReflectedLight);
-    inputs.buffer.reflectedShare.bind(layout::kReflectedShare);
-    filter_.get({}).dispatch(std::uint32_t(wanted));
+    inputs.buffer.poolLight.bind(layout::kPoolLight);
+    inputs.buffer.poolShare.bind(layout::kPoolShare);
+    filter_.get({.reflected = inputs.looksAtReflections()}).dispatch(std::uint32_t(wanted));
     gpu::memoryBarrier();
     first += wanted;
     co_yield submitted(Stage::kShade, wanted * kUnits);
@@ -244,20 +254,32 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
   if (sources.shadows != nullptr && !buffer.shadows)
     buffer.shadows =
         gpu::Buffer("shadow points", kMostShadowPoints * kShadowPointBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-  if (inputs.filters() && !buffer.reflectedLight) {
+  if (inputs.filtered() && !buffer.poolLight) {
     const auto picture = [&buffer](const char* label) {
       return gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
     };
-    buffer.reflectedLight = picture("reflected light");
-    buffer.reflectedShare = picture("reflected share");
+    buffer.poolLight = picture("light of a pool");
+    buffer.poolShare = picture("share of a pool");
   }
-  if (sources.pools.empty()) {
-    buffer.pools.clear();
+  if (sources.pools.empty()) buffer.pools.clear();
+  if (inputs.filtered()) {
+    co_await runFiltered(inputs, pacing);
+  } else if (sources.pools.empty()) {
     co_await runPasses(inputs, pacing);
   } else {
     co_await runPools(inputs, pacing);
   }
-  if (inputs.filters()) co_await filterReflections(inputs, pacing);
+}
+
+/// Pool by pool from every pixel, so that the share of each can be smoothed by itself.
+GpuTask NearFieldPass::runFiltered(const Inputs& inputs, Pacing pacing) {
+  co_await run(inputs, Pass::weights(), pacing);
+  for (std::size_t i = 0; i < inputs.pools(); ++i) {
+    Inputs part = inputs;
+    part.pool = i;
+    co_await run(part, Pass::first(inputs.spacing()), pacing);
+    co_await filter(part, pacing);
+  }
 }
 
 /// Each pool by itself: what it sends stands while it, the camera and what is in its way do.
@@ -290,8 +312,8 @@ GpuTask NearFieldPass::runPools(const Inputs& inputs, Pacing pacing) {
 
 GpuTask NearFieldPass::runPasses(const Inputs& inputs, Pacing pacing) {
   constexpr double kPoints = kPointsOfBlock;
-  co_await run(inputs, {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}, pacing);
-  co_await run(inputs, {LPV_PASS_FIRST, kBlock * inputs.spacing(), {0, 0}, {.evaluated = kPoints}}, pacing);
+  co_await run(inputs, Pass::weights(), pacing);
+  co_await run(inputs, Pass::first(inputs.spacing()), pacing);
   for (int stride = inputs.spacing() / 2; stride > 0; stride /= 2) {
     co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * 2 * stride, {stride, 0}, {.between = kPoints}}, pacing);
     co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, {.between = kPoints}},

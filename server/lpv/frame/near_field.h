@@ -44,7 +44,8 @@ struct NearFieldBuffer {
   gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
   gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
   gpu::Buffer shadows;      ///< what is known of each point while rays are sent; made where they are
-  gpu::Texture reflectedLight, reflectedShare;  ///< RGBA32F, of what surfaces send to each pixel; made where they do
+  gpu::Texture poolLight, poolShare;  ///< RGBA32F: what one pool sends, unless something is in the way, and which share
+                                      ///< of it arrives; made where every pixel looks through what may be
   std::vector<PoolPicture> pools;  ///< of a reduced picture: each keeps its own while it stands
 };
 
@@ -102,7 +103,8 @@ class NearFieldPass {
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
   GpuTask runPasses(const Inputs& inputs, Pacing pacing);
   GpuTask runPools(const Inputs& inputs, Pacing pacing);
-  GpuTask filterReflections(const Inputs& inputs, Pacing pacing);
+  GpuTask runFiltered(const Inputs& inputs, Pacing pacing);
+  GpuTask filter(const Inputs& inputs, Pacing pacing);
   GpuTask look(const Look& from, Pacing pacing);
   GpuTask look(const Look& from, const LookAt& at, Pacing pacing);
 
@@ -132,12 +134,16 @@ class NearFieldPass {
       return {gpu::define("LPV_PATCHES", patches), gpu::define("LPV_TRANSPARENT", transparent)};
     }
   };
+  struct FilterVariant {
+    bool reflected = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_REFLECTED", reflected)}; }
+  };
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
   gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
   gpu::Programs<ReceiverVariant> reflected_{{"frame/patch_light.comp"}};
   gpu::Programs<RayVariant> rays_{{"frame/shadow_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
-  gpu::ProgramVariants filter_{{"frame/reflect_filter.comp"}};
+  gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};
   gpu::ProgramVariants addPool_{{"frame/near_field_sum.comp"}};
   gpu::Buffer params_, shadowParams_;
 };

@@ -46,6 +46,7 @@ class BouncePass {
                    Pacing pacing);
 
   gpu::Programs<PaneVariant> exchange_{{"transport/patch_exchange.comp"}};
+  gpu::Programs<PaneVariant> crevices_{{"transport/patch_crevices.comp"}};
   gpu::Programs<PaneVariant> bounce_{{"transport/patch_bounce.comp"}};
   gpu::Programs<BalanceVariant> balance_{{"transport/patch_balance.comp"}};
   gpu::Buffer params_;

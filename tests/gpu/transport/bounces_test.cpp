@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "gpu/frame/light_views.h"
 #include "reference/ground_truth.h"
@@ -160,6 +161,51 @@ TEST_F(BouncesTest, OneReflectionIsItsIntegral) {
     const glm::dvec3 want = reflectedBy(scene, points[i], 120);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[i][c], want[c], 0.02 * want[c]) << i << ' ' << c;
   }
+}
+
+/// Of `folds` folds along y in [-.5, .5]^2, whose sides open 60 degrees towards +z.
+MeshPtr foldedPanel(int folds) {
+  auto mesh = std::make_shared<Mesh>();
+  const double width = 1.0 / folds, depth = width * std::sqrt(0.75);
+  for (int edge = 0; edge <= 2 * folds; ++edge) {
+    for (const double y : {-0.5, 0.5})
+      mesh->positions.emplace_back(-0.5 + 0.5 * width * edge, y, edge % 2 == 0 ? 0.0 : -depth);
+    if (edge == 0) continue;
+    const unsigned at = 2U * unsigned(edge - 1);
+    mesh->triangles.emplace_back(at, at + 2, at + 3);
+    mesh->triangles.emplace_back(at, at + 3, at + 1);
+  }
+  return mesh;
+}
+
+/// What a panel under a lamp reflects to points beside the lamp. A large black plate far below makes patches as large as
+/// several folds.
+double reflectedByPanel(const MeshPtr& mesh, const std::function<std::vector<glm::dvec3>(const Scene&)>& probed) {
+  Scene scene = lampOverFloor();
+  scene.options.bounces = 24;
+  scene.options.visibility = Visibility::kOn;
+  auto panel = std::make_shared<Surface>(*scene.surfaces.at("floor"));
+  panel->mesh = mesh;
+  panel->transform.scale = glm::dvec3(1.0);
+  panel->albedo = glm::dvec3(0.9);
+  scene.surfaces["floor"] = panel;
+  Surface& plate = test::addSurface(scene, "plate", reference::quad());
+  plate.transform.translation.z = -1.8;
+  plate.transform.scale = glm::dvec3(8.0);
+  plate.albedo = glm::dvec3(0.0);
+  return meanOf(probed(scene));
+}
+
+// Folds that open 60 degrees: half of what one side sends meets the other, so albedo .9 is .9 (1 - F) / (1 - .9 F) = .82
+// for F = .5 where light falls evenly on both. Broken by: patches of several triangles that do not reflect to
+// themselves (.5).
+TEST_F(BouncesTest, FoldsReflectToThemselves) {
+  const std::vector<reference::Receiver> beside = {{{0.7, 0.3, 0.3}, {0.0, 0.0, -1.0}}, {{-0.4, -0.5, 0.3}, {0.0, 0.0, -1.0}}};
+  SessionKey session = 1;
+  const auto of = [&](const MeshPtr& mesh) {
+    return reflectedByPanel(mesh, [&](const Scene& scene) { return probed(scene, beside, session++); });
+  };
+  EXPECT_NEAR(of(foldedPanel(32)) / of(reference::quad()), 0.82 / 0.9, 0.08);
 }
 
 // Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.

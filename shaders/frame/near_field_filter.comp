@@ -1,0 +1,99 @@
+// Adds what a pool of lights, or what surfaces reflect, sends to the pixels of a picture: what would come with nothing in
+// the way, times the share that arrives. A pixel's own rays are few, and neighbours send theirs elsewhere
+// (shadow_rays.comp), so the share is the mean over pixels around that are on the same plane and whose shares do not differ
+// by more than chance: edges of shadows stay where they are, the grain of penumbrae goes. A thread has a pixel.
+// LPV_REFLECTED: light of all surfaces has no such edges, and fewer rays: all shares on the plane count.
+#include "layout.h"
+#include "common/octahedral.glsl"
+#include "frame/position.glsl"
+
+#ifndef LPV_REFLECTED
+#error "LPV_REFLECTED: 0 or 1"
+#endif
+
+layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
+
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(std140, binding = kNearFieldParams) uniform NearFieldBlock { NearFieldParams params; };
+layout(binding = kNormal) uniform sampler2D normal;
+layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
+layout(binding = kPoolLight) uniform sampler2D poolLight;
+layout(binding = kPoolShare) uniform sampler2D poolShare;
+layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
+
+const int kReach = 3;                // pixels on each side
+const float kLeastCosine = 0.9;      // between normals
+const float kOffPlane = 0.05;        // as a share of the distance
+
+vec3 positionAt(ivec2 pixel) { return gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x); }
+vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
+
+float mean(vec3 v) { return dot(v, vec3(1.0 / 3.0)); }
+
+/// Of a share, by chance. Rays are spread over the light, so it is below the binomial one; and few are never quite sure.
+float variance(vec4 share) {
+  const float p = mean(share.rgb);
+  return 0.5 * (p * (1.0 - p) + 0.25 / share.w) / share.w;
+}
+
+/// Of the mean of two shares beside the pixel's own.
+float weightOf(vec4 a, vec4 b, vec4 own) {
+#if LPV_REFLECTED
+  return 1.0;
+#else
+  const float bent = mean(0.5 * (a.rgb + b.rgb) - own.rgb);
+  return exp(-0.5 * bent * bent / (variance(own) + 0.25 * (variance(a) + variance(b))));
+#endif
+}
+
+/// Whether all around met the same, in the light or in the dark: no mean would be another one.
+bool agrees(ivec2 pixel, ivec2 size, vec4 share) {
+  bool same = true;
+  for (int i = 0; i < 4; ++i) {
+    const ivec2 corner = clamp(pixel + kReach * (2 * ivec2(i & 1, i >> 1) - 1), ivec2(0), size - 1);
+    same = same && texelFetch(poolShare, corner, 0) == share;
+  }
+  return same;
+}
+
+/// A pixel's share, its rays 0 where it is not on the plane through x.
+vec4 shareOnPlane(ivec2 pixel, ivec2 size, vec3 x, vec3 n) {
+  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return vec4(0.0);
+  const vec3 d = positionAt(pixel) - x;
+  const bool same = dot(normalAt(pixel), n) >= kLeastCosine && abs(dot(d, n)) <= kOffPlane * length(d) + 1e-6;
+  return same ? texelFetch(poolShare, pixel, 0) : vec4(0.0);
+}
+
+/// Pixels opposite each other are taken together, so that a slope stays as steep as it is.
+vec3 shareAround(ivec2 pixel, ivec2 size, vec4 own) {
+  const vec3 x = positionAt(pixel), n = normalAt(pixel);
+#if LPV_REFLECTED
+  vec4 sum = own.w * vec4(own.rgb, 1.0);
+#else
+  vec4 sum = vec4(own.rgb, 1.0);
+#endif
+  const int width = 2 * kReach + 1;
+  for (int i = 0; i < (width * width) / 2; ++i) {
+    const ivec2 off = ivec2(i % width, i / width) - kReach;
+    const vec4 a = shareOnPlane(pixel + off, size, x, n), b = shareOnPlane(pixel - off, size, x, n);
+    if (min(a.w, b.w) <= 0.0) continue;
+#if LPV_REFLECTED
+    sum += a.w * vec4(a.rgb, 1.0) + b.w * vec4(b.rgb, 1.0);
+#else
+    sum += 2.0 * weightOf(a, b, own) * vec4(0.5 * (a.rgb + b.rgb), 1.0);
+#endif
+  }
+  return sum.rgb / sum.w;
+}
+
+void main() {
+  const ivec2 size = imageSize(nearField), tiles = (size + kNearFieldTile - 1) / kNearFieldTile;
+  const int tile = params.first + int(gl_WorkGroupID.x);
+  const ivec2 pixel = kNearFieldTile * ivec2(tile % tiles.x, tile / tiles.x) + ivec2(gl_LocalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, size))) return;
+  const vec4 known = imageLoad(nearField, pixel);
+  if (known.w <= 0.0) return;
+  const vec4 own = texelFetch(poolShare, pixel, 0);
+  const vec3 share = own.w <= 0.0 || agrees(pixel, size, own) ? own.rgb : shareAround(pixel, size, own);
+  imageStore(nearField, pixel, vec4(known.rgb + texelFetch(poolLight, pixel, 0).rgb * share, known.w));
+}
