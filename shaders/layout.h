@@ -61,7 +61,8 @@ LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points 
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
-LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its area
+LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its area;
+                                      // negative: a light is between
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 

@@ -92,6 +92,7 @@ struct ReflectInputs {
   Stamp patches = 0;
   Stamp lights = 0;
   Stamp list = 0;  ///< of emitters
+  Stamp blockers = 0;
   int bounces = 0;
   int turns = 0;   ///< of shadow rays
 
@@ -367,9 +368,11 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   co_await findPatches(s, *request.scene);
   PatchSet* patches = made.patches.product().get();
   const int turns = s.shadowed ? shadowTurns(request.scene->options) : 0;
-  const ReflectInputs inputs = {made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(), s.bounces, turns};
+  const ReflectInputs inputs = {made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(),
+                                made.occluders.all(), s.bounces,           turns};
   if (patches == nullptr || made.reflected.holds(inputs)) co_return;
   co_await nearFieldPass.run(*patches, made.emitters, {&made.pools, &made.occluders, turns, nullptr}, pacing(s));
+  if (s.shadowed) co_await bouncePass.findLights(*patches, made.occluders, pacing(s));
   co_await bouncePass.run(*patches, s.bounces, pacing(s));
   made.reflected.set(inputs);
 }

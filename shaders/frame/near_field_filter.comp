@@ -46,8 +46,9 @@ float weightOf(vec4 a, vec4 b, vec4 own) {
 #endif
 }
 
-/// Whether all around met the same, in the light or in the dark: no mean would be another one.
-bool agrees(ivec2 pixel, ivec2 size, vec4 share) {
+/// Whether a pixel's own share stays: where all around met the same, in the light or in the dark, no mean would be
+/// another one.
+bool stays(ivec2 pixel, ivec2 size, vec4 share) {
   bool same = true;
   for (int i = 0; i < 4; ++i) {
     const ivec2 corner = clamp(pixel + kReach * (2 * ivec2(i & 1, i >> 1) - 1), ivec2(0), size - 1);
@@ -94,6 +95,6 @@ void main() {
   const vec4 known = imageLoad(nearField, pixel);
   if (known.w <= 0.0) return;
   const vec4 own = texelFetch(poolShare, pixel, 0);
-  const vec3 share = own.w <= 0.0 || agrees(pixel, size, own) ? own.rgb : shareAround(pixel, size, own);
+  const vec3 share = own.w <= 0.0 || stays(pixel, size, own) ? own.rgb : shareAround(pixel, size, own);
   imageStore(nearField, pixel, vec4(known.rgb + texelFetch(poolLight, pixel, 0).rgb * share, known.w));
 }

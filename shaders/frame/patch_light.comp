@@ -1,9 +1,11 @@
-// What the patches of the surfaces reflect to the points that near_field.comp has listed, as if nothing lay between: the
-// last pool of lights (shadow_rays.comp). Far patches are patchWeight of visibility/patches.glsl; beside them, and in
-// corners, they are triangles. Threads per point.
+// What the patches of the surfaces reflect to the points that near_field.comp has listed: the last pool of lights
+// (shadow_rays.comp). Far patches are patchWeight of visibility/patch_weight.glsl, as if nothing lay between. Few are near,
+// and they matter most, beside edges and in folds: they are the triangles that they are, and asked whether they are seen,
+// by a ray each. Threads per point.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "transport/polygons.glsl"
+#include "visibility/occluders.glsl"
 #include "visibility/patches.glsl"
 #include "visibility/receivers.glsl"
 #include "visibility/shadow_points.glsl"
@@ -11,6 +13,8 @@
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
 layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
+
+const int kMostTries = 8;  // to find a place that the receiver does not turn its back to
 
 vec3 radianceOf(int i) {
   const float area = -texelFetch(lightPoints, kLightPointTexels * i + 1).w;
@@ -20,7 +24,7 @@ vec3 radianceOf(int i) {
 
 bool near(int i, vec3 x) {
   const vec3 d = texelFetch(lightPoints, kLightPointTexels * i).xyz - x;
-  return dot(d, d) < -kNearPatch * texelFetch(lightPoints, kLightPointTexels * i + 1).w && patches[i].corners[0].w > 0.0;
+  return dot(d, d) < -kNearPatch * texelFetch(lightPoints, kLightPointTexels * i + 1).w;
 }
 
 vec3 farLight(vec3 x, vec3 n) {
@@ -34,14 +38,39 @@ vec3 farLight(vec3 x, vec3 n) {
   return sum;
 }
 
-vec3 nearLight(vec3 x, vec3 n) {
+/// With nothing in between.
+float arrivesFrom(int i, vec3 x, vec3 n) {
+  const Patch p = patches[i];
+  return p.corners[0].w == 0.0 ? patchWeight(p.place.xyz - x, p.place.w, p.normal.xyz, n)
+                               : triangleIrradiance(p.corners[0].xyz - x, p.corners[1].xyz - x, p.corners[2].xyz - x, n, 1.0);
+}
+
+/// A place of a patch above the receiver's plane, another one for another pixel and patch: what is seen of a triangle in
+/// part becomes grain, which is smoothed, not a step.
+vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
+  const Patch p = patches[i];
+  if (p.corners[0].w == 0.0 || shadow.jitter == 0) return p.place.xyz;
+  vec2 at = vec2(pixel & 1023) * vec2(0.7548776662, 0.5698402910) + float(i) * vec2(0.6180339887, 0.3819660113);
+  vec3 place = p.place.xyz;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    at = fract(at + vec2(0.7548776662, 0.5698402910));
+    place = mix(p.corners[0].xyz, mix(p.corners[1].xyz, p.corners[2].xyz, at.y), sqrt(at.x));
+    if (dot(place - x, n) > 0.0) break;
+  }
+  return place;
+}
+
+/// What arrives from near patches.
+vec3 nearLight(vec3 x, vec3 n, ivec2 pixel) {
   vec3 sum = vec3(0.0);
-  int i = 0;
+  int i = 0, rounds = 0;
   while (i < shadow.pointCount) {
     while (i < shadow.pointCount && !near(i, x)) ++i;  // by itself: llvmpipe goes through what a branch leaves out
     if (i >= shadow.pointCount) break;
-    const vec4 corners[3] = patches[i].corners;
-    sum += radianceOf(i) * triangleIrradiance(corners[0].xyz - x, corners[1].xyz - x, corners[2].xyz - x, n, 1.0);
+    const float e = arrivesFrom(i, x, n);
+    vec3 share = vec3(1.0);
+    if (e > 0.0 && shadow.turns > 0) share = transmitted(x, mix(x, placeOn(i, x, n, pixel), kShadowEnd), kFromSurfaces, rounds);
+    sum += e * share * radianceOf(i);
     ++i;
   }
   return sum;
@@ -52,5 +81,5 @@ void main() {
   if (four >= list.count) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
-  begin(point, farLight(x, n) + nearLight(x, n));
+  begin(point, farLight(x, n), nearLight(x, n, pixel));
 }

@@ -24,7 +24,7 @@ vec3 reflectedTo(int a, int before) {
   vec3 sum = vec3(0.0);
   for (int b = 0; b < params.count; ++b) {
     const vec3 radiance = patches[b].albedo.rgb * patches[b].arriving[before].rgb / kPi;
-    sum += shareOf(b * params.count + a) * exchange[b * params.count + a] * patches[b].scale[params.balanced] * radiance;
+    sum += shareOf(b * params.count + a) * max(exchange[b * params.count + a], 0.0) * patches[b].scale[params.balanced] * radiance;
   }
   return patches[a].scale[params.balanced] / patches[a].place.w * sum;
 }

@@ -1,6 +1,6 @@
-// How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets something.
-// A thread has eight partners of one patch; the lower patch of a pair answers for both. LPV_TRANSPARENT: what light keeps
-// through panes on the way is apart.
+// How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets a surface;
+// lights between them are found apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a
+// pair answers for both. LPV_TRANSPARENT: what light keeps through panes on the way is apart.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"

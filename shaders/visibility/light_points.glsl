@@ -17,6 +17,7 @@ const int kCandidates = 32;  // points of a range that are weighed for four rays
 const float kNearParts = 8.0;  // by the square of the distance over that of a part's size
 
 /// What a receiver at x, with normal n, gets from point i, about, and as if nothing lay between: irradiance, or fluence.
+/// Patches that are near have been asked already (patch_light.comp).
 float pointWeight(int i, vec3 x, vec3 n) {
   const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
   const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
@@ -24,7 +25,8 @@ float pointWeight(int i, vec3 x, vec3 n) {
   const float along = -dot(emits.xyz, d), towards = emits.w > 1.5 ? abs(along) : max(along, 0.0);
   const float r2 = dot(d, d) + 1e-8;
 #if LPV_FACING
-  if (emits.w < 0.0) return place.w / -emits.w * patchWeight(d, -emits.w, emits.xyz, n);
+  if (emits.w < 0.0)
+    return r2 < -kNearPatch * emits.w ? 0.0 : place.w / -emits.w * patchWeight(d, -emits.w, emits.xyz, n);
   return place.w * towards * max(dot(n, d), 0.0) / (r2 * r2);
 #else
   return place.w * towards * inversesqrt(r2) / r2;

@@ -181,6 +181,13 @@ vec3 throughMesh(int instance, uvec4 mesh, vec3 origin, vec3 direction, inout in
 }
 #endif
 
+/// By the first texel of an instance.
+mat4x3 objectFromGrid(int instance) {
+  return transpose(mat3x4(uintBitsToFloat(texelFetch(occluders, instance)),
+                          uintBitsToFloat(texelFetch(occluders, instance + 1)),
+                          uintBitsToFloat(texelFetch(occluders, instance + 2))));
+}
+
 /// Per colour, what gets from one grid position to another of light of `light`, by what lies strictly between. `rounds`:
 /// of loops, added to.
 vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
@@ -192,9 +199,7 @@ vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || (int(mesh.w) != kAllLights && light != kFromSurfaces && int(mesh.w) != light)) continue;
-    const mat4x3 object = transpose(mat3x4(uintBitsToFloat(texelFetch(occluders, instance)),
-                                           uintBitsToFloat(texelFetch(occluders, instance + 1)),
-                                           uintBitsToFloat(texelFetch(occluders, instance + 2))));
+    const mat4x3 object = objectFromGrid(instance);
     const vec3 origin = object * vec4(from, 1.0), direction = object * vec4(to - from, 0.0);
 #if LPV_TRANSPARENT
     share *= throughMesh(instance, mesh, origin, direction, rounds);
@@ -208,4 +213,21 @@ vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
 vec3 transmitted(vec3 from, vec3 to, int light) {
   int rounds = 0;
   return transmitted(from, to, light, rounds);
+}
+
+/// Whether a light lies between, which blocks what surfaces reflect.
+bool meetsLight(vec3 from, vec3 to) {
+  const int instances = int(texelFetch(occluders, 0).x);
+  const SegmentBox box = segmentBox(from, to - from, kTopMargin);
+  bool met = false;
+  int rounds = 0;
+  for (int at = 1; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, 1, instances, box, rounds);
+    const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
+    const uvec4 mesh = texelFetch(occluders, instance + 3);
+    if (leaf == 0u || int(mesh.w) == kAllLights) continue;
+    const mat4x3 object = objectFromGrid(instance);
+    met = meetsMesh(mesh, object * vec4(from, 1.0), object * vec4(to - from, 0.0), rounds);
+  }
+  return met;
 }

@@ -16,8 +16,6 @@ struct Patch {
 
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };
 
-const float kNearPatch = 9.0;  // by the square of the distance over its area: nearer triangles are taken as they are
-
 /// A share per colour in ten bits each.
 uint packedShare(vec3 share) {
   const uvec3 s = uvec3(share * 1023.0 + 0.5);

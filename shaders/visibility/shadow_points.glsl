@@ -3,6 +3,7 @@
 struct ShadowPoint {
   vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
                // or the sum of their shares; -1 where none were sent, less where they differ
+  vec4 known;  // rgb: of it what arrives without asking further
   vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
   vec4 seen;   // rgb: of those that arrived
   vec4 sum;    // rgb: E of the pools before
@@ -11,9 +12,10 @@ struct ShadowPoint {
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
 layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadowPoints[]; };
 
-/// What the pool sends to a point, before any ray.
-void begin(uint point, vec3 light) {
-  shadowPoints[point].light = vec4(light, -1.0);
+/// What the pool sends to a point, before any ray, and what of it is known to arrive.
+void begin(uint point, vec3 light, vec3 known) {
+  shadowPoints[point].light = vec4(light + known, -1.0);
+  shadowPoints[point].known = vec4(known, 0.0);
   shadowPoints[point].all = vec4(0.0);
   shadowPoints[point].seen = vec4(0.0);
 }

@@ -20,7 +20,7 @@ std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::
 
 constexpr int kPointsOfBlock = layout::kNearFieldBlockX * layout::kNearFieldBlockY;
 static_assert(kPointsOfBlock == 32);  // bits of a uint
-constexpr std::size_t kShadowPointBytes = 4 * sizeof(glm::vec4);  // of shaders/visibility/shadow_points.glsl
+constexpr std::size_t kShadowPointBytes = 5 * sizeof(glm::vec4);  // of shaders/visibility/shadow_points.glsl
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
@@ -134,7 +134,7 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
   for (params.turn = -1; params.turn <= params.turns; ++params.turn) {
     const bool sends = params.turn < 0, sums = params.turn == params.turns;
     gpu::Program& program = !sends         ? (sums ? sum_.get(receivers) : rays_.get(rays))
-                            : at.reflected ? reflected_.get(receivers)
+                            : at.reflected ? reflected_.get(rays)
                                            : evaluate_.get({.shadowed = true, .patches = from.patches});
     shadowParams_.update(0, gpu::bytesOfValue(params));
     shadowParams_.bindUniform(layout::kShadowParams);

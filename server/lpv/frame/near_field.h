@@ -140,7 +140,7 @@ class NearFieldPass {
   };
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
   gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
-  gpu::Programs<ReceiverVariant> reflected_{{"frame/patch_light.comp"}};
+  gpu::Programs<RayVariant> reflected_{{"frame/patch_light.comp"}};
   gpu::Programs<RayVariant> rays_{{"frame/shadow_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};

@@ -23,6 +23,8 @@ class GpuOccluders {
   void bind() const;
   /// Changes with what blocks all lights.
   Stamp surfaces() const { return surfaces_.stamp(); }
+  /// Changes with all that blocks any light.
+  Stamp all() const { return made_.stamp(); }
   /// Whether something there lets light through.
   bool transparent() const { return transparent_; }
   std::size_t bytes() const { return texels_.size(); }

@@ -52,6 +52,12 @@ GpuTask BouncePass::findExchange(PatchSet& set, const GpuOccluders& occluders, P
     co_await dispatch(scales, set, params, nullptr, pacing);
 }
 
+GpuTask BouncePass::findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing) {
+  const int byEights = set.count * ((set.count + kPairsOfThread - 1) / kPairsOfThread);
+  const Step step = {lights_.get({}), Stage::kVisibility, byEights, double(kPairsOfThread)};
+  co_await dispatch(step, set, set.params(), &occluders, pacing);
+}
+
 GpuTask BouncePass::run(PatchSet& set, int bounces, Pacing pacing) {
   layout::PatchParams params = set.params();
   params.lastBounce = bounces - 1;

@@ -22,6 +22,8 @@ class BouncePass {
   BouncePass();
   /// What every two patches exchange, by their shapes and by what stands between them.
   GpuTask findExchange(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
+  /// Which of them have a light in between.
+  GpuTask findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
   /// From what came to the patches from the lights to what they send after `bounces` - 1 reflections among them;
   /// receivers see the last one themselves. `bounces` is at least 1.
   GpuTask run(PatchSet& set, int bounces, Pacing pacing);
@@ -47,6 +49,7 @@ class BouncePass {
 
   gpu::Programs<PaneVariant> exchange_{{"transport/patch_exchange.comp"}};
   gpu::Programs<PaneVariant> crevices_{{"transport/patch_crevices.comp"}};
+  gpu::ProgramVariants lights_{{"transport/patch_lights.comp"}};
   gpu::Programs<PaneVariant> bounce_{{"transport/patch_bounce.comp"}};
   gpu::Programs<BalanceVariant> balance_{{"transport/patch_balance.comp"}};
   gpu::Buffer params_;

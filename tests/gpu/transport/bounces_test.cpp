@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <utility>
 
 #include "gpu/frame/light_views.h"
 #include "reference/ground_truth.h"
@@ -114,6 +114,29 @@ TEST_F(BouncesTest, TheMeanInAClosedCubeIsTheEnergyBalance) {
   }
 }
 
+// A large lamp in the middle swallows what walls send to it: A_lamp / A_walls of it, since all that leaves the lamp comes
+// to the walls. Broken by: patches that see each other through the lamp (1.1 of this).
+TEST_F(BouncesTest, LightsSwallowWhatSurfacesExchange) {
+  constexpr double kAlbedo = 0.8, kEdge = 2.0;
+  Scene scene = closedRoom(2.0, kAlbedo, 32);
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::box(glm::dvec3(-0.5), glm::dvec3(0.5));
+  light.transform.scale = glm::dvec3(kEdge);
+  const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
+  const double want = power / 96.0 * geometricSum(kAlbedo * (1.0 - 6.0 * kEdge * kEdge / 96.0), 32);
+  EXPECT_NEAR(meanOf(probed(scene, walls(2.0, 12))), want, 0.02 * want);
+}
+
+// What lamps hide goes with them. Broken by: pairs that stay hidden.
+TEST_F(BouncesTest, AMovedLampHidesWhatIsBehindItNow) {
+  Scene scene = closedRoom(2.0, 0.8, 8);
+  test::lightOf(scene).mesh = reference::box(glm::dvec3(-0.5), glm::dvec3(0.5));
+  test::lightOf(scene).transform.translation = {0.9, -0.8, 0.7};
+  probed(scene, walls(2.0, 4), 1);
+  test::lightOf(scene).transform.translation = {-0.6, 0.9, 0.1};
+  EXPECT_EQ(probed(scene, walls(2.0, 4), 1), probed(scene, walls(2.0, 4), 2));
+}
+
 /// A lamp that faces down to a floor of 2 x 2 m, which sees nothing else.
 Scene lampOverFloor() {
   Scene scene = test::smallScene();
@@ -165,47 +188,46 @@ TEST_F(BouncesTest, OneReflectionIsItsIntegral) {
 
 /// Of `folds` folds along y in [-.5, .5]^2, whose sides open 60 degrees towards +z.
 MeshPtr foldedPanel(int folds) {
-  auto mesh = std::make_shared<Mesh>();
+  Mesh mesh;
   const double width = 1.0 / folds, depth = width * std::sqrt(0.75);
   for (int edge = 0; edge <= 2 * folds; ++edge) {
     for (const double y : {-0.5, 0.5})
-      mesh->positions.emplace_back(-0.5 + 0.5 * width * edge, y, edge % 2 == 0 ? 0.0 : -depth);
+      mesh.positions.emplace_back(-0.5 + 0.5 * width * edge, y, edge % 2 == 0 ? 0.0 : -depth);
     if (edge == 0) continue;
     const unsigned at = 2U * unsigned(edge - 1);
-    mesh->triangles.emplace_back(at, at + 2, at + 3);
-    mesh->triangles.emplace_back(at, at + 3, at + 1);
+    mesh.triangles.emplace_back(at, at + 2, at + 3);
+    mesh.triangles.emplace_back(at, at + 3, at + 1);
   }
-  return mesh;
+  EXPECT_TRUE(finishMesh(mesh).ok());
+  return std::make_shared<const Mesh>(std::move(mesh));
 }
 
-/// What a panel under a lamp reflects to points beside the lamp. A large black plate far below makes patches as large as
-/// several folds.
-double reflectedByPanel(const MeshPtr& mesh, const std::function<std::vector<glm::dvec3>(const Scene&)>& probed) {
+/// A folded panel under a lamp, and a large black plate far below, which makes patches as large as several folds.
+Scene foldedPanelUnderLamp(int bounces) {
   Scene scene = lampOverFloor();
-  scene.options.bounces = 24;
+  scene.options.bounces = bounces;
   scene.options.visibility = Visibility::kOn;
   auto panel = std::make_shared<Surface>(*scene.surfaces.at("floor"));
-  panel->mesh = mesh;
+  panel->mesh = foldedPanel(128);
   panel->transform.scale = glm::dvec3(1.0);
   panel->albedo = glm::dvec3(0.9);
   scene.surfaces["floor"] = panel;
   Surface& plate = test::addSurface(scene, "plate", reference::quad());
   plate.transform.translation.z = -1.8;
-  plate.transform.scale = glm::dvec3(8.0);
+  plate.transform.scale = glm::dvec3(4.0);
   plate.albedo = glm::dvec3(0.0);
-  return meanOf(probed(scene));
+  plate.twoSided = false;
+  return scene;
 }
 
-// Folds that open 60 degrees: half of what one side sends meets the other, so albedo .9 is .9 (1 - F) / (1 - .9 F) = .82
-// for F = .5 where light falls evenly on both. Broken by: patches of several triangles that do not reflect to
-// themselves (.5).
+// Folds that open 60 degrees: half of what one side sends meets the other, F = .5, so all bounces together are
+// 1 / (1 - albedo F) of the first. Broken by: patches of several triangles that do not reflect to themselves (1).
 TEST_F(BouncesTest, FoldsReflectToThemselves) {
-  const std::vector<reference::Receiver> beside = {{{0.7, 0.3, 0.3}, {0.0, 0.0, -1.0}}, {{-0.4, -0.5, 0.3}, {0.0, 0.0, -1.0}}};
-  SessionKey session = 1;
-  const auto of = [&](const MeshPtr& mesh) {
-    return reflectedByPanel(mesh, [&](const Scene& scene) { return probed(scene, beside, session++); });
-  };
-  EXPECT_NEAR(of(foldedPanel(32)) / of(reference::quad()), 0.82 / 0.9, 0.08);
+  const std::vector<reference::Receiver> along = {{{0.0, 0.9, 0.4}, {0.0, 0.0, -1.0}},
+                                                  {{0.1, -1.0, 0.6}, {0.0, 0.0, -1.0}}};
+  const double first = meanOf(probed(foldedPanelUnderLamp(1), along, 1));
+  const double all = meanOf(probed(foldedPanelUnderLamp(32), along, 2));
+  EXPECT_NEAR(all / first, 1.0 / (1.0 - 0.9 * 0.5), 0.1);
 }
 
 // Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
