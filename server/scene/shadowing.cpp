@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/patches.h"
 #include "scene/transparency.h"
 
 namespace lpv {
@@ -13,6 +14,7 @@ namespace {
 constexpr std::size_t kMostPlanes = 64;         ///< of a mesh; more can curve, and are taken to cast shadows
 constexpr std::size_t kMostVertices = 256;  ///< of a mesh that are looked at one by one; else the corners of its box
 constexpr std::size_t kMostComparisons = 4'000'000;
+constexpr double kLeastSwallowed = 0.01;  ///< of what surfaces exchange: a third of the error that is wanted
 constexpr double kFlat = 1e-6;  ///< of the extent of all: as far from a plane vertices may be and lie in it
 
 using Points = std::vector<glm::dvec3>;
@@ -86,6 +88,16 @@ bool shadowsPossible(const Scene& scene) {
                              [&](const auto& entry) { return canStandBetween(*entry.second, points, within); });
 }
 
+bool lightsSwallow(const Scene& scene) {
+  if (bouncesFor(scene) == 0) return false;
+  double lights = 0.0, surfaces = 0.0;
+  for (const auto& [name, light] : scene.lights) {
+    if (light->enabled && light->castsShadow) lights += worldArea(*light->mesh, light->transform);
+  }
+  for (const auto& [name, surface] : scene.surfaces) surfaces += worldArea(*surface->mesh, surface->transform);
+  return lights > kLeastSwallowed * surfaces;
+}
+
 bool isShadowed(const Scene& scene) {
   if (scene.options.transport == Transport::kPropagate) return false;
   switch (scene.options.visibility) {
@@ -96,7 +108,7 @@ bool isShadowed(const Scene& scene) {
     case Visibility::kAuto:
       break;
   }
-  return shadowsPossible(scene);
+  return shadowsPossible(scene) || lightsSwallow(scene);
 }
 
 }  // namespace lpv

@@ -76,8 +76,7 @@ struct NearFieldPass::Inputs {
     return pool ? all.subspan(std::min(*pool, all.size()), *pool < all.size() ? 1 : 0) : all;
   }
   bool looksAtReflections() const {
-    return sources.shadows->reflected != nullptr &&
-           (!pool || *pool == sources.shadows->pools->pools.size());
+    return sources.shadows->reflected != nullptr && (!pool || *pool == sources.shadows->pools->pools.size());
   }
   /// Whether shares are smoothed over pixels: where each sends rays of its own.
   bool filtered() const { return sources.shadows != nullptr && !sources.reduced; }

@@ -78,10 +78,10 @@ bool keepsPools(const glm::ivec2& size, std::size_t pools);
 
 /// In shaded pixels, about what they take on llvmpipe.
 struct NearFieldWork {
-  double weighed = 0.0;    ///< pixels
+  double weighed = 0.0;  ///< pixels
   double evaluated = 0.0;  ///< points that see the lights if they are near
-  double between = 0.0;    ///< points of which some do
-  double rays = 0.0;       ///< to the lights
+  double between = 0.0;  ///< points of which some do
+  double rays = 0.0;  ///< to the lights
   double fromPatches = 0.0;  ///< points times the patches that reflect to them
   double units() const { return weighed + 20.0 * evaluated + 4.0 * between + 20.0 * rays + 0.2 * fromPatches; }
 };

@@ -41,7 +41,8 @@ GpuTask BouncePass::findExchange(PatchSet& set, const GpuOccluders& occluders, P
   const int byEights = set.count * ((set.count + kPairsOfThread - 1) / kPairsOfThread);
   const Step rays = {exchange_.get({bool(set.shares)}), Stage::kVisibility, byEights, double(kPairsOfThread)};
   co_await dispatch(rays, set, params, &occluders, pacing);
-  const Step crevices = {crevices_.get({bool(set.shares)}), Stage::kVisibility, set.count, double(layout::kCreviceRays)};
+  const Step crevices = {crevices_.get({bool(set.shares)}), Stage::kVisibility, set.count,
+                         double(layout::kCreviceRays)};
   co_await dispatch(crevices, set, params, &occluders, pacing);
   const Step sums = {balance_.get({0}), Stage::kReflect, set.count, double(set.count)};
   co_await dispatch(sums, set, params, nullptr, pacing);

@@ -114,8 +114,9 @@ TEST_F(BouncesTest, TheMeanInAClosedCubeIsTheEnergyBalance) {
   }
 }
 
-// A large lamp in the middle swallows what walls send to it: A_lamp / A_walls of it, since all that leaves the lamp comes
-// to the walls. Broken by: patches that see each other through the lamp (1.1 of this).
+// A large lamp in the middle swallows what walls send to it: A_lamp / A_walls of it, since all that leaves the lamp
+// comes to the walls; E is taken to be even. Broken by: patches that see each other through the lamp, AUTO without
+// lights (2).
 TEST_F(BouncesTest, LightsSwallowWhatSurfacesExchange) {
   constexpr double kAlbedo = 0.8, kEdge = 2.0;
   Scene scene = closedRoom(2.0, kAlbedo, 32);
@@ -124,7 +125,7 @@ TEST_F(BouncesTest, LightsSwallowWhatSurfacesExchange) {
   light.transform.scale = glm::dvec3(kEdge);
   const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
   const double want = power / 96.0 * geometricSum(kAlbedo * (1.0 - 6.0 * kEdge * kEdge / 96.0), 32);
-  EXPECT_NEAR(meanOf(probed(scene, walls(2.0, 12))), want, 0.02 * want);
+  EXPECT_NEAR(meanOf(probed(scene, walls(2.0, 12))), want, 0.04 * want);
 }
 
 // What lamps hide goes with them. Broken by: pairs that stay hidden.
