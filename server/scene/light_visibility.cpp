@@ -9,8 +9,6 @@ namespace lpv {
 
 namespace {
 
-constexpr std::size_t kMostRays = 256;  ///< of one point to one light
-
 /// What the receiver gets from a point as if nothing lay between.
 double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const glm::dvec3& n) {
   const glm::dvec3 d = glm::dvec3(p.position) - at;
@@ -35,10 +33,8 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
   std::call_once(once_, [this] { prepare(); });
   const Emitter& emitter = emitters_[light];
   const glm::dvec3 from = at + offset_ * n;
-  const std::size_t step = std::max<std::size_t>(1, emitter.points.size() / kMostRays);
   glm::dvec3 all(0.0), seen(0.0);
-  for (std::size_t i = step / 2; i < emitter.points.size(); i += step) {
-    const LightPoint& p = emitter.points[i];
+  for (const LightPoint& p : emitter.points) {
     const double weight = weightOf(p, emitter.twoSided, from, n);
     if (!(weight > 0.0)) continue;
     const glm::dvec3 light3 = weight * glm::dvec3(p.factor);

@@ -1,7 +1,7 @@
 // What the patches of the surfaces reflect to the points that near_field.comp has listed: the last pool of lights
-// (shadow_rays.comp). Far patches are patchWeight of visibility/patch_weight.glsl, as if nothing lay between. Few are near,
-// and they matter most, beside edges and in folds: they are the triangles that they are, and asked whether they are seen,
-// by a ray each. Threads per point.
+// (shadow_rays.comp). Far patches are patchWeight of visibility/patch_weight.glsl; near ones are the triangles that they
+// are. Few are nearer than they are large, and they matter most, beside edges and in folds: each is asked whether it is
+// seen, by a ray. Threads per point.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "transport/polygons.glsl"
@@ -22,9 +22,10 @@ vec3 radianceOf(int i) {
          texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
 }
 
-bool near(int i, vec3 x) {
+/// By the square of the distance over the patch's area.
+bool isNearer(int i, vec3 x, float limit) {
   const vec3 d = texelFetch(lightPoints, kLightPointTexels * i).xyz - x;
-  return dot(d, d) < -kNearPatch * texelFetch(lightPoints, kLightPointTexels * i + 1).w;
+  return dot(d, d) < -limit * texelFetch(lightPoints, kLightPointTexels * i + 1).w;
 }
 
 vec3 farLight(vec3 x, vec3 n) {
@@ -32,8 +33,9 @@ vec3 farLight(vec3 x, vec3 n) {
   for (int i = 0; i < shadow.pointCount; ++i) {
     const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
-    const float weight = patchWeight(place.xyz - x, -emits.w, emits.xyz, n) / -emits.w;
-    sum += near(i, x) ? vec3(0.0) : place.w * weight * texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
+    const vec3 d = place.xyz - x;
+    const float weight = dot(d, d) < -kNearPatch * emits.w ? 0.0 : patchWeight(d, -emits.w, emits.xyz, n) / -emits.w;
+    sum += place.w * weight * texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
   }
   return sum;
 }
@@ -60,20 +62,22 @@ vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
   return place;
 }
 
-/// What arrives from near patches.
-vec3 nearLight(vec3 x, vec3 n, ivec2 pixel) {
-  vec3 sum = vec3(0.0);
+/// Of near patches, what would arrive from those that are not asked, with nothing in between, and what arrives from the
+/// others.
+void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 known) {
+  known = vec3(0.0);
   int i = 0, rounds = 0;
   while (i < shadow.pointCount) {
-    while (i < shadow.pointCount && !near(i, x)) ++i;  // by itself: llvmpipe goes through what a branch leaves out
+    while (i < shadow.pointCount && !isNearer(i, x, kNearPatch)) ++i;  // by itself: llvmpipe goes through what a branch leaves out
     if (i >= shadow.pointCount) break;
-    const float e = arrivesFrom(i, x, n);
-    vec3 share = vec3(1.0);
-    if (e > 0.0 && shadow.turns > 0) share = transmitted(x, mix(x, placeOn(i, x, n, pixel), kShadowEnd), kFromSurfaces, rounds);
-    sum += e * share * radianceOf(i);
+    const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
+    const bool asked = isNearer(i, x, kAskedPatch);
+    light += asked ? vec3(0.0) : e;
+    if (asked && shadow.turns == 0) known += e;
+    if (asked && shadow.turns > 0 && e != vec3(0.0))
+      known += e * transmitted(x, mix(x, placeOn(i, x, n, pixel), kShadowEnd), kFromSurfaces, rounds);
     ++i;
   }
-  return sum;
 }
 
 void main() {
@@ -81,5 +85,7 @@ void main() {
   if (four >= list.count) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
-  begin(point, farLight(x, n), nearLight(x, n, pixel));
+  vec3 light = farLight(x, n), known;
+  addNear(x, n, pixel, light, known);
+  begin(point, light, known);
 }
