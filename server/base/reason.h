@@ -43,7 +43,10 @@ namespace lpv {
   X(kMaxTexels, "MAX_TEXELS", 46)                                        \
   X(kMaxTickSeconds, "MAX_TICK_SECONDS", 47)                             \
   X(kMaxTriangles, "MAX_TRIANGLES", 48)                                  \
-  X(kMaxUploads, "MAX_UPLOADS", 49)
+  X(kMaxUploads, "MAX_UPLOADS", 49)                                      \
+  X(kMaxAnswerBytes, "MAX_ANSWER_BYTES", 50)                             \
+  X(kMaxAnswerBytesPerSession, "MAX_ANSWER_BYTES_PER_SESSION", 51)       \
+  X(kMaxCallsPerSecondPerAddress, "MAX_CALLS_PER_SECOND_PER_ADDRESS", 52)
 
 #define LPV_REASON_ENUMERATOR(enumerator, name, number) enumerator = number,
 /// kNone: the code says all there is to say.

@@ -2,6 +2,7 @@
 // Errors as values. The codes are gRPC's canonical ones, so that a door maps them without a table of opinions,
 // but no layer below the doors knows gRPC.
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
@@ -47,11 +48,19 @@ class [[nodiscard]] Status {
   Reason reason() const { return reason_; }
   const std::string& message() const { return message_; }
   const std::string& field() const { return field_; }
+  /// After which pause repeating may help; 0 where that is not known.
+  std::chrono::milliseconds retryAfter() const { return retryAfter_; }
 
+  /// The same error, which may be gone after a pause.
+  Status retriedAfter(std::chrono::milliseconds pause) const {
+    Status out = *this;
+    out.retryAfter_ = pause;
+    return out;
+  }
   /// The same error seen from an enclosing message: "radiance" within "light" becomes "light.radiance".
   Status within(const std::string& parent) const {
     if (ok()) return *this;
-    return Status(code_, reason_, message_, field_.empty() ? parent : parent + "." + field_);
+    return Status(code_, reason_, message_, field_.empty() ? parent : parent + "." + field_).retriedAfter(retryAfter_);
   }
 
  private:
@@ -59,6 +68,7 @@ class [[nodiscard]] Status {
   Reason reason_ = Reason::kNone;
   std::string message_;
   std::string field_;
+  std::chrono::milliseconds retryAfter_{0};
 };
 
 /// INVALID_ARGUMENT at `field`.

@@ -245,6 +245,19 @@ void toProto(const Versioned<Surface>& in, pb::Surface* out) {
 constexpr const char* kErrorDomain = "lpv.v1";
 /// lpv.v1.ErrorInfo has the fields of google.rpc.ErrorInfo, and is read under that name by common libraries.
 constexpr const char* kErrorInfoType = "type.googleapis.com/google.rpc.ErrorInfo";
+constexpr const char* kRetryInfoType = "type.googleapis.com/google.rpc.RetryInfo";
+constexpr std::int64_t kLongestPause = 86'400;  ///< seconds
+
+void toProto(std::chrono::milliseconds in, google::protobuf::Duration* out) {
+  out->set_seconds(in.count() / 1000);
+  out->set_nanos(std::int32_t(in.count() % 1000) * 1'000'000);
+}
+
+/// Of a file too, which may be anybody's.
+std::chrono::milliseconds pauseFrom(const google::protobuf::Duration& in) {
+  const std::int64_t seconds = std::clamp<std::int64_t>(in.seconds(), 0, kLongestPause);
+  return std::chrono::milliseconds(seconds * 1000 + std::clamp(in.nanos(), 0, 999'999'999) / 1'000'000);
+}
 
 std::string inLowerCase(std::string_view name) {
   std::string out(name);
@@ -262,6 +275,13 @@ void toProto(const Status& status, pb::Status* out) {
     violation.set_field(status.field());
     out->add_details()->PackFrom(violation);
   }
+  if (status.retryAfter() > std::chrono::milliseconds(0)) {
+    pb::RetryInfo retry;
+    toProto(status.retryAfter(), retry.mutable_retry_delay());
+    google::protobuf::Any* any = out->add_details();
+    any->set_type_url(kRetryInfoType);
+    any->set_value(retry.SerializeAsString());
+  }
   if (status.reason() == Reason::kNone) return;
   pb::ErrorInfo info;
   info.set_reason(std::string(nameOf(status.reason())));
@@ -275,12 +295,15 @@ void toProto(const Status& status, pb::Status* out) {
 Status fromProto(const pb::Status& status) {
   pb::FieldViolation violation;
   pb::ErrorInfo info;
+  pb::RetryInfo retry;
   for (const google::protobuf::Any& any : status.details()) {
     if (any.Is<pb::FieldViolation>()) (void)any.UnpackTo(&violation);
     if (any.type_url() == kErrorInfoType) (void)info.ParseFromString(any.value());
+    if (any.type_url() == kRetryInfoType) (void)retry.ParseFromString(any.value());
   }
   const Reason reason = info.domain() == kErrorDomain ? reasonNamed(info.reason()) : Reason::kNone;
-  return Status(static_cast<Code>(status.code()), reason, status.message(), violation.field());
+  return Status(static_cast<Code>(status.code()), reason, status.message(), violation.field())
+      .retriedAfter(pauseFrom(retry.retry_delay()));
 }
 
 void toProto(const EditOutcome& outcome, const Session& session, pb::EditAck* out) {

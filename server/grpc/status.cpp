@@ -17,7 +17,8 @@ grpc::Status toGrpc(const Status& status) {
   if (status.ok()) return grpc::Status::OK;
   const std::string message = truncatedUtf8(status.message(), kMostTrailerText);
   api::pb::Status details;
-  api::toProto(Status(status.code(), status.reason(), message, truncatedUtf8(status.field(), kMostTrailerText)),
+  api::toProto(Status(status.code(), status.reason(), message, truncatedUtf8(status.field(), kMostTrailerText))
+                   .retriedAfter(status.retryAfter()),
                &details);
   return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message, details.SerializeAsString());
 }

@@ -29,6 +29,9 @@ struct Limits {
   double maxTickSeconds = 30.0;  ///< that a tick from nothing is predicted to take of the device
   int maxSessionFiles = 4;  ///< on their way in or out at once, of the whole server; each is held in memory
   int maxUploads = 32;  ///< of blobs on their way at once, of the whole server; each is held in memory
+  std::int64_t maxAnswerBytes = 512 * 1024 * 1024;  ///< that answers in progress hold, of the whole server
+  std::int64_t maxAnswerBytesPerSession = 128 * 1024 * 1024;  ///< the same of one session, but for its first answer
+  double maxCallsPerSecondPerAddress = 2000.0;  ///< that begin; not of trusted proxies
   int maxFrameEdge = 4096;  ///< pixels
   int minFrameEdge = 16;
   int maxProbePoints = 16384;

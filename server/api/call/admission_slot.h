@@ -24,7 +24,8 @@ class AdmissionSlot {
     leave();
     return exhausted(reason, limit,
                      std::string(limit) + ": the server is busy with " + std::to_string(before) +
-                         ", allowed at once are " + std::to_string(most) + "; try again in a while");
+                         ", allowed at once are " + std::to_string(most) + "; try again in a while")
+        .retriedAfter(std::chrono::seconds(1));
   }
   void leave() {
     if (here_.exchange(false)) --taken_;
