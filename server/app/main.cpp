@@ -35,6 +35,8 @@ namespace lpv::app {
 namespace {
 
 constexpr std::chrono::seconds kShutdownPatience{5};
+/// Of the thread that encodes large pictures, so that calls beside it are answered as if it were not there.
+constexpr int kBackgroundNice = 10;
 /// Buffers of at least this many bytes go back to the system when they are freed. Left to itself glibc raises this
 /// threshold with the first large one and keeps what the later ones held: 24 MB after a few uploads that broke off.
 constexpr int kMappedFrom = 1024 * 1024;
@@ -111,6 +113,8 @@ void report(SessionEvent incident, const std::string& session, const std::string
       return spdlog::info("idle: evicted; on disk only");
     case SessionEvent::kTickFailed:
       return spdlog::error("a tick failed: {}", why);
+    case SessionEvent::kDamaged:
+      return spdlog::error("this session is damaged and cannot be brought back: {}", why);
   }
 }
 
@@ -143,6 +147,7 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
              const store::CommitQueue* queue) {
   ops::MetricSources sources;
   sources.counters = context.counters;
+  sources.damaged = services.damaged.get();
   sources.registry = context.registry;
   sources.journal = services.journal;
   sources.storeQueue = [queue] { return queue ? queue->queued() : 0; };
@@ -232,6 +237,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   if (!early) return fail(early.status());
   Timers timers;
   WorkerPool pool(std::max(2U, std::thread::hardware_concurrency()));
+  WorkerPool background(1, kBackgroundNice);
   Expected<std::unique_ptr<Engine>> engine = startEngine(options.choice);
   if (!engine) return fail(engine.status());
   Expected<std::unique_ptr<store::CommitQueue>> queue = openStore(options, pool, counters);
@@ -259,11 +265,14 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
                                       .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   grpc_door::Door& door = **entrance;
-  health.serve(*journal);
+  health.serve(*journal, *services.damaged);
   const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // destroyed before the objects that it reads
   if (endpoint) publish(*endpoint, context, services, queue->get());
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
+  checkKeptSessions(services, background, [damaged = services.damaged](std::size_t checked) {
+    if (checked > 0) spdlog::info("state directory: {} sessions read, {} are damaged", checked, damaged->count());
+  });
   announce(options, access, door.port(), context.device);
   Reloader reloader(argc, argv, options, access, registry);
   const int signal = signals.waitForEnd([&] { reloader.run(); });
@@ -271,6 +280,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   drain(registry, door, health);
   // Nothing may run that could still reach the registry or the engine when they go.
   timers.stop();
+  background.stop();
   pool.stop();
   return 0;
 }

@@ -1,5 +1,7 @@
 #include "base/worker_pool.h"
 
+#include <sys/resource.h>
+
 namespace lpv {
 
 namespace {
@@ -9,7 +11,7 @@ thread_local const WorkerPool* workplace = nullptr;
 
 }  // namespace
 
-WorkerPool::WorkerPool(unsigned threads) : size_(threads) {
+WorkerPool::WorkerPool(unsigned threads, int nice) : size_(threads), nice_(nice) {
   for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
 }
 
@@ -61,6 +63,7 @@ void WorkerPool::blockingSection(const std::function<void()>& wait) {
 
 void WorkerPool::run() {
   workplace = this;
+  if (nice_ != 0) (void)setpriority(PRIO_PROCESS, 0, nice_);  // on Linux, of this thread alone
   MutexLock lock(mutex_);
   while (true) {
     ++idle_;

@@ -12,8 +12,8 @@ namespace lpv {
 /// Threads for work that may take milliseconds: parsing, hashing, encoding. Jobs must not throw.
 class WorkerPool {
  public:
-  /// Without threads, nothing runs but in runQueued().
-  explicit WorkerPool(unsigned threads);
+  /// Without threads, nothing runs but in runQueued(). `nice`: how far the threads step back behind others (nice(2)).
+  explicit WorkerPool(unsigned threads, int nice = 0);
   ~WorkerPool() { stop(); }
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -34,6 +34,7 @@ class WorkerPool {
   void run();
 
   const unsigned size_;  ///< jobs that run at once
+  const int nice_;
   Mutex mutex_;
   ConditionVariable wake_;
   std::deque<std::function<void()>> jobs_ LPV_GUARDED_BY(mutex_);

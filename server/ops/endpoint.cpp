@@ -16,7 +16,7 @@ http::Answer answerOf(const Status& status) {
 /// Readiness, and below it what is to be seen to.
 http::Answer readyPage(const Health& health) {
   http::Answer answer = answerOf(health.ready());
-  if (const std::string warning = health.warning(); !warning.empty()) answer.body += "warning: " + warning + "\n";
+  for (const std::string& warning : health.warnings()) answer.body += "warning: " + warning + "\n";
   return answer;
 }
 

@@ -13,8 +13,9 @@ std::chrono::seconds since(TickWatch::Clock::time_point when) {
 
 }  // namespace
 
-void Health::serve(const Journal& journal) {
+void Health::serve(const Journal& journal, const DamagedSessions& damaged) {
   journal_ = &journal;
+  damaged_ = &damaged;
   state_ = State::kServing;
 }
 
@@ -25,9 +26,13 @@ void Health::setWarning(const std::string& warning) {
   warning_ = warning;
 }
 
-std::string Health::warning() const {
+std::vector<std::string> Health::warnings() const {
+  std::vector<std::string> out;
+  const DamagedSessions* damaged = damaged_;
+  if (damaged != nullptr && damaged->count() > 0) out.push_back(damaged->warning());
   const MutexLock lock(mutex_);
-  return warning_;
+  if (!warning_.empty()) out.push_back(warning_);
+  return out;
 }
 
 Status Health::live() const {

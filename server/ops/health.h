@@ -2,10 +2,12 @@
 
 #include <atomic>
 #include <string>
+#include <vector>
 
 #include "base/mutex.h"
 #include "base/status.h"
 #include "session/counters.h"
+#include "session/damaged_sessions.h"
 #include "session/journal.h"
 
 namespace lpv::ops {
@@ -23,8 +25,8 @@ class Health {
   /// `counters` must outlive this.
   explicit Health(const Counters& counters) : counters_(counters) {}
 
-  /// Marks the server as serving. `journal` is used until stopServing().
-  void serve(const Journal& journal);
+  /// Marks the server as serving. `journal` is used until stopServing(); `damaged` outlives this.
+  void serve(const Journal& journal, const DamagedSessions& damaged);
   void stopServing();
 
   /// Liveness. An error, with the reason, means that the process should be restarted.
@@ -34,7 +36,8 @@ class Health {
 
   /// Something that operators should see to although the server serves; empty: no longer.
   void setWarning(const std::string& warning);
-  std::string warning() const;
+  /// That, and sessions that are damaged; a line each.
+  std::vector<std::string> warnings() const;
 
  private:
   enum class State { kStarting, kServing, kDraining };
@@ -42,6 +45,7 @@ class Health {
   const Counters& counters_;
   std::atomic<State> state_{State::kStarting};
   std::atomic<const Journal*> journal_{nullptr};
+  std::atomic<const DamagedSessions*> damaged_{nullptr};
   mutable Mutex mutex_;
   std::string warning_ LPV_GUARDED_BY(mutex_);
 };

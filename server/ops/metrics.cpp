@@ -140,6 +140,8 @@ void addStore(const MetricSources& s, Scrape& out) {
                 s.counters->storeCommitSeconds);
   out.counter("lpv_store_failures_total", "Transactions that could not be committed; they are tried again.",
               double(s.counters->storeFailures));
+  out.gauge("lpv_sessions_damaged", "Sessions in the state directory that cannot be brought back.",
+            double(s.damaged->count()));
   out.counter("lpv_certificate_failures_total",
               "Times that changed TLS files could not be used; the last good ones stay in use.",
               double(s.counters->certificateFailures));

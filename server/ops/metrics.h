@@ -7,6 +7,7 @@
 
 #include "engine/engine.h"
 #include "session/counters.h"
+#include "session/damaged_sessions.h"
 #include "session/registry.h"
 
 namespace lpv::ops {
@@ -14,6 +15,7 @@ namespace lpv::ops {
 /// Sources of the metrics.
 struct MetricSources {
   const Counters* counters = nullptr;
+  const DamagedSessions* damaged = nullptr;
   const Registry* registry = nullptr;
   const Journal* journal = nullptr;
   std::function<std::int64_t()> storeQueue;  ///< changes waiting to be committed

@@ -171,6 +171,7 @@ Expected<SessionPtr> Registry::find(const std::string& id) {
 /// that were lost with the last process.
 Expected<SessionPtr> Registry::restore(const std::string& id) {
   const Expected<SavedSession> state = services_.journal->load(id);
+  noteRead(services_, id, state.status());
   if (!state) return state.status();
   SessionKey key = 0;
   std::uint64_t epoch = 0;
@@ -220,6 +221,7 @@ void Registry::removeIf(const std::string& id, const std::function<bool(const Se
     gone = services_.journal->remove(id);
     durableSessions_.erase(id);
     inTransition_.erase(id);
+    services_.damaged->forget(id);
     if (services_.access) services_.access->forget(id);
   }
   transitionDone_.notifyAll();

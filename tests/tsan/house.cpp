@@ -45,6 +45,7 @@ House::~House() {
 std::string House::metrics() {
   ops::MetricSources sources;
   sources.counters = &counters_;
+  sources.damaged = services_.damaged.get();
   sources.registry = registry_.get();
   sources.journal = journal_.get();
   sources.engine = &engine_;

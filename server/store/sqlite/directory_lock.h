@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "base/status.h"
 
@@ -13,13 +14,19 @@ class DirectoryLock {
   /// Makes the folder where it is missing. FAILED_PRECONDITION, naming the folder and the other process, where it is
   /// taken; UNAVAILABLE where it cannot be made or written.
   static Expected<std::unique_ptr<DirectoryLock>> take(const std::string& directory);
+  /// A database was made here, by this process or one before; remembered in the lock file, which outlives both.
+  Status markUsed();
+  bool used() const { return used_; }
   ~DirectoryLock();
   DirectoryLock(const DirectoryLock&) = delete;
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
  private:
-  explicit DirectoryLock(int file) : file_(file) {}
-  int file_;
+  DirectoryLock(int file, std::string directory) : file_(file), directory_(std::move(directory)) {}
+  Status write() const;
+  const int file_;
+  const std::string directory_;
+  bool used_ = false;
 };
 
 }  // namespace lpv::store

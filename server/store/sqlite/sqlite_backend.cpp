@@ -2,21 +2,65 @@
 
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace lpv::store {
+
+namespace {
+
+constexpr const char* kDatabase = "sessions.db";
+
+/// What else in the folder says that sessions were kept here, as a list for people; empty where nothing does. A
+/// write-ahead log counts only where the database has not even begun: a first start may be killed right behind that.
+std::string tracesIn(const std::string& directory, const DirectoryLock& lock) {
+  std::error_code failed;
+  const std::string database = directory + "/" + kDatabase;
+  const bool begun = std::filesystem::exists(database, failed) && std::filesystem::file_size(database, failed) > 0;
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, failed)) {
+    const std::string name = entry.path().filename();
+    if (!name.starts_with(kDatabase) || name == kDatabase) continue;
+    const std::string rest = name.substr(std::string_view(kDatabase).size());
+    const bool sqlites = rest == "-wal" || rest == "-shm" || rest == "-journal";
+    if (!sqlites || !begun) names.insert(name);
+  }
+  if (lock.used()) names.insert("lock, which says that " + std::string(kDatabase) + " was made");
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+Status lostDatabase(const std::string& directory, const std::string& traces) {
+  return {Code::kDataLoss,
+          "--state-dir " + directory + ": " + kDatabase + " is missing or empty, but sessions were kept here (" +
+              traces + "); put " + kDatabase +
+              " back from a backup, or empty the folder to begin anew without the sessions",
+          "state-dir"};
+}
+
+}  // namespace
 
 Expected<std::unique_ptr<SqliteBackend>> SqliteBackend::open(SqliteOptions options) {
   std::unique_ptr<SqliteBackend> backend(new SqliteBackend(std::move(options)));
   Expected<std::unique_ptr<DirectoryLock>> lock = DirectoryLock::take(backend->options_.directory);
   if (!lock) return lock.status();
   backend->lock_ = std::move(*lock);
-  const std::string path = backend->options_.directory + "/sessions.db";
+  const std::string& directory = backend->options_.directory;
+  const std::string path = directory + "/" + kDatabase;
+  if (const std::string traces = tracesIn(directory, *backend->lock_); !traces.empty()) {
+    const Expected<bool> there = Tables::madeAt(path);
+    if (!there) return there.status();
+    if (!*there) return lostDatabase(directory, traces);
+  }
   for (std::unique_ptr<Tables>* tables : {&backend->tables_, &backend->reading_}) {
     Expected<std::unique_ptr<Tables>> opened = Tables::open(path);
     if (!opened) return opened.status();
     *tables = std::move(*opened);
   }
+  if (Status s = backend->lock_->markUsed(); !s.ok()) return s;
   const Expected<std::map<std::string, LogSize>> logs = backend->tables_->logSizes();
   if (!logs) return logs.status();
   backend->logs_ = *logs;

@@ -1,6 +1,8 @@
 #include "store/sqlite/tables.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include "store/envelope.h"
 #include "store/fold.h"
@@ -58,6 +60,16 @@ Expected<std::unique_ptr<Tables>> Tables::open(const std::string& path) {
   std::unique_ptr<Tables> tables(new Tables(std::move(*database)));
   if (Status s = tables->prepare(); !s.ok()) return s;
   return tables;
+}
+
+Expected<bool> Tables::madeAt(const std::string& path) {
+  std::error_code failed;
+  if (!std::filesystem::exists(path, failed) || std::filesystem::file_size(path, failed) == 0) return false;
+  const Expected<std::unique_ptr<Database>> database = Database::open(path);
+  if (!database) return database.status();
+  const Expected<std::int64_t> tables = oneNumber((*database)->query("SELECT count(*) FROM sqlite_master"));
+  if (!tables) return tables.status();
+  return *tables > 0;
 }
 
 Status Tables::prepare() {

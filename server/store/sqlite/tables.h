@@ -19,6 +19,8 @@ struct LogSize {
 /// holds (which session needs which content), tokens (who may use which session).
 class Tables {
  public:
+  /// Whether there is a database with tables; makes none.
+  static Expected<bool> madeAt(const std::string& path);
   /// Opens or makes the database. FAILED_PRECONDITION for a newer schema, DATA_LOSS for a file that is none.
   static Expected<std::unique_ptr<Tables>> open(const std::string& path);
 

@@ -205,7 +205,7 @@ TEST(Health, IsReadyWhileItServesAndItsDeviceWorks) {
   };
   EXPECT_EQ(health.ready().message(), "starting");
   EXPECT_TRUE(health.live().ok());
-  health.serve(rig.journal);
+  health.serve(rig.journal, *rig.services.damaged);
   EXPECT_TRUE(health.ready().ok());
 
   for (int i = 0; i < ops::Health::kFailedTicks - 1; ++i) tick({Code::kInternal, "GL says no"});
