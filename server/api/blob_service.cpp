@@ -1,6 +1,7 @@
 #include "api/call/admission_slot.h"
 #include "api/call/deadline.h"
 #include "api/call/method_table.h"
+#include "api/call/reader_patience.h"
 #include "api/services.h"
 #include "base/text.h"
 #include "convert/blob_content.h"
@@ -113,14 +114,19 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
   std::optional<pb::UploadBlobResponse> answer_ LPV_GUARDED_BY(mutex_);
 };
 
+/// While it is written: a copy of its parts, and the bytes, whose buffer doubles as it grows.
+std::int64_t mostBytesOf(const Mesh& mesh) { return 3 * std::int64_t(mesh.bytes()); }
+
 /// A blob on its way out, part by part as the client takes them.
 class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobResponse> {
  public:
-  explicit Read(const Context& context) : context_(context) {}
+  explicit Read(const Context& context) : context_(context), patience_(context) {}
 
   void receive(pb::ReadBlobRequest request) override {
     context_.pool->post([self = me(), request = std::move(request)] {
       if (Status s = self->open(request); !s.ok()) return self->end(s);
+      if (self->hasEnded()) return self->release();
+      self->expectReader();
       self->wake();
     });
   }
@@ -140,21 +146,42 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
       offset_ += count;
       last = done_ = offset_ == bytes_->size();
     }
+    last ? patience_.stop() : expectReader();
     if (last) endInNext(Status());
     return true;
   }
 
+  void release() override {
+    patience_.stop();
+    const MutexLock lock(mutex_);
+    done_ = true;
+    bytes_ = nullptr;
+    hold_ = nullptr;
+  }
+
  private:
+  void expectReader() {
+    patience_.expect(whileAlive([](Read& self, const Status& why) {
+      self.release();
+      self.end(why);
+    }));
+  }
+
   Status open(const pb::ReadBlobRequest& request) {
     const Expected<SessionPtr> session = findSession(context_, "session", request.session());
     if (!session) return session.status();
     std::shared_ptr<const std::string> bytes;
+    AnswerHoldPtr hold;
     pb::BlobKind kind = pb::BLOB_KIND_MESH;
     if (const BlobPtr blob = (*session)->findBlob(request.hash())) {
       bytes = blob->bytes;
       if (blob->kind == BlobKind::kTexture) kind = pb::BLOB_KIND_TEXTURE;
     } else if (const MeshPtr mesh = (*session)->findMeshInUse(request.hash())) {
+      Expected<AnswerHoldPtr> room = context_.answers->take((*session)->id(), mostBytesOf(*mesh), context_.limits);
+      if (!room) return room.status();
+      hold = std::move(*room);
       bytes = std::make_shared<const std::string>(meshBytes(*mesh));
+      hold->shrinkTo(std::int64_t(bytes->size()));
     } else {
       return Status(Code::kNotFound, "there is no blob \"" + truncatedUtf8(request.hash()) + "\" in this session",
                     "hash");
@@ -169,12 +196,15 @@ class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobRespon
     kind_ = kind;
     offset_ = std::size_t(request.offset());
     bytes_ = std::move(bytes);
+    hold_ = std::move(hold);
     return {};
   }
 
   const Context context_;
+  ReaderPatience patience_;
   Mutex mutex_;
   std::shared_ptr<const std::string> bytes_ LPV_GUARDED_BY(mutex_);
+  AnswerHoldPtr hold_ LPV_GUARDED_BY(mutex_);  ///< of bytes that no session has
   pb::BlobKind kind_ LPV_GUARDED_BY(mutex_) = pb::BLOB_KIND_MESH;
   std::size_t offset_ LPV_GUARDED_BY(mutex_) = 0;
   bool first_ LPV_GUARDED_BY(mutex_) = true;

@@ -1,6 +1,7 @@
 // Single answers: volumes, frames, probes, picks. Each waits for a result at or after its revision.
 
 #include "api/call/method_table.h"
+#include "api/call/reader_patience.h"
 #include "api/results/longest_wait.h"
 #include "api/results/probing.h"
 #include "api/results/subscription_stream.h"
@@ -12,11 +13,14 @@
 namespace lpv::api {
 namespace {
 
-/// A call that asks the session for one result and hands it out in parts. Make builds the parts on a worker thread.
+/// Encoding more pixels than these takes so long that other calls would notice.
+constexpr std::int64_t kManyPixels = 2'000'000;
+
+/// A call that asks the session for one result and hands it out in parts, which are built on a worker thread.
 template <typename Request, typename Response>
 class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>, Request, Response> {
  public:
-  explicit SingleResultStream(const Context& context) : context_(context), wait_(context) {}
+  explicit SingleResultStream(const Context& context) : context_(context), wait_(context), patience_(context) {}
 
   void receive(Request request) override {
     if (asked_) return;
@@ -41,17 +45,26 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
       const MutexLock lock(mutex_);
       if (!parts_) return false;
       more = parts_(response);
+      if (!more) parts_ = nullptr;
     }
-    if (!more) this->endInNext(Status());
+    if (more) {
+      expectReader();
+    } else {
+      patience_.stop();
+      this->endInNext(Status());
+    }
     return more;
   }
 
   void release() override {
     wait_.stop();
+    patience_.stop();
     std::shared_ptr<WaitingCall> call;
+    Parts dropped;
     {
       const MutexLock lock(mutex_);
       call = call_;
+      std::swap(dropped, parts_);
     }
     if (call) session_->delivery().forget(call);
   }
@@ -60,8 +73,10 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
   using Parts = std::function<bool(Response*)>;
   /// Checks the request and says what to ask for.
   virtual Expected<WaitingCall> prepare(Request& request) = 0;
-  /// The answer's messages.
-  virtual Expected<Parts> parts(const Result& result) = 0;
+  /// The answer's messages. What the result holds is let go of when they are made.
+  virtual Expected<Parts> parts(Result result) = 0;
+  /// Making them takes long.
+  virtual bool takesLong(const Result&) const { return false; }
 
   const Context context_;
   SessionPtr session_;
@@ -70,17 +85,34 @@ class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>
   void finish(Expected<Result> result) {
     wait_.stop();
     if (!result) return this->end(result.status());
-    Expected<Parts> made = parts(*result);
+    if (!context_.background || !takesLong(*result)) return build(std::move(*result));
+    context_.background->post(
+        [self = this->me(), taken = std::move(*result)]() mutable { self->build(std::move(taken)); });
+  }
+
+  void build(Result result) {
+    if (this->hasEnded()) return;
+    Expected<Parts> made = parts(std::move(result));
     if (!made) return this->end(made.status());
     {
       const MutexLock lock(mutex_);
       parts_ = std::move(*made);
     }
+    if (this->hasEnded()) return release();
+    expectReader();
     this->wake();
+  }
+
+  void expectReader() {
+    patience_.expect(this->whileAlive([](SingleResultStream& self, const Status& why) {
+      self.release();
+      self.end(why);
+    }));
   }
 
   bool asked_ = false;
   LongestWait wait_;
+  ReaderPatience patience_;
   Mutex mutex_;
   Parts parts_ LPV_GUARDED_BY(mutex_);
   std::shared_ptr<WaitingCall> call_ LPV_GUARDED_BY(mutex_);
@@ -100,9 +132,12 @@ class VolumeResultStream final : public SingleResultStream<pb::GetVolumeRequest,
     call.guarded = order_.guarded;
     return call;
   }
-  Expected<Parts> parts(const Result& result) override {
-    const auto parts = std::make_shared<VolumeParts>(
-        result, order_, context_.caches->encodings.get(order_.sentOf(result.volume), order_, *context_.counters));
+  Expected<Parts> parts(Result result) override {
+    const EncodingRoom room = {*context_.answers, session_->id(), context_.limits};
+    const Expected<EncodingPtr> encoding =
+        context_.caches->encodings.get(order_.sentOf(result.volume), order_, room, *context_.counters);
+    if (!encoding) return encoding.status();
+    const auto parts = std::make_shared<VolumeParts>(result, order_, *encoding);
     context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetVolumeResponse* response) { return parts->next(response->mutable_part()); });
   }
@@ -125,10 +160,13 @@ class FrameResultStream final : public SingleResultStream<pb::GetFrameRequest, p
     call.frame = order_.subscription;
     return call;
   }
-  Expected<Parts> parts(const Result& result) override {
+  bool takesLong(const Result& result) const override {
+    return std::int64_t(result.frame->size.x) * result.frame->size.y > kManyPixels;
+  }
+  Expected<Parts> parts(Result result) override {
     Expected<std::string> file = encodeFrame(*result.frame, order_.format, result.quality);
     if (!file) return file.status();
-    const auto parts = std::make_shared<FrameParts>(result, order_.format, std::move(*file));
+    const auto parts = std::make_shared<FrameParts>(std::move(result), order_.format, std::move(*file));
     context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetFrameResponse* response) { return parts->next(response->mutable_part()); });
   }
@@ -152,7 +190,7 @@ class ProbeResultStream final : public SingleResultStream<pb::ProbeRequest, pb::
     call.probed = !volumeOnly_;
     return call;
   }
-  Expected<Parts> parts(const Result& result) override {
+  Expected<Parts> parts(Result result) override {
     auto response = std::make_shared<pb::ProbeResponse>();
     answerPoints(result, points_, volumeOnly_, response.get());
     return Parts([response, done = false](pb::ProbeResponse* out) mutable {

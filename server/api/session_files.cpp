@@ -4,6 +4,7 @@
 
 #include "api/call/admission_slot.h"
 #include "api/call/deadline.h"
+#include "api/call/reader_patience.h"
 #include "api/services.h"
 #include "convert/session.h"
 #include "persistence/snapshot.h"
@@ -21,19 +22,38 @@ Status tooLarge(std::size_t bytes) {
                        " bytes or more, allowed are " + std::to_string(kMaxFileBytes));
 }
 
-Expected<std::string> fileOf(const SavedSession& state) {
-  kept::SessionFile file;
-  *file.mutable_snapshot() = toSnapshot(state);
-  std::size_t bytes = 0;
-  for (const store::Content& content : contentsOf(state)) {
-    bytes += content.bytes->size();
-    if (bytes > kMaxFileBytes) return tooLarge(bytes);
-    kept::Content* out = file.add_contents();
+/// What a session's file is made of.
+struct FileParts {
+  kept::SessionFile snapshot;  ///< alone
+  std::vector<store::Content> contents;
+  std::size_t bytes = 0;  ///< of the file, at most
+};
+
+FileParts filePartsOf(const SavedSession& state) {
+  constexpr std::size_t kFieldBytes = 128;  // hash, kind, lengths
+  FileParts out;
+  *out.snapshot.mutable_snapshot() = toSnapshot(state);
+  out.contents = contentsOf(state);
+  out.bytes = out.snapshot.ByteSizeLong() + store::kEnvelopeBytes;
+  for (const store::Content& content : out.contents) out.bytes += content.bytes->size() + kFieldBytes;
+  return out;
+}
+
+/// Written part by part, each of which is let go of: serialised messages of one type that follow each other are one.
+std::string fileOf(FileParts parts) {
+  std::string file;
+  file.reserve(parts.bytes);
+  parts.snapshot.AppendToString(&file);
+  for (store::Content& content : parts.contents) {
+    kept::SessionFile one;
+    kept::Content* out = one.add_contents();
     out->set_hash(content.hash);
     out->set_kind(content.kind);
     out->set_bytes(*content.bytes);
+    content.bytes = nullptr;
+    one.AppendToString(&file);
   }
-  return store::seal("the session's file", file);
+  return store::sealSerialized(std::move(file));
 }
 
 /// What a session of this server may hold.
@@ -80,17 +100,22 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
 class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
   explicit Export(const Context& context)
-      : context_(context), slot_(context.counters->sessionFiles), idle_(*context.timers) {}
+      : context_(context), slot_(context.counters->sessionFiles), patience_(context) {}
 
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name());
     if (!session) return end(session.status());
     if (Status s = slot_.enter(Reason::kMaxSessionFiles, "max_session_files", context_.limits.maxSessionFiles); !s.ok())
       return end(s);
-    Expected<std::string> file = fileOf((*session)->state());
-    if (!file) return giveUp(file.status());
+    FileParts parts = filePartsOf((*session)->state());
+    if (parts.bytes > kMaxFileBytes) return giveUp(tooLarge(parts.bytes));
+    Expected<AnswerHoldPtr> hold = context_.answers->take((*session)->id(), std::int64_t(parts.bytes), context_.limits);
+    if (!hold) return giveUp(hold.status());
+    std::string file = fileOf(std::move(parts));
+    (*hold)->shrinkTo(std::int64_t(file.size()));
     const MutexLock lock(mutex_);
-    bytes_ = std::move(*file);
+    hold_ = std::move(*hold);
+    bytes_ = std::move(file);
     expectReader();
   }
 
@@ -106,21 +131,18 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
   }
 
   void release() override {
-    idle_.stop();
+    patience_.stop();
     {
       const MutexLock lock(mutex_);
       bytes_ = std::string();
+      hold_ = nullptr;
     }
     slot_.leave();
   }
 
  private:
-  /// A reader that stops holds the file no longer than a writer that stops.
   void expectReader() {
-    idle_.restart(context_.limits.uploadIdle, whileAlive([](Export& self) {
-                    self.giveUp(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
-                                       "upload_idle: no part was taken in time", "name"));
-                  }));
+    patience_.expect(whileAlive([](Export& self, const Status& why) { self.giveUp(why); }));
   }
 
   void giveUp(Status why) {
@@ -130,9 +152,10 @@ class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::Expor
 
   const Context context_;
   AdmissionSlot slot_;
-  Deadline idle_;
+  ReaderPatience patience_;
   Mutex mutex_;
   std::string bytes_ LPV_GUARDED_BY(mutex_);
+  AnswerHoldPtr hold_ LPV_GUARDED_BY(mutex_);
   std::size_t offset_ LPV_GUARDED_BY(mutex_) = 0;
 };
 

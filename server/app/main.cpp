@@ -131,7 +131,7 @@ Expected<std::unique_ptr<ops::Endpoint>> openOps(const Options& options, const o
 }
 
 /// What calls can reach.
-api::Context callContext(Registry& registry, const SessionServices& services) {
+api::Context callContext(Registry& registry, const SessionServices& services, WorkerPool* background) {
   return {.registry = &registry,
           .pool = services.pool,
           .timers = services.timers,
@@ -140,13 +140,16 @@ api::Context callContext(Registry& registry, const SessionServices& services) {
           .device = services.engine->device(),
           .version = kVersion,
           .started = std::chrono::system_clock::now(),
-          .access = services.access};
+          .access = services.access,
+          .answers = services.answers,
+          .background = background};
 }
 
 void publish(ops::Endpoint& endpoint, const api::Context& context, const SessionServices& services,
              const store::CommitQueue* queue) {
   ops::MetricSources sources;
   sources.counters = context.counters;
+  sources.answers = context.answers.get();
   sources.damaged = services.damaged.get();
   sources.registry = context.registry;
   sources.journal = services.journal;
@@ -257,7 +260,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
                                  .onEvent = report};
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
-  const api::Context context = callContext(registry, services);
+  const api::Context context = callContext(registry, services, &background);
   Expected<std::unique_ptr<grpc_door::Door>> entrance =
       grpc_door::Door::open(context, {.address = options.listen,
                                       .tls = options.tls,

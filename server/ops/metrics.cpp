@@ -109,7 +109,8 @@ void addTicks(const Counters& c, const Engine& engine, Scrape& out) {
   out.counter("lpv_context_losses_total", "Times the graphics context was found lost.", double(engine.contextLosses()));
 }
 
-void addResults(const Counters& c, Scrape& out) {
+void addResults(const MetricSources& s, Scrape& out) {
+  const Counters& c = *s.counters;
   out.family(MetricType::Counter, "lpv_results_total", "Results encoded for readers.");
   for (std::size_t i = 0; i < kSentNames.size(); ++i)
     out.add(double(c.sent[i].results), {{"kind", kSentNames[i].kind}, {"format", kSentNames[i].format}});
@@ -120,6 +121,9 @@ void addResults(const Counters& c, Scrape& out) {
               "Results that a subscriber was not sent because a later one replaces them.", double(c.resultsCoalesced));
   out.counter("lpv_volumes_encoded_total", "Volumes encoded, once for all who need the same.",
               double(c.volumesEncoded));
+  out.gauge("lpv_answer_bytes", "Bytes that answers in progress hold.", double(s.answers->held()));
+  out.gauge("lpv_answer_bytes_peak", "The most bytes that answers in progress have held since the start.",
+            double(s.answers->peak()));
   out.histogram("lpv_acknowledge_lag_seconds", "From giving a subscriber a result to its acknowledgement.",
                 c.acknowledgeLag);
 }
@@ -163,7 +167,7 @@ std::string renderMetrics(const MetricSources& sources) {
   addServer(sources, out);
   addSessions(sources, out);
   addTicks(*sources.counters, *sources.engine, out);
-  addResults(*sources.counters, out);
+  addResults(sources, out);
   addCalls(*sources.counters, out);
   addStore(sources, out);
   addProcess(sources, out);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/engine.h"
+#include "session/answer_room.h"
 #include "session/counters.h"
 #include "session/damaged_sessions.h"
 #include "session/registry.h"
@@ -15,6 +16,7 @@ namespace lpv::ops {
 /// Sources of the metrics.
 struct MetricSources {
   const Counters* counters = nullptr;
+  const AnswerRoom* answers = nullptr;
   const DamagedSessions* damaged = nullptr;
   const Registry* registry = nullptr;
   const Journal* journal = nullptr;

@@ -8,6 +8,7 @@
 #include "base/timers.h"
 #include "base/worker_pool.h"
 #include "engine/engine.h"
+#include "session/answer_room.h"
 #include "session/counters.h"
 #include "session/damaged_sessions.h"
 #include "session/document/document.h"
@@ -39,6 +40,7 @@ struct SessionServices {
   Access* access = nullptr;  ///< told of sessions that are gone; may be null
   /// Told of incidents with the session's id, and why where a reason is known; may be empty. Any thread.
   std::function<void(SessionEvent, const std::string& session, const std::string& why)> onEvent = nullptr;
+  std::shared_ptr<AnswerRoom> answers = std::make_shared<AnswerRoom>();
   std::shared_ptr<DamagedSessions> damaged = std::make_shared<DamagedSessions>();
 };
 

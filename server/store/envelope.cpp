@@ -1,5 +1,8 @@
 #include "store/envelope.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
 #include "lpv/store/v1/store.pb.h"
 #include "wire/volume_codec.h"
 
@@ -34,6 +37,22 @@ Expected<std::string> seal(const std::string& what, const google::protobuf::Mess
   if (written) return out;
   return exhausted("data", what + " has " + std::to_string(message.ByteSizeLong()) +
                                " bytes, more than can be written; remove some of what it holds");
+}
+
+std::string sealSerialized(std::string payload) {
+  constexpr std::uint32_t kBytesField = 2;  // wire type of what has a length
+  v1::Envelope envelope;
+  envelope.set_schema_version(kSchemaVersion);
+  envelope.set_checksum(wire::checksumBytes(payload.data(), payload.size()));
+  std::string head = envelope.SerializeAsString();
+  {
+    google::protobuf::io::StringOutputStream stream(&head);
+    google::protobuf::io::CodedOutputStream out(&stream);
+    out.WriteTag(std::uint32_t(v1::Envelope::kPayloadFieldNumber) << 3U | kBytesField);
+    out.WriteVarint32(std::uint32_t(payload.size()));
+  }
+  payload.insert(0, head);
+  return payload;
 }
 
 Status unseal(const std::string& what, const std::string& sealed, google::protobuf::MessageLite* message) {

@@ -17,6 +17,10 @@ Status checkVersion(const std::string& what, std::uint32_t version);
 
 /// RESOURCE_EXHAUSTED, naming `what`, for a message that protobuf cannot write (2 GiB).
 Expected<std::string> seal(const std::string& what, const google::protobuf::MessageLite& message);
+/// The same of a message that is serialised already, and shorter than 2 GiB: without a copy where `payload` has room
+/// for kEnvelopeBytes more.
+std::string sealSerialized(std::string payload);
+inline constexpr std::size_t kEnvelopeBytes = 32;
 /// FAILED_PRECONDITION for another schema version, DATA_LOSS for bytes that are not what was sealed; both name `what`.
 Status unseal(const std::string& what, const std::string& sealed, google::protobuf::MessageLite* message);
 

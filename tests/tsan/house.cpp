@@ -45,6 +45,7 @@ House::~House() {
 std::string House::metrics() {
   ops::MetricSources sources;
   sources.counters = &counters_;
+  sources.answers = context_->answers.get();
   sources.damaged = services_.damaged.get();
   sources.registry = registry_.get();
   sources.journal = journal_.get();

@@ -7,6 +7,7 @@
 
 #include "engine/engine.h"
 #include "session/access.h"
+#include "session/answer_room.h"
 #include "session/registry.h"
 
 namespace lpv::api {
@@ -29,6 +30,8 @@ struct Context {
   Access* access = nullptr;
   Grant caller = {};
   bool hasDeadline = false;  ///< the call has one of its own
+  std::shared_ptr<AnswerRoom> answers = std::make_shared<AnswerRoom>();
+  WorkerPool* background = nullptr;  ///< for what takes long; null: the pool
   std::shared_ptr<ResultCaches> caches = makeResultCaches();  ///< encodings that calls share
 };
 

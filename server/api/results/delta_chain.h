@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "base/mutex.h"
+#include "session/answer_room.h"
 #include "session/delivery/result.h"
 #include "session/session.h"
 #include "wire/publish.h"
@@ -35,6 +36,7 @@ struct VolumeEncodingRequest {
 struct Encoding {
   wire::EncodedVolume volume;
   std::uint64_t baseId = 0;  ///< result it is relative to; 0: none
+  AnswerHoldPtr hold = nullptr;  ///< the room of a large one that calls asked for
 };
 using EncodingPtr = std::shared_ptr<const Encoding>;
 

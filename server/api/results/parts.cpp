@@ -13,6 +13,8 @@ namespace lpv::api {
 namespace {
 
 constexpr std::size_t kCachedEncodings = 16;
+/// Volumes up to this size are kept when no answer holds them any more, and take no room.
+constexpr std::int64_t kSmallEncoding = 1024 * 1024;
 
 std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
   std::int64_t bytes = 0;
@@ -20,26 +22,64 @@ std::int64_t payloadBytes(const wire::EncodedVolume& encoded) {
   return bytes;
 }
 
+/// While it is encoded: the quantized volume, and what that is written to.
+std::int64_t encodingBytes(const Volume& volume, wire::Format format) {
+  const std::int64_t bytesPerElement = format == wire::Format::kHalf ? 2 : 4;
+  return 2 * bytesPerElement * std::int64_t(volume.grid.cells() * wire::kCellElements * volume.layers.size());
+}
+
+/// The result without its volume's cells.
+Result withoutCells(const Result& result) {
+  Result out = result;
+  auto head = std::make_shared<Volume>();
+  head->grid = result.volume->grid;
+  for (const VolumeLayer& layer : result.volume->layers) head->layers.push_back({layer.group, {}});
+  out.volume = std::move(head);
+  return out;
+}
+
+/// The result without its frame's pixels.
+Result withoutPixels(const Result& result) {
+  Result out = result;
+  const Frame& frame = *result.frame;
+  out.frame = std::make_shared<const Frame>(Frame{frame.size, frame.format, {}, {}, frame.exposureEv});
+  return out;
+}
+
 }  // namespace
 
-EncodingPtr VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRequest& order, Counters& counters) {
+Expected<EncodingPtr> VolumeEncodings::get(const VolumePtr& volume, const VolumeEncodingRequest& order,
+                                           const EncodingRoom& room, Counters& counters) {
   const MutexLock lock(mutex_);  // held while encoding: a second caller waits instead of encoding again
   for (const Entry& entry : entries_) {
     const bool coding = entry.format == order.format && entry.compression == order.compression;
-    if (coding && entry.volume.lock() == volume) return entry.encoding;
+    const EncodingPtr made = coding && entry.volume.lock() == volume ? entry.encoding.lock() : nullptr;
+    if (made) return made;
+  }
+  auto encoding = std::make_shared<Encoding>();
+  if (const std::int64_t most = encodingBytes(*volume, order.format); most > kSmallEncoding) {
+    Expected<AnswerHoldPtr> hold = room.answers.take(room.session, most, room.limits);
+    if (!hold) return hold.status();
+    encoding->hold = std::move(*hold);
   }
   ++counters.volumesEncoded;
-  auto encoding = std::make_shared<Encoding>();
   encoding->volume = wire::encodeVolume(*wire::publish(*volume, order.format, 0, nullptr), nullptr, order.compression,
                                         wire::kMaxPartBytes);
-  std::erase_if(entries_, [](const Entry& entry) { return entry.volume.expired(); });
-  entries_.push_front({volume, order.format, order.compression, encoding});
+  const std::int64_t bytes = payloadBytes(encoding->volume);
+  const bool small = bytes <= kSmallEncoding;
+  if (small) encoding->hold = nullptr;
+  if (encoding->hold) encoding->hold->shrinkTo(bytes);
+  std::erase_if(entries_, [](const Entry& entry) { return entry.volume.expired() || entry.encoding.expired(); });
+  entries_.push_front({volume, order.format, order.compression, encoding, small ? encoding : nullptr});
   if (entries_.size() > kCachedEncodings) entries_.pop_back();
-  return encoding;
+  return EncodingPtr(encoding);
 }
 
 VolumeParts::VolumeParts(const Result& result, const VolumeEncodingRequest& order, EncodingPtr encoding)
-    : result_(result), order_(order), encoding_(std::move(encoding)), bytes_(payloadBytes(encoding_->volume)) {}
+    : result_(withoutCells(result)),
+      order_(order),
+      encoding_(std::move(encoding)),
+      bytes_(payloadBytes(encoding_->volume)) {}
 
 void VolumeParts::fill(pb::VolumeHeader* header) const {
   const wire::EncodedVolume& volume = encoding_->volume;
@@ -78,8 +118,11 @@ bool VolumeParts::next(pb::VolumePart* out) {
   return true;
 }
 
-FrameParts::FrameParts(const Result& result, pb::FrameFormat format, std::string file)
-    : result_(result), format_(format), file_(std::move(file)) {}
+FrameParts::FrameParts(Result result, pb::FrameFormat format, std::string file)
+    : result_(withoutPixels(result)), format_(format), file_(std::move(file)) {
+  result.frame = nullptr;
+  if (result_.hold) result_.hold->shrinkTo(std::int64_t(file_.size()));
+}
 
 bool FrameParts::next(pb::FramePart* out) {
   if (done_) return false;

@@ -9,29 +9,41 @@
 #include "base/mutex.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
+#include "session/answer_room.h"
 #include "session/delivery/result.h"
 
 namespace lpv::api {
 
 namespace pb = lpv::v1;
 
-/// The last few whole volumes, so that calls for one volume in one coding share one.
+/// Where an encoding finds its room, and whose it is.
+struct EncodingRoom {
+  AnswerRoom& answers;
+  const std::string& session;
+  const Limits& limits;
+};
+
+/// Whole volumes, so that calls for one volume in one coding share one: the last few small ones, and large ones while
+/// an answer holds them.
 class VolumeEncodings {
  public:
-  EncodingPtr get(const VolumePtr& volume, const VolumeEncodingRequest& order, Counters& counters);
+  /// RESOURCE_EXHAUSTED where there is no room for a new one.
+  Expected<EncodingPtr> get(const VolumePtr& volume, const VolumeEncodingRequest& order, const EncodingRoom& room,
+                            Counters& counters);
 
  private:
   struct Entry {
     std::weak_ptr<const Volume> volume;
     wire::Format format;
     wire::Compression compression;
-    EncodingPtr encoding;
+    std::weak_ptr<const Encoding> encoding;
+    EncodingPtr kept;  ///< the same, where it is small
   };
   Mutex mutex_;
   std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // newest first
 };
 
-/// A finished result, ready to be pulled part by part.
+/// A finished result, ready to be pulled part by part. Of the result's own volume or pixels nothing is kept.
 class VolumeParts {
  public:
   VolumeParts(const Result& result, const VolumeEncodingRequest& order, EncodingPtr encoding);
@@ -51,8 +63,8 @@ class VolumeParts {
 
 class FrameParts {
  public:
-  /// `file` is the encoded picture.
-  FrameParts(const Result& result, pb::FrameFormat format, std::string file);
+  /// `file` is the encoded picture; the result's room shrinks to it.
+  FrameParts(Result result, pb::FrameFormat format, std::string file);
   bool next(pb::FramePart* part);
   std::int64_t bytes() const { return std::int64_t(file_.size()); }
 

@@ -9,13 +9,13 @@ namespace lpv {
 namespace {
 
 constexpr std::chrono::milliseconds kRetryAfterFailure{1000};  // a failed tick is not repeated at once
-constexpr double kSmoothing = 0.2;                             // weight of a new time in the running mean
+constexpr double kTimeSmoothing = 0.2;                             // weight of a new time in the running mean
 
 double aspectOf(const glm::ivec2& size) { return double(size.x) / size.y; }
 
 void smooth(double& mean, Clock::duration measured) {
   const double seconds = std::chrono::duration<double>(measured).count();
-  mean += (mean == 0.0 ? 1.0 : kSmoothing) * (seconds - mean);
+  mean += (mean == 0.0 ? 1.0 : kTimeSmoothing) * (seconds - mean);
 }
 
 /// On the GL thread.
@@ -139,10 +139,26 @@ std::shared_ptr<WaitingCall> Delivery::ask(WaitingCall call) {
       return waiting;
     }
     source_.markUsed({});
+    if (waiting->frame && waiting->minRevision <= source_.revision()) {
+      Expected<AnswerHoldPtr> room = takeRoom(*waiting->frame);
+      if (!room) {
+        services_.pool->post([waiting, why = room.status()] { waiting->done(why); });
+        return waiting;
+      }
+      waiting->hold = std::move(*room);
+    }
     readers_.add(waiting);
   }
   tickIfDue();
   return waiting;
+}
+
+/// Pixels, and as much again for what they are encoded to, which in formats without loss is a little more at worst.
+Expected<AnswerHoldPtr> Delivery::takeRoom(const FrameSettings& settings) {
+  constexpr std::int64_t kFileFrame = 64 * 1024;
+  const std::int64_t bytesPerPixel = settings.format == PixelFormat::kRgb32F ? 3 * sizeof(float) : 3;
+  const std::int64_t bytes = 2 * bytesPerPixel * settings.size.x * settings.size.y + kFileFrame;
+  return services_.answers->take(sessionId_, bytes, limits_);
 }
 
 void Delivery::forget(const std::shared_ptr<WaitingCall>& call) {
@@ -229,9 +245,13 @@ std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
     mutex_.assertHeld();
     return this->hasView(choice, minRevision);
   };
+  const Readers::TakeRoom takeRoom = [this](const FrameSettings& settings) {
+    mutex_.assertHeld();
+    return this->takeRoom(settings);
+  };
   TickPlan plan;
   const Clock::time_point next = readers_.planSubscribers(at, hasView, &plan);
-  answer(readers_.planCalls(at, hasView, &plan));
+  answer(readers_.planCalls(at, hasView, takeRoom, &plan));
   if (!plan.empty()) return plan;
   if (next != Subscriber::kNever) wakeAt(next);
   return std::nullopt;
@@ -361,7 +381,9 @@ void Delivery::fail(const TickPlan& plan, const Status& status) {
 
 void Delivery::answer(std::vector<Answer> answers) {
   for (Answer& each : answers) {
-    services_.pool->post([call = std::move(each.call), result = std::move(each.result)] { call->done(result); });
+    // The call gets the only reference to pixels: it drops them when they are encoded.
+    services_.pool->post(
+        [call = std::move(each.call), result = std::move(each.result)]() mutable { call->done(std::move(result)); });
   }
 }
 

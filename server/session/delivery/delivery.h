@@ -77,6 +77,7 @@ class Delivery {
   std::optional<TickPlan> planTick(Clock::time_point now) LPV_REQUIRES(mutex_);
   bool hasView(const CameraChoice& choice, std::uint64_t minRevision) LPV_REQUIRES(mutex_);
   void viewChosen() LPV_EXCLUDES(mutex_);
+  Expected<AnswerHoldPtr> takeRoom(const FrameSettings& settings) LPV_REQUIRES(mutex_);
   void wakeAt(Clock::time_point when) LPV_REQUIRES(mutex_);
   void start(TickPlan plan) LPV_EXCLUDES(mutex_);
   TickRequest requestOf(const TickPlan& plan) const;

@@ -13,6 +13,13 @@ constexpr std::int64_t kMostCallPixels = std::int64_t(4096) * 4096;
 
 std::int64_t pixelsOf(const FrameSettings& settings) { return std::int64_t(settings.size.x) * settings.size.y; }
 
+Status haveRoom(WaitingCall& call, const Readers::TakeRoom& takeRoom) {
+  if (!call.frame || call.hold) return {};
+  Expected<AnswerHoldPtr> room = takeRoom(*call.frame);
+  if (room) call.hold = std::move(*room);
+  return room.status();
+}
+
 }  // namespace
 
 SubscriberPtr Readers::add(const Subscription& subscription, const std::shared_ptr<ResultSink>& sink) {
@@ -72,7 +79,8 @@ Clock::time_point Readers::planSubscribers(const Occasion& at, const HasView& ha
   return next;
 }
 
-std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasView, TickPlan* plan) {
+std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasView, const TakeRoom& takeRoom,
+                                       TickPlan* plan) {
   std::vector<Answer> answers;
   std::int64_t framePixels = 0;
   for (auto it = calls_.begin(); it != calls_.end();) {
@@ -84,7 +92,9 @@ std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasVie
       continue;
     }
     it = calls_.erase(it);
-    if (call->frame) {
+    if (const Status room = haveRoom(*call, takeRoom); !room.ok()) {
+      answers.push_back({call, room});
+    } else if (call->frame) {
       plan->frameCalls.push_back(call);
       framePixels += pixelsOf(*call->frame);
     } else if (const std::optional<Result> cached = cachedVolume(*call)) {
@@ -162,7 +172,7 @@ void Readers::deliverFrames(const TickPlan& plan, ResultMeta meta, const std::ve
   for (const auto& call : plan.frameCalls) {
     meta.resultId = nextResult_++;
     meta.clientSequence = 0;
-    out->answers.push_back({call, {meta, nullptr, *frame++, 0, call->frame->quality, 0}});
+    out->answers.push_back({call, Result{meta, nullptr, *frame++, 0, call->frame->quality, 0, std::move(call->hold)}});
   }
 }
 

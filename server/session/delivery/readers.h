@@ -22,10 +22,10 @@ struct Offer {
   enum { kOffer, kPrepare, kOfferPrepared } how = kOffer;
 };
 
-/// A result and the call that it answers.
+/// A result, or why there is none, and the call that it answers.
 struct Answer {
   std::shared_ptr<WaitingCall> call;
-  Result result;
+  Expected<Result> result;
 };
 
 /// What a tick that has ended brings to the readers.
@@ -50,6 +50,9 @@ class Readers {
   /// Whether a picture through that camera can be made of `minRevision` or later.
   using HasView = std::function<bool(const CameraChoice&, std::uint64_t minRevision)>;
 
+  /// Room for the frame of a call.
+  using TakeRoom = std::function<Expected<AnswerHoldPtr>(const FrameSettings&)>;
+
   SubscriberPtr add(const Subscription& subscription, const std::shared_ptr<ResultSink>& sink);
   void remove(const Subscriber& subscriber) { subscribers_.erase(subscriber.id); }
   /// Null where there is none.
@@ -71,8 +74,9 @@ class Readers {
 
   /// Adds to the plan what subscribers are due. Returns when the first of the others is due.
   Clock::time_point planSubscribers(const Occasion& at, const HasView& hasView, TickPlan* plan);
-  /// Moves calls that can be answered now to the plan, or to the result where a volume is there already.
-  std::vector<Answer> planCalls(const Occasion& at, const HasView& hasView, TickPlan* plan);
+  /// Moves calls that can be answered now to the plan, or to the result where a volume is there already, or no room for
+  /// a frame.
+  std::vector<Answer> planCalls(const Occasion& at, const HasView& hasView, const TakeRoom& takeRoom, TickPlan* plan);
 
   /// Names the results of a tick and picks who gets them. `meta` says what all of them have in common.
   Deliveries deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta, const Occasion& at);

@@ -6,6 +6,7 @@
 
 #include "engine/engine.h"
 #include "scene/volume.h"
+#include "session/answer_room.h"
 #include "session/closing.h"
 
 namespace lpv {
@@ -29,6 +30,7 @@ struct Result {
   std::uint64_t cameraSequence = 0;
   int quality = 0;           ///< frames of subscribers: JPEG quality to encode with
   std::uint64_t baseId = 0;  ///< volumes: newest result that the receiver has acknowledged; 0: none that it still holds
+  AnswerHoldPtr hold = nullptr;  ///< frames that calls asked for: the room of pixels and encoding
 };
 
 /// The receiving end of a subscriber; called on worker threads, one call at a time, without locks held.

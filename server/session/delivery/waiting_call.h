@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/status.h"
+#include "session/answer_room.h"
 #include "session/delivery/result.h"
 #include "session/delivery/subscription.h"
 
@@ -17,6 +18,7 @@ struct WaitingCall {
   bool guarded = false;  ///< with guard cells
   bool probed = false;   ///< with what surfaces reflect (Volume::probed)
   std::optional<FrameSettings> frame;
+  AnswerHoldPtr hold = nullptr;  ///< of a frame: there from when it can be made on
   std::function<void(Expected<Result>)> done;  ///< called once, on a worker thread
 };
 

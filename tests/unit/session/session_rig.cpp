@@ -118,6 +118,7 @@ std::optional<Closing> Inbox::closed() const {
 Limits Rig::quick() {
   Limits limits;
   limits.maxTickRate = limits.maxEditsPerSecond = 1e9;
+  limits.maxAnswerBytesPerSession = limits.maxAnswerBytes = 1LL << 40;  // five large frames wait at once
   return limits;
 }
 
