@@ -10,6 +10,7 @@
 #include <iostream>
 #include <thread>
 
+#include "api/call/address_limit.h"
 #include "api/call/context.h"
 #include "app/options.h"
 #include "app/signals.h"
@@ -40,6 +41,10 @@ constexpr int kBackgroundNice = 10;
 /// Buffers of at least this many bytes go back to the system when they are freed. Left to itself glibc raises this
 /// threshold with the first large one and keeps what the later ones held: 24 MB after a few uploads that broke off.
 constexpr int kMappedFrom = 1024 * 1024;
+/// Smaller ones that were freed glibc keeps: 500 MB after headers that did not end. Where they are as many as this,
+/// they are given back every so often.
+constexpr std::size_t kTrimFrom = 32 * 1024 * 1024;
+constexpr std::chrono::seconds kTrimEvery{5};
 
 /// Written beside and renamed, so that a reader never sees half a number.
 Status writePortFile(const char* flag, const std::string& path, int port) {
@@ -232,6 +237,15 @@ void announce(const Options& options, const Access& access, int port, const Devi
                device.software ? ", software" : "");
 }
 
+void trimMemory(Timers& timers, WorkerPool& background) {
+  timers.at(Clock::now() + kTrimEvery, [&timers, &background] {
+    background.post([] {
+      if (mallinfo2().fordblks >= kTrimFrom) malloc_trim(0);
+    });
+    trimMemory(timers, background);
+  });
+}
+
 int serve(int argc, char** argv, Options options, Signals& signals) {
   removePortFiles(options);
   Counters counters;
@@ -260,7 +274,8 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
                                  .onEvent = report};
   Registry registry(services, options.retain);
   if (const Status status = registry.open(); !status.ok()) return fail(status);
-  const api::Context context = callContext(registry, services, &background);
+  api::Context context = callContext(registry, services, &background);
+  context.addresses = std::make_shared<api::AddressLimit>(options.trustedProxies);
   Expected<std::unique_ptr<grpc_door::Door>> entrance =
       grpc_door::Door::open(context, {.address = options.listen,
                                       .tls = options.tls,
@@ -276,6 +291,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   checkKeptSessions(services, background, [damaged = services.damaged](std::size_t checked) {
     if (checked > 0) spdlog::info("state directory: {} sessions read, {} are damaged", checked, damaged->count());
   });
+  trimMemory(timers, background);
   announce(options, access, door.port(), context.device);
   Reloader reloader(argc, argv, options, access, registry);
   const int signal = signals.waitForEnd([&] { reloader.run(); });

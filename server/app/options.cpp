@@ -86,6 +86,12 @@ void addSecurity(CLI::App& app, Options& o) {
   file("--tls-client-ca", o.tls.clientAuthorities, "clients need a certificate that these authorities vouch for, PEM");
   file("--admin-token-file", o.adminTokenFile,
        "every call needs an access token; the first line of this file is the admin's. SIGHUP reads it again");
+  app.add_option("--trusted-proxy", o.trustedProxy,
+                 "addresses or networks of proxies: lpvd's limit per address is off for them, limits by address are "
+                 "the proxy's (deploy/proxy); none: all are limited")
+      ->capture_default_str()
+      ->type_name("ADDRESS,..")
+      ->group("Security");
   app.add_flag("--reflection", o.reflection, "gRPC reflection although access tokens are asked for")->group("Security");
   app.add_flag("--insecure", o.insecure, "allow a non-loopback address without TLS and tokens")->group("Security");
 }
@@ -114,6 +120,9 @@ Status checkOps(Options& options) {
 
 Status check(Options& options) {
   if (Status s = checkOps(options); !s.ok()) return s;
+  Expected<api::AddressList> proxies = api::AddressList::read("trusted-proxy", options.trustedProxy);
+  if (!proxies) return proxies.status();
+  options.trustedProxies = std::move(*proxies);
   const Expected<HostPort> at = parseHostPort("listen", options.listen);
   if (!at) return at.status();
   options.listen = at->text();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/call/address_limit.h"
 #include "base/address.h"
 #include "engine/device_choice.h"
 #include "grpc/certificates.h"
@@ -30,6 +31,8 @@ struct Options {
   bool insecure = false;
   grpc_door::TlsFiles tls;
   std::string adminTokenFile;  ///< given: calls need access tokens, and its first line is the admin's
+  std::string trustedProxy = "127.0.0.0/8,::1";
+  api::AddressList trustedProxies;  ///< trustedProxy, read
   bool reflection = false;     ///< although tokens are asked for
   Limits limits;
   DeviceChoice choice;

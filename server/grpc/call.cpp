@@ -10,7 +10,9 @@
 #include <string>
 #include <utility>
 
+#include "api/call/address_limit.h"
 #include "api/call/call_driver.h"
+#include "grpc/connection.h"
 #include "grpc/status.h"
 
 namespace lpv::grpc_door {
@@ -61,6 +63,7 @@ class Call final : public Reactor, public api::Transport {
   static Reactor* start(const api::Context& context, const api::Method& method, grpc::CallbackServerContext* call) {
     auto* made = new Call;
     made->self_.reset(made);
+    made->peer_ = call->peer();
     made->driver_ = std::make_shared<api::CallDriver>(context, method, originOf(*call), *made);
     made->driver_->start();
     return made;
@@ -79,6 +82,7 @@ class Call final : public Reactor, public api::Transport {
     pack(*last);
     StartWriteAndFinish(&out_, grpc::WriteOptions(), toGrpc(status));
   }
+  void dropPeer() override { shutDownConnectionsFrom(api::addressOf(peer_)); }
 
   void OnReadDone(bool ok) override {
     using api::ReadResult;
@@ -101,6 +105,7 @@ class Call final : public Reactor, public api::Transport {
   }
 
   std::unique_ptr<Call> self_;
+  std::string peer_;
   std::shared_ptr<api::CallDriver> driver_;
   Message* into_ = nullptr;
   Bytes in_;

@@ -6,8 +6,12 @@
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/server_builder.h>
 
+#include <utility>
+
+#include "api/call/address_limit.h"
 #include "grpc/call.h"
 #include "grpc/library_log.h"
+#include "grpc/listener.h"
 #include "session/limits.h"
 #include "wire/message_size.h"
 
@@ -49,11 +53,13 @@ void reflect(grpc::ServerBuilder& builder, bool wanted) {
 }  // namespace
 
 Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const DoorOptions& options) {
-  const std::string& address = options.address;
+  Expected<std::unique_ptr<Listener>> listener = Listener::bind(options.address);
+  if (!listener) return listener.status();
   takeLibraryLog();
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();  // once; the library may have done so
   std::unique_ptr<Door> door(new Door);
+  door->listener_ = std::move(*listener);
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   if (options.tls.given()) {
     Expected<std::unique_ptr<Certificates>> followed = Certificates::follow(options.tls, options.onTlsTrouble);
@@ -64,26 +70,30 @@ Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const Do
   grpc::ServerBuilder builder;
   configure(builder);
   reflect(builder, options.reflection);
-  builder.AddListeningPort(address, credentials, &door->port_);
+  using From = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(From::FROM_FD, credentials);
   door->services_ = makeServices(context);
   for (const auto& service : door->services_) builder.RegisterService(service.get());
   door->server_ = builder.BuildAndStart();
-  if (!door->server_ || door->port_ == 0) {
-    return Status(Code::kUnavailable, "cannot listen on " + address + ": in use, or not an address of this machine",
-                  "listen");
-  }
+  if (!door->server_) return Status(Code::kInternal, "gRPC's server on " + options.address + " cannot be started");
   for (const api::Method& method : api::methods()) {
     const std::string& service = method.descriptor().service()->full_name();
     door->server_->GetHealthCheckService()->SetServingStatus(service, true);
   }
+  door->listener_->start(std::move(acceptor), [limit = context.addresses](const std::string& remote) {
+    return !limit || !limit->banned(remote, Clock::now());
+  });
   return door;
 }
 
 Door::~Door() = default;
 
+int Door::port() const { return listener_->port(); }
+
 void Door::stopServing() { server_->GetHealthCheckService()->SetServingStatus(false); }
 
 void Door::shutdown(std::chrono::milliseconds patience) {
+  listener_->stop();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
 }

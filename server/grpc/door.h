@@ -13,6 +13,8 @@
 
 namespace lpv::grpc_door {
 
+class Listener;  // grpc/listener.h
+
 /// Where the door is, and what it looks like.
 struct DoorOptions {
   std::string address;      ///< "host:port", port 0 = any free one
@@ -29,7 +31,7 @@ class Door {
   static Expected<std::unique_ptr<Door>> open(const api::Context& context, const DoorOptions& options);
   ~Door();
 
-  int port() const { return port_; }
+  int port() const;
   /// Answers NOT_SERVING to health checks from now on.
   void stopServing();
   /// Ends what is left at the deadline.
@@ -40,7 +42,7 @@ class Door {
   std::unique_ptr<Certificates> certificates_;  ///< outlive the server, as services_ do; null for plain text
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<grpc::Server> server_;
-  int port_ = 0;
+  std::unique_ptr<Listener> listener_;
 };
 
 }  // namespace lpv::grpc_door

@@ -132,6 +132,8 @@ void addCalls(const Counters& c, Scrape& out) {
   out.counter("lpv_edits_accepted_total", "Edits that were applied.", double(c.editsAccepted));
   out.reasons("lpv_edits_rejected_total", "Edits that changed nothing, by the limit that was met or the code.",
               c.editsRejected);
+  out.counter("lpv_address_bans_total", "Times that an address lost its connections for flooding with calls.",
+              double(c.addressBans));
   out.reasons("lpv_calls_refused_total", "Calls that ended with an error before anything was answered.",
               c.callsRefused);
 }

@@ -114,6 +114,7 @@ struct Counters {
   std::atomic<std::int64_t> editsAccepted{0};
   std::atomic<int> sessionFiles{0};  ///< on their way in or out
   std::atomic<int> uploads{0};       ///< of blobs, on their way
+  std::atomic<std::int64_t> addressBans{0};  ///< for flooding with calls
   ReasonCounter editsRejected;
   ReasonCounter callsRefused;  ///< calls that ended with an error before anything was answered
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "api/call/address_limit.h"
 #include "api/call/admission.h"
 #include "api/call/call_end.h"
 #include "ops/trace.h"
@@ -31,8 +32,19 @@ CallDriver::CallDriver(const Context& server, const Method& method, CallOrigin o
   context_.hasDeadline = origin.hasDeadline;
 }
 
+/// How many calls the address begins; who floods loses its connections.
+Status CallDriver::checkAddress() {
+  if (!context_.addresses) return {};
+  const double most = context_.registry->limits().maxCallsPerSecondPerAddress;
+  const AddressLimit::Verdict verdict = context_.addresses->begin(who_.peer, most, Clock::now());
+  if (verdict.flood) transport_.dropPeer();
+  if (verdict.news) ++context_.counters->addressBans;
+  return verdict.status;
+}
+
 void CallDriver::start() {
-  Status status = admit(token_, context_);
+  Status status = checkAddress();
+  if (status.ok()) status = admit(token_, context_);
   if (status.ok()) status = authorize(context_, method_);
   if (!status.ok()) {
     const MutexLock lock(mutex_);

@@ -30,6 +30,9 @@ class Transport {
   /// Ends the call; `last`, where it is not null, is sent before, as a unary answer is. No write is in flight; a read
   /// may be, and is dropped.
   virtual void finish(const google::protobuf::Message* last, const Status& status) = 0;
+  /// Ends the connections of the call's peer, and all their calls, where the transport knows how. finish() is called
+  /// all the same.
+  virtual void dropPeer() {}
 };
 
 /// What a door knows of a call before its first message.
@@ -86,6 +89,7 @@ class CallDriver : public std::enable_shared_from_this<CallDriver> {
     bool answered = false;  ///< the one response of a call that sends one is in response_
   };
 
+  Status checkAddress();
   void watchToken();
   void open(ops::LogContext who);
   void later();

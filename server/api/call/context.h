@@ -12,6 +12,7 @@
 
 namespace lpv::api {
 
+class AddressLimit;  // api/call/address_limit.h
 struct ResultCaches;  // api/results/result_caches.h
 /// Empty ones.
 std::shared_ptr<ResultCaches> makeResultCaches();
@@ -31,6 +32,7 @@ struct Context {
   Grant caller = {};
   bool hasDeadline = false;  ///< the call has one of its own
   std::shared_ptr<AnswerRoom> answers = std::make_shared<AnswerRoom>();
+  std::shared_ptr<AddressLimit> addresses = nullptr;  ///< null: none
   WorkerPool* background = nullptr;  ///< for what takes long; null: the pool
   std::shared_ptr<ResultCaches> caches = makeResultCaches();  ///< encodings that calls share
 };

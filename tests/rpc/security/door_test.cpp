@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "rpc/support/details.h"
 #include "rpc/support/http2_client.h"
 #include "rpc/support/rpc.h"
 #include "rpc/support/server_process.h"
@@ -15,6 +16,7 @@
 namespace lpv::rpc {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr std::size_t kChunk = 16 * std::size_t(kMiB);
@@ -211,6 +213,31 @@ TEST(Door, ListsNothingToStrangersUnlessToldTo) {
   const ServerProcess told({"--admin-token-file", directory + "/admin", "--reflection"});
   EXPECT_THAT(reflected(told.address()), HasSubstr("lpv.v1.ServerService"));
   std::filesystem::remove_all(directory);
+}
+
+/// How many of 20 calls are refused, and that they say why.
+int refusedOfTwenty(ServerProcess& process) {
+  Stubs stubs(process.address());
+  int refused = 0;
+  for (int i = 0; i < 20; ++i) {
+    pb::GetServerInfoResponse response;
+    const grpc::Status status = stubs.server->GetServerInfo(Call(), {}, &response);
+    if (status.ok()) continue;
+    ++refused;
+    EXPECT_THAT(status, HasCode(StatusCode::RESOURCE_EXHAUSTED));
+    EXPECT_EQ(reasonOf(status), "MAX_CALLS_PER_SECOND_PER_ADDRESS");
+    EXPECT_GT(pauseOf(status), 0.0);
+  }
+  return refused;
+}
+
+TEST(Door, AnAddressBeginsSoManyCallsUnlessItIsATrustedProxy) {
+  ServerProcess limited({"--trusted-proxy", "none", "--max-calls-per-second-per-address", "1"});
+  EXPECT_GT(refusedOfTwenty(limited), 0);
+  ServerProcess behindAProxy({"--trusted-proxy", "10.0.0.0/8, 127.0.0.1", "--max-calls-per-second-per-address", "1"});
+  EXPECT_EQ(refusedOfTwenty(behindAProxy), 0);
+  EXPECT_THAT(runServer({"--trusted-proxy", "proxy.example"}).errors,
+              AllOf(HasSubstr("--trusted-proxy"), HasSubstr("proxy.example"), HasSubstr("10.1.0.0/16")));
 }
 
 }  // namespace
