@@ -11,8 +11,6 @@ namespace lpv::gpu {
 
 namespace {
 
-constexpr float kMostAnisotropy = 16.0F;  // texels along a pixel that is seen askew; devices that have less take that
-
 void setSampling(GLuint id, Sampling sampling) {
   const bool linear = sampling != Sampling::kNearestClamp;
   const GLint minify = sampling == Sampling::kMipmapRepeat ? GL_LINEAR_MIPMAP_LINEAR : linear ? GL_LINEAR : GL_NEAREST;
@@ -21,9 +19,6 @@ void setSampling(GLuint id, Sampling sampling) {
   glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, linear ? GL_LINEAR : GL_NEAREST);
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
     glTextureParameteri(id, axis, wrap);
-  if (sampling != Sampling::kMipmapRepeat) return;
-  glTextureParameterf(id, GL_TEXTURE_MAX_ANISOTROPY, kMostAnisotropy);
-  clearErrors();  // of devices that do not know it
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace lpv::gpu {
 enum class Sampling {
   kNearestClamp,   ///< the texel itself
   kLinearClamp,    ///< (tri)linear, edge texels repeated outwards
-  kMipmapRepeat,   ///< trilinear and anisotropic over the mip chain, tiled
+  kMipmapRepeat,   ///< trilinear over the mip chain, tiled
 };
 
 /// A 2D or 3D texture of fixed size, labelled. Move-only; empty (id 0) after move.

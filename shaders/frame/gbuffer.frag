@@ -1,6 +1,7 @@
 // Albedo and normal of the nearest surface. The normal is the interpolated vertex normal (LPV_NORMALS), else the
 // triangle's; seen from behind it is turned over, towards the viewer. LPV_ALPHA: the texture's alpha says what is there.
 #include "layout.h"
+#include "common/anisotropic.glsl"
 #include "common/octahedral.glsl"
 
 #if !defined(LPV_NORMALS) || !defined(LPV_TEXTURE) || !defined(LPV_ALPHA)
@@ -32,7 +33,7 @@ vec3 surfaceNormal() {
 void main() {
   albedo = vec4(draw.colour, 1.0);
 #if LPV_TEXTURE
-  const vec4 texel = texture(albedoTexture, textureUv);
+  const vec4 texel = textureAskew(albedoTexture, textureUv);
   albedo.rgb *= texel.rgb;
 #endif
 #if LPV_ALPHA

@@ -1,8 +1,10 @@
 // Frames: which way is up, what is in front, which side shines, how bright.
 
+#include <algorithm>
 #include <cmath>
 
 #include "gpu/engine/engine_rig.h"
+#include "reference/textures.h"
 #include "scene/lookup.h"
 #include "scene/tonemap.h"
 
@@ -239,6 +241,31 @@ TEST_F(FrameTest, AlbedoTexturesAreSeenUpright) {
   for (const auto& [at, colour] : want) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio(at.x, at.y)[c], colour[c], 0.05) << at.x << " " << at.y;
   }
+}
+
+// Stripes that run away from the viewer over a floor seen at five degrees: a pixel is a texel wide and thirty long.
+// Broken by: the mip level of a pixel's length (.0).
+TEST_F(FrameTest, StripesStaySharpWhereTheyAreSeenAskew) {
+  Scene scene = test::smallScene();
+  Surface& floor = test::addSurface(scene, "floor", reference::quad());
+  floor.transform.scale = glm::dvec3(2.0);
+  floor.transform.translation.z = -0.9;
+  floor.albedo = glm::dvec3(1.0);
+  test::lightOf(scene).transform.rotation = rotationFromEulerDegrees({180.0, 0.0, 0.0});
+  test::lightOf(scene).transform.translation.z = 0.9;
+  FrameRequest request = test::linearFrame(test::frontCamera(), {128, 64});
+  request.camera = {.eye = {0.0, -1.2, -0.72}, .target = {0.0, 0.6, -0.9}, .up = {0.0, 0.0, 1.0}, .fovDegrees = 50.0};
+  const FramePtr plain = frame(scene, request);
+  floor.name = "striped";
+  floor.albedoTexture = reference::textureOf(32, 32, [](int x, int) { return glm::dvec3(x % 2); });
+  const FramePtr picture = frame(scene, request, 2);
+  double darkest = 1.0, brightest = 0.0;
+  for (int x = 40; x < 88; ++x) {
+    const double share = pixel(*picture, x, 32).x / pixel(*plain, x, 32).x;
+    darkest = std::min(darkest, share);
+    brightest = std::max(brightest, share);
+  }
+  EXPECT_GE(brightest - darkest, 0.5);
 }
 
 TEST_F(FrameTest, SeveralFramesOfOneTickAreEachTheirOwn) {
