@@ -120,7 +120,7 @@ std::int64_t mostBytesOf(const Mesh& mesh) { return 3 * std::int64_t(mesh.bytes(
 /// A blob on its way out, part by part as the client takes them.
 class Read final : public StreamOf<Read, pb::ReadBlobRequest, pb::ReadBlobResponse> {
  public:
-  explicit Read(const Context& context) : context_(context), patience_(context) {}
+  explicit Read(const Context& context) : context_(context), patience_(context, "hash") {}
 
   void receive(pb::ReadBlobRequest request) override {
     context_.pool->post([self = me(), request = std::move(request)] {

@@ -100,7 +100,7 @@ Expected<SavedSession> stateOf(const std::string& bytes, const Limits& limits) {
 class Export final : public StreamOf<Export, pb::ExportSessionRequest, pb::ExportSessionResponse> {
  public:
   explicit Export(const Context& context)
-      : context_(context), slot_(context.counters->sessionFiles), patience_(context) {}
+      : context_(context), slot_(context.counters->sessionFiles), patience_(context, "name") {}
 
   void receive(pb::ExportSessionRequest request) override {
     const Expected<SessionPtr> session = findSession(context_, "name", request.name());

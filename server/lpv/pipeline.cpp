@@ -343,7 +343,7 @@ GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene)
     made.pooled.set(s.arranged.stamp());
   }
   std::vector<Occluder> occluders;  // not a temporary: GCC 12 destroys those of a conditional in co_await twice
-  if (s.shadowed) occluders = occludersOf(scene);
+  if (s.reflectionsBlocked) occluders = occludersOf(scene);
   co_await made.occluders.update(std::move(occluders), s.field().grid);
 }
 
@@ -371,8 +371,8 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   const ReflectInputs inputs = {made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(),
                                 made.occluders.all(), s.bounces,           turns};
   if (patches == nullptr || made.reflected.holds(inputs)) co_return;
-  co_await nearFieldPass.run(*patches, made.emitters, {&made.pools, &made.occluders, turns, nullptr}, pacing(s));
-  if (s.shadowed) co_await bouncePass.findLights(*patches, made.occluders, pacing(s));
+  co_await nearFieldPass.run(*patches, made.emitters, {&made.pools, &made.occluders, turns}, pacing(s));
+  if (s.reflectionsBlocked) co_await bouncePass.findLights(*patches, made.occluders, pacing(s));
   co_await bouncePass.run(*patches, s.bounces, pacing(s));
   made.reflected.set(inputs);
 }
@@ -432,7 +432,7 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
     volume->stage = VolumeStage::kTransported;
     co_await takeVolume(made.readbacks.transported, s.field(), groups, s.guarded, *volume);
     volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks,
-                                     s.shadowed ? std::make_shared<const LightVisibility>(scene) : nullptr,
+                                     s.reflectionsBlocked ? std::make_shared<const LightVisibility>(scene) : nullptr,
                                      reflected ? takeReflected(*made.reflecting(), made.readbacks) : nullptr);
     volume->probed = copies.probed;
     made.transportedVolume.set(*copies.transported, std::move(volume));
@@ -465,7 +465,10 @@ std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& 
     PoolPictureInputs& inputs = out.emplace_back(shared);
     for (int i = pool.firstLight; i < pool.lightsEnd; ++i) inputs.lights.push_back(lookedAt(s.lights[std::size_t(i)]));
   }
-  if (made.reflecting() != nullptr) out.emplace_back(shared).reflected = made.reflected.stamp();
+  if (made.reflecting() == nullptr) return out;
+  PoolPictureInputs& reflected = out.emplace_back(shared);
+  reflected.reflected = made.reflected.stamp();
+  reflected.turns = s.reflectionsBlocked ? shadowTurns(frame, scene.options) : 0;
   return out;
 }
 
@@ -477,8 +480,9 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
     view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
   }
   const StageProducts& made = *s.products;
-  const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? shadowTurns(frame, scene.options) : 0,
-                                 made.reflecting()};
+  const int turns = shadowTurns(frame, scene.options);
+  const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? turns : 0, made.reflecting(),
+                                 s.reflectionsBlocked ? turns : 0};
   const bool inTheWay = s.shadowed || s.bounces > 0;
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
                                     inTheWay ? &shadows : nullptr,

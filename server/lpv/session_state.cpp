@@ -59,6 +59,7 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   lights = emittingLights(scene, grid.cells, before);
   const Transport transport = scene.options.transport;
   shadowed = isShadowed(scene);
+  reflectionsBlocked = lpv::reflectionsBlocked(scene);
   bounces = transport == Transport::kPropagate ? 0 : bouncesFor(scene);
   looksAtLights = transport == Transport::kDirect ||
                   (transport == Transport::kGather && (shadowed || bounces > 0 || lookedAtEverywhere(lights)));

@@ -37,6 +37,7 @@ class LightVisibility {
   mutable std::once_flag once_;
   mutable std::unique_ptr<const Occluders> occluders_;
   mutable std::vector<Emitter> emitters_;
+  mutable bool shadowed_ = true;  ///< else lights are seen whole, and only what surfaces reflect is in question
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
 };
 using LightVisibilityPtr = std::shared_ptr<const LightVisibility>;

@@ -108,7 +108,12 @@ bool isShadowed(const Scene& scene) {
     case Visibility::kAuto:
       break;
   }
-  return shadowsPossible(scene) || lightsSwallow(scene);
+  return shadowsPossible(scene);
+}
+
+bool reflectionsBlocked(const Scene& scene) {
+  const bool looks = scene.options.visibility == Visibility::kAuto && scene.options.transport != Transport::kPropagate;
+  return isShadowed(scene) || (looks && lightsSwallow(scene));
 }
 
 }  // namespace lpv

@@ -6,7 +6,7 @@
 namespace lpv {
 
 /// Whether frames, probes and volumes of the scene have shadows: as its settings say, and with AUTO where
-/// shadowsPossible or lightsSwallow. PROPAGATE has none.
+/// shadowsPossible. PROPAGATE has none.
 bool isShadowed(const Scene& scene);
 
 /// False where no shadow can be: every surface has all lights and surfaces on one side of each of its planes, as the
@@ -14,9 +14,13 @@ bool isShadowed(const Scene& scene);
 /// planes to look at. Follows from geometry alone.
 bool shadowsPossible(const Scene& scene);
 
-/// Whether lights, which reflect nothing, are in the way of much of what surfaces reflect: where their area is more than
-/// a hundredth of the surfaces'.
+/// Whether lights, which reflect nothing, are in the way of much of what surfaces reflect: where their area is more
+/// than a hundredth of the surfaces'.
 bool lightsSwallow(const Scene& scene);
+
+/// Whether something may stand in the way of what surfaces reflect: where isShadowed, and with AUTO where
+/// lightsSwallow.
+bool reflectionsBlocked(const Scene& scene);
 
 /// Whether a mesh has itself on one side of each of its triangles' planes: no ray between two of its points meets it in
 /// between. False where that would take long to find out.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <utility>
 
 #include "api/call/context.h"
@@ -12,20 +13,24 @@ namespace lpv::api {
 /// writer that stops. Thread-safe.
 class ReaderPatience {
  public:
-  explicit ReaderPatience(const Context& context) : limit_(context.limits.uploadIdle), deadline_(*context.timers) {}
+  /// `field`: of the request, that names what is answered.
+  ReaderPatience(const Context& context, std::string field)
+      : limit_(context.limits.uploadIdle), field_(std::move(field)), deadline_(*context.timers) {}
 
   /// A part is there to be taken: calls `giveUp` with DEADLINE_EXCEEDED unless expect() or stop() comes first.
   void expect(std::function<void(const Status&)> giveUp) {
-    deadline_.restart(limit_, [giveUp = std::move(giveUp), seconds = limit_.count()] {
+    deadline_.restart(limit_, [giveUp = std::move(giveUp), seconds = limit_.count(), field = field_] {
       giveUp(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
                     "upload_idle: no part of the answer was taken within " + std::to_string(seconds) +
-                        " s; ask again, and take parts as they come"));
+                        " s; ask again, and take parts as they come",
+                    field));
     });
   }
   void stop() { deadline_.stop(); }
 
  private:
   const std::chrono::seconds limit_;
+  const std::string field_;
   Deadline deadline_;
 };
 

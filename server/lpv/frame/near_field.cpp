@@ -174,7 +174,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     params.pool++;
   }
   if (!from.reflected) co_return;
-  params.turns = std::min(params.turns, kReflectedTurns);
+  params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
   params.even = 0;
   params.apart *= 2;
   params.firstPoint = 0;
