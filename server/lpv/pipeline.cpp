@@ -431,9 +431,10 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
     auto volume = std::make_shared<Volume>();
     volume->stage = VolumeStage::kTransported;
     co_await takeVolume(made.readbacks.transported, s.field(), groups, s.guarded, *volume);
-    volume->direct = takeEmitterList(s.field(), made.emitters, made.readbacks,
-                                     s.reflectionsBlocked ? std::make_shared<const LightVisibility>(scene) : nullptr,
-                                     reflected ? takeReflected(*made.reflecting(), made.readbacks) : nullptr);
+    volume->direct =
+        takeEmitterList(s.field(), made.emitters, made.readbacks,
+                        s.reflectionsBlocked ? std::make_shared<const LightVisibility>(scene, s.shadowed) : nullptr,
+                        reflected ? takeReflected(*made.reflecting(), made.readbacks) : nullptr);
     volume->probed = copies.probed;
     made.transportedVolume.set(*copies.transported, std::move(volume));
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/shadowing.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -22,7 +21,6 @@ double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const 
 
 void LightVisibility::prepare() const {
   occluders_ = std::make_unique<const Occluders>(*scene_);
-  shadowed_ = isShadowed(*scene_);
   offset_ = double(layout::kShadowOffset) * scene_->grid.cell;
   for (const auto& [name, light] : scene_->lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
@@ -32,8 +30,8 @@ void LightVisibility::prepare() const {
 }
 
 glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const {
+  if (!ofLights_) return glm::dvec3(1.0);
   std::call_once(once_, [this] { prepare(); });
-  if (!shadowed_) return glm::dvec3(1.0);
   const Emitter& emitter = emitters_[light];
   const glm::dvec3 from = at + offset_ * n;
   glm::dvec3 all(0.0), seen(0.0);

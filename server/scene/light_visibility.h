@@ -18,7 +18,9 @@ namespace lpv {
 /// Thread-safe.
 class LightVisibility {
  public:
-  explicit LightVisibility(ScenePtr scene) : scene_(std::move(scene)) {}
+  /// `ofLights`: something may be in the way of the lights' own light; else share() is 1, and only seen() is in
+/// question.
+  explicit LightVisibility(ScenePtr scene, bool ofLights = true) : scene_(std::move(scene)), ofLights_(ofLights) {}
 
   /// Per colour, the share of what `light` would send that arrives: 1 where nothing lies between. `light` counts those
   /// that emit, in the order of names. World space; n is a unit vector.
@@ -34,10 +36,10 @@ class LightVisibility {
   void prepare() const;
 
   ScenePtr scene_;
+  bool ofLights_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<const Occluders> occluders_;
   mutable std::vector<Emitter> emitters_;
-  mutable bool shadowed_ = true;  ///< else lights are seen whole, and only what surfaces reflect is in question
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
 };
 using LightVisibilityPtr = std::shared_ptr<const LightVisibility>;

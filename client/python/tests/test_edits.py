@@ -116,7 +116,7 @@ class Interrupted(unittest.TestCase):
 
         def kill_and_start():
             for part in (edits // 4, edits // 2):
-                while self.editor.sequence < part:
+                while self.editor.sequence < part or self.editor.reopened < len(killed):
                     time.sleep(0.001)
                 self.server.kill()
                 killed.append(self.editor.sequence)
