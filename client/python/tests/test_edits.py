@@ -115,10 +115,12 @@ class Interrupted(unittest.TestCase):
         edits, killed = 600, []
 
         def kill_and_start():
+            acknowledged = 0
             for part in (edits // 4, edits // 2):
-                while self.editor.sequence < part or self.editor.reopened < len(killed):
+                while self.editor.sequence < part or self.editor.revision <= acknowledged:
                     time.sleep(0.001)
                 self.server.kill()
+                acknowledged = self.editor.revision
                 killed.append(self.editor.sequence)
                 self.server.start()
 
