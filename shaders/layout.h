@@ -61,8 +61,8 @@ LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points 
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
-LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its area;
-                                      // negative: a light is between
+LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its
+                                    // area; negative: a light is between
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
@@ -92,7 +92,8 @@ LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
 LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
 LPV_CONST int kOccluders = 18;  // usamplerBuffer: what shadow rays can meet (shaders/visibility/occluders.glsl)
 LPV_CONST int kPoolLight = 20;  // of a picture: E from a pool of lights as if nothing lay between, and which share of
-LPV_CONST int kPoolShare = 21;  // it arrives, by few rays from each pixel; a: see ShadowParams.apart; -1 where nothing is in the way
+LPV_CONST int kPoolShare =
+    21;  // it arrives, by few rays from each pixel; a: see ShadowParams.apart; -1 where nothing is in the way
 LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
 LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps of its radiance
 // --- image units
@@ -402,8 +403,8 @@ struct ShadowParams {
   int turns;  // at most, for a point
   int pool;  // this one, of `pools`
   int pools;
-  int apart;  // 1: what a pool sends does not go into the sum, but to kPoolLightOut and kPoolShareOut; 2: the same, with
-              // what a ray is worth in the place of the number of rays
+  int apart;  // 1: what a pool sends does not go into the sum, but to kPoolLightOut and kPoolShareOut; 2: the same,
+              // with what a ray is worth in the place of the number of rays
   int jitter;  // 0: rays go to the same places from every pixel; 1: to others, so that steps become grain
   int even;  // 1: rays go to points that are spread evenly over the pool; 0: to those that are worth most to the
              // receiver

@@ -20,7 +20,8 @@ constexpr std::int64_t kManyPixels = 2'000'000;
 template <typename Request, typename Response>
 class SingleResultStream : public StreamOf<SingleResultStream<Request, Response>, Request, Response> {
  public:
-  explicit SingleResultStream(const Context& context) : context_(context), wait_(context), patience_(context, "session") {}
+  explicit SingleResultStream(const Context& context)
+      : context_(context), wait_(context), patience_(context, "session") {}
 
   void receive(Request request) override {
     if (asked_) return;

@@ -61,7 +61,7 @@ struct ShadowCasters {
   const GpuOccluders* occluders = nullptr;
   int turns = 1;  ///< of four rays to each pool, at most; 0: nothing stands in the way
   const PatchSet* reflected = nullptr;  ///< null: nothing
-  int reflectedTurns = 0;               ///< of rays to `reflected`, as `turns`
+  int reflectedTurns = 0;  ///< of rays to `reflected`, as `turns`
 };
 
 /// What a picture's pixels look at, and how many of them do.
