@@ -91,9 +91,8 @@ LPV_CONST int kDirect =
 LPV_CONST int kEmitterDistance = 16;  // sampler3D: cells to the nearest VPL
 LPV_CONST int kNearField = 17;  // irradiance from the lights themselves, and its weight
 LPV_CONST int kOccluders = 18;  // usamplerBuffer: what shadow rays can meet (shaders/visibility/occluders.glsl)
-LPV_CONST int kPoolLight = 20;  // of a picture: E from a pool of lights as if nothing lay between, and which share of
-LPV_CONST int kPoolShare =
-    21;  // it arrives, by few rays from each pixel; a: see ShadowParams.apart; -1 where nothing is in the way
+LPV_CONST int kPoolLight = 20;  // of a picture: E from a pool of lights as if nothing lay between, and which share
+LPV_CONST int kPoolShare = 21;  // arrives, by few rays from each pixel; a: ShadowParams.apart, -1 with nothing to meet
 LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
 LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps of its radiance
 // --- image units
