@@ -68,7 +68,8 @@ void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 known) {
   known = vec3(0.0);
   int i = 0, rounds = 0;
   while (i < shadow.pointCount) {
-    while (i < shadow.pointCount && !isNearer(i, x, kNearPatch)) ++i;  // by itself: llvmpipe goes through what a branch leaves out
+    // By itself: llvmpipe goes through what a branch leaves out.
+    while (i < shadow.pointCount && !isNearer(i, x, kNearPatch)) ++i;
     if (i >= shadow.pointCount) break;
     const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
     const bool asked = isNearer(i, x, kAskedPatch);

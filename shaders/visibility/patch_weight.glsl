@@ -1,8 +1,10 @@
 // What a patch of a surface sends.
+
 // By the square of the distance over its area: nearer ones are taken as the triangles that they are; still nearer, pixels
 // ask each by a ray of its own.
 const float kNearPatch = 9.0;
 const float kAskedPatch = 2.0;
+
 /// E with normal n from a patch of unit radiance, seen at d, with nothing between: to second order in its size, which is
 /// .44 times its area (four times the variance along each axis of its plane: a right triangle's). Finite beside it.
 float patchWeight(vec3 d, float area, vec3 normal, vec3 n) {
