@@ -81,8 +81,8 @@ class Run {
  private:
   struct Member {
     ClientIdentity identity;
-    std::uint64_t last = 0;  ///< sequence
-    std::map<std::uint64_t, EditOutcome> outcomes;  ///< the first ones, and the step that each was of
+    std::uint64_t last = 0;                         ///< sequence that was sent
+    std::map<std::uint64_t, EditOutcome> outcomes;  ///< the first one of each sequence that was not refused as old
   };
 
   void step() {
@@ -137,17 +137,19 @@ class Run {
     const std::uint64_t sequence = !member || way == 0 ? 0
                                    : way == 1          ? in_.ConsumeIntegralInRange(1, 8)
                                                        : ++member->last;
+    if (member) member->last = std::max(member->last, sequence);
     const std::uint64_t before = session_->revision();
     const std::string content = scene(*session_);
     const EditOutcome outcome = make(sequence);
-    if (member && sequence != 0) {
-      member->last = std::max(member->last, sequence);
-      const auto [first, isNew] = member->outcomes.try_emplace(sequence, outcome);
-      if (!isNew) {
-        check(sameOutcome(first->second, outcome), "a sequence is answered as the first time");
-        check(session_->revision() == before && scene(*session_) == content, "a repeated sequence changes nothing");
-        return;
-      }
+    if (member && sequence != 0 && !member->outcomes.contains(sequence)) {
+      const std::uint64_t last = member->outcomes.empty() ? 0 : member->outcomes.rbegin()->first;
+      const bool old = outcome.status.reason() == Reason::kSequenceOld;
+      check(old == (sequence < last), "a sequence that was passed over is refused as old, and no other");
+      if (!old) member->outcomes.emplace(sequence, outcome);
+    } else if (member && sequence != 0) {
+      check(sameOutcome(member->outcomes.at(sequence), outcome), "a sequence is answered as the first time");
+      check(session_->revision() == before && scene(*session_) == content, "a repeated sequence changes nothing");
+      return;
     }
     if (outcome.status.ok()) {
       check(session_->revision() == before + 1 && outcome.revision == before + 1, "what is accepted is one revision");
