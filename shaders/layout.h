@@ -71,6 +71,7 @@ LPV_CONST int kParams = 0;  // one struct below per stage
 LPV_CONST int kDrawParams = 1;  // DrawParams of one object
 LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
 LPV_CONST int kShadowParams = 3;  // ShadowParams of one dispatch
+LPV_CONST int kSubpixelParams = 2;  // SubpixelParams of one dispatch
 
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
@@ -95,12 +96,24 @@ LPV_CONST int kPoolLight = 20;  // of a picture: E from a pool of lights as if n
 LPV_CONST int kPoolShare = 21;  // arrives, by few rays from each pixel; a: ShadowParams.apart, -1 with nothing to meet
 LPV_CONST int kLightPoints = 19;  // samplerBuffer: points of the lights (shaders/visibility/light_points.glsl)
 LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps of its radiance
+LPV_CONST int kSubpixelsOwn = 24;  // of a picture: mean albedo of samples (shaders/frame/subpixels.glsl)
+LPV_CONST int kSubpixelsFirst = 25;
+LPV_CONST int kSubpixelsSecond = 26;
+LPV_CONST int kSampleAlbedo = 27;  // of one sample of each pixel, as kAlbedo to kEmitterDepth
+LPV_CONST int kSampleNormal = 28;
+LPV_CONST int kSampleDepth = 29;
+LPV_CONST int kSampleEmission = 30;
+LPV_CONST int kSampleEmitterDepth = 31;
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField
 LPV_CONST int kPoolLightOut = 5;
 LPV_CONST int kPoolShareOut = 6;
+LPV_CONST int kSubpixelEmissionOut = 0;  // mean radiance of lights in front
+LPV_CONST int kSubpixelOwnOut = 1;  // as kSubpixelsOwn
+LPV_CONST int kSubpixelFirstOut = 2;
+LPV_CONST int kSubpixelSecondOut = 3;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
@@ -384,6 +397,8 @@ struct FrameParams {
   LPV_VEC3 ivec3 dims;  // cells
   int pixels;  // of the picture
   vec2 pixelSize;  // as a share of the picture's width and height
+  int samples;  // of each pixel, that say what is in it: 1 or more
+  int pad0;
   LPV_VEC3 ExposureParams exposure;
 };
 
@@ -391,6 +406,16 @@ struct NearFieldParams {
   ivec2 stride;  // pixels from a point to those before and after it that are known; 0 for the first points
   int first;  // of the tiles or blocks of points of this dispatch
   int spacing;  // pixels between the points that are evaluated whatever is around them
+};
+
+struct SubpixelParams {
+  vec2 offset;  // of the sample from the middle of its pixel, pixels
+  int sampleIndex;  // the first begins anew
+  int samples;  // of each pixel
+  int firstRow;  // of the picture, in the sample's textures
+  int pad0;
+  int pad1;
+  int pad2;
 };
 
 struct ShadowParams {
@@ -455,7 +480,7 @@ static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
-static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48);
+static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48 && sizeof(SubpixelParams) == 32);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 192);
 }  // namespace lpv::layout

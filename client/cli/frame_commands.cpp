@@ -47,6 +47,7 @@ Expected<client::FrameResult> getFrame(client::Client& client, const std::string
   request.set_height(flags.pixels().y);
   request.set_format(*format);
   if (flags.exposure) *request.mutable_exposure() = *flags.exposure;
+  request.set_samples(flags.samples);
   Expected<client::FrameResult> frame = [&] {
     const Spinner spinner("rendering");
     return client.frame(request);

@@ -33,7 +33,7 @@ struct TransformFlags {
   client::Move relativeTo(const Transform& now) const;
 };
 
-/// The flags --eye, --target, --up-vector, --fov, --camera, --size and --exposure.
+/// The flags --eye, --target, --up-vector, --fov, --camera, --size, --exposure and --samples.
 struct FrameFlags {
   std::optional<glm::dvec3> eye;
   std::optional<glm::dvec3> target;
@@ -42,6 +42,7 @@ struct FrameFlags {
   std::string cameraName;
   std::optional<glm::ivec2> size;
   std::optional<v1::Exposure> exposure;
+  int samples = 0;  ///< per pixel; 0: as the server has it
 
   void addTo(CLI::App& app);
   void addCameraTo(CLI::App& app);

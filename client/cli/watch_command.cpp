@@ -245,6 +245,7 @@ Status watch(Context& context, const WatchOptions& options) {
   wanted.set_width(options.frame.pixels().x);
   wanted.set_height(options.frame.pixels().y);
   if (options.frame.exposure) *wanted.mutable_exposure() = *options.frame.exposure;
+  wanted.set_samples(options.frame.samples);
   client::FrameWatcher watcher(
       *client, wanted, [&](const client::FrameResult& r) { report.add(r.header.result(), r.file.size()); },
       hooksFor(report));

@@ -32,6 +32,12 @@ struct Exposure {
   double ev = 0.0;  ///< stops added: colours are multiplied by 2^ev
 };
 
+/// What a picture shows.
+enum class FrameQuantity {
+  kRadiance,    ///< what the camera sees, W/(sr m^2)
+  kIrradiance,  ///< what surfaces receive, W/m^2; 0 where none is seen
+};
+
 /// One picture of the scene. `view` names the subscriber (or call) whose G-buffer may be kept while its camera, size
 /// and the surfaces stay the same; 0 keeps nothing.
 struct FrameRequest {
@@ -40,6 +46,8 @@ struct FrameRequest {
   glm::ivec2 size{0};  ///< pixels, each 16..4096
   Exposure exposure;
   PixelFormat format = PixelFormat::kRgb8;
+  FrameQuantity quantity = FrameQuantity::kRadiance;  ///< irradiance: kRgb32F, one sample
+  int samples = 1;  ///< of each pixel, for edges and textures: 1, 2, 4, 8 or 16; light is found once per pixel
   bool reduced = false;  ///< GATHER: near lights are looked at from some pixels, not from each (streams)
 };
 

@@ -2,64 +2,18 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 
 #include "gpu/failure.h"
-#include "lpv/frame/draw.h"
-#include "lpv/frame/emitters.h"
-#include "lpv/frame/gbuffer.h"
-#include "lpv/frame/near_field.h"
-#include "lpv/frame/panes.h"
-#include "lpv/frame/shading.h"
-#include "lpv/readback.h"
-#include "lpv/resources/scene_cache.h"
+#include "lpv/pipeline_stages.h"
 #include "lpv/tick_report.h"
-#include "lpv/transport/bounces.h"
-#include "lpv/transport/emitter_list.h"
-#include "lpv/transport/gather.h"
-#include "lpv/transport/inject.h"
-#include "lpv/transport/propagate.h"
-#include "lpv/transport/volume.h"
-#include "lpv/voxelize/voxelize.h"
 
 namespace lpv {
 
 namespace {
 
-/// A piece is aimed at this share of what it may take: predictions are not exact.
-constexpr double kAim = 0.6;
-
-/// What the counters count.
-struct CountInputs {
-  Stamp lights = 0;    ///< begins with zeros
-  Stamp textured = 0;  ///< clamped cells; a volume's are read with the volume
-
-  bool operator==(const CountInputs&) const = default;
-};
-
 /// Frames that look at triangles take them as they are: they are put into the grid for those who look at volumes only.
 bool needsVoxels(const SessionState& s, const EmittingLight& light, const TickRequest& request) {
   return !s.looksAtLights || !(light.polygons || light.tree) || request.transported || request.injected;
-}
-
-/// Where each frame of a tick is made: kept views in the session, others here for the tick.
-struct FrameViews {
-  FrameViews(SessionState& session, const TickRequest& request) {
-    for (const FrameRequest& frame : request.frames) {
-      View* view = frame.view != 0 ? &session.views[frame.view] : nullptr;
-      if (view == nullptr || std::find(of.begin(), of.end(), view) != of.end())
-        view = unkept.emplace_back(std::make_unique<View>()).get();
-      of.push_back(view);
-    }
-  }
-  std::vector<View*> of;  ///< per frame
-  std::vector<std::unique_ptr<View>> unkept;
-};
-
-/// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
-int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
-int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
-  return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
 }
 
 std::size_t patchesWanted(const LightingSettings& options) {
@@ -71,114 +25,7 @@ bool readsReflections(const TickRequest& request) {
   return !request.frames.empty() || (request.transported && request.probed);
 }
 
-/// Light that has arrived in cells, as volumes are made from it.
-struct Transported {
-  const FieldBuffer& field;
-  Stamp stamp;
-};
-
-/// What the patches, and what they exchange, are made from.
-struct PatchInputs {
-  std::vector<SurfacePtr> surfaces;
-  Grid grid;
-  std::size_t count = 0;
-  Stamp blockers = 0;
-
-  bool operator==(const PatchInputs&) const = default;
-};
-
-/// What patches send.
-struct ReflectInputs {
-  Stamp patches = 0;
-  Stamp lights = 0;
-  Stamp list = 0;  ///< of emitters
-  Stamp blockers = 0;
-  int bounces = 0;
-  int turns = 0;   ///< of shadow rays
-
-  bool operator==(const ReflectInputs&) const = default;
-};
-
-/// What an injected volume that leaves the engine is made from.
-struct InjectedVolumeInputs {
-  InjectInputs injected;
-  bool guarded = false;  ///< guard cells go along
-
-  bool operator==(const InjectedVolumeInputs&) const = default;
-};
-
-/// Volumes whose copies are under way, by what they are made from.
-struct VolumeCopies {
-  std::optional<VolumeInputs> transported;
-  bool probed = false;  ///< Volume::probed
-  std::optional<InjectedVolumeInputs> injected;
-
-  bool any() const { return transported || injected; }
-};
-
 }  // namespace
-
-/// Of one session. What has no product here describes memory: of the field, or of the list of emitters.
-struct StageProducts {
-  Cached<InjectInputs> injected;  ///< PROPAGATE
-  Cached<PropagateInputs> propagated;
-  Cached<GatherInputs, ReceiverBlocks> gathered;  ///< the blocks that are
-  Cached<SurfaceBlocksInputs, ReceiverBlocks> surfaceBlocks;
-  Cached<EmitterListInputs> listed;
-  EmitterBufferList emitters;
-  Cached<Stamp> pooled;  ///< of the lights
-  LightPools pools;
-  LightPointCache lightPoints;
-  GpuOccluders occluders;
-  CellVisibilities cellVisibilities;
-  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
-  Cached<ReflectInputs> reflected;
-  /// Patches that send light, or null.
-  const PatchSet* reflecting() const { return reflected.stamp() != 0 ? patches.product().get() : nullptr; }
-  Cached<VolumeInputs> textured;
-  Cached<VolumeInputs, VolumePtr> transportedVolume;
-  Cached<InjectedVolumeInputs, VolumePtr> injectedVolume;
-  Cached<InjectInputs> counting;  ///< GATHER, DIRECT
-  Cached<CountInputs, layout::Counters> counts;
-  Readbacks readbacks;
-};
-
-struct Pipeline::Stages {
-  explicit Stages(double seconds) : pieceSeconds(seconds) {}
-
-  double pieceSeconds;
-  SceneCache cache;
-  Voxelizer voxelizer;
-  Injector injector;
-  Propagator propagator;
-  Gatherer gatherer;
-  BouncePass bouncePass;
-  VolumeMaker volumeMaker;
-  MeshDrawer drawer;
-  GbufferRenderer gbufferRenderer;
-  EmitterRenderer emitterRenderer;
-  PaneRenderer paneRenderer;
-  NearFieldPass nearFieldPass;
-  ShadingPass shadingPass;
-
-  Pacing pacing(const SessionState& s) const { return {s.clock.get(), kAim * pieceSeconds}; }
-  GpuTask voxelize(SessionState& s, const TickRequest& request, TickReport& report);
-  GpuTask inject(SessionState& s, const TickRequest& request, TickReport& report);
-  GpuTask propagate(SessionState& s, const Scene& scene);
-  GpuTask gather(SessionState& s, const TickRequest& request);
-  GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
-  GpuTask listEmitters(SessionState& s, double openingRatio);
-  GpuTask findShadowCasters(SessionState& s, const Scene& scene);
-  GpuTask findPatches(SessionState& s, const Scene& scene);
-  GpuTask reflect(SessionState& s, const TickRequest& request);
-  GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
-  GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
-  GpuTask finishCopies(SessionState& s, const FrameViews& views);
-  GpuTask takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies);
-  GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
-  GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
-  GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
-};
 
 std::array<double, kStages> unitsOf(const Workload& w) {
   const double blocks = w.cells / double(layout::kBlockX * layout::kBlockY * layout::kBlockZ);
@@ -226,7 +73,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   co_await stages.makeTextures(s, request, light);
   VolumeCopies copies;
   co_await stages.makeVolumes(s, request, light, copies);
-  FrameViews views(s, request);
+  TickViews views(s, request);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
     co_await stages.drawFrame(s, scene, request.frames[i], *views.of[i]);
 
@@ -412,7 +259,7 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
 }
 
 /// Frames are copied once they are drawn; then all copies of the tick are waited for.
-GpuTask Pipeline::Stages::finishCopies(SessionState& s, const FrameViews& views) {
+GpuTask Pipeline::Stages::finishCopies(SessionState& s, const TickViews& views) {
   if (!views.of.empty()) {
     const gpu::Fence drawn = gpu::Fence::insert();
     co_yield waitFor(drawn);
@@ -444,102 +291,6 @@ GpuTask Pipeline::Stages::takeVolumes(SessionState& s, const ScenePtr& scene, co
     co_await takeVolume(made.readbacks.injected, s.field(), groups, s.guarded, *volume);
     made.injectedVolume.set(*copies.injected, std::move(volume));
   }
-}
-
-namespace {
-
-/// What each pool of lights, and last what surfaces reflect, sends to a view is made from; empty where no picture of
-/// each is kept.
-std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& scene, const FrameRequest& frame,
-                                            const View& view) {
-  const StageProducts& made = *s.products;
-  const std::size_t count = made.pools.pools.size() + (made.reflecting() != nullptr ? 1 : 0);
-  if (!frame.reduced || !s.looksAtLights || !keepsPools(frame.size, count)) return {};
-  PoolPictureInputs shared;
-  shared.picture = view.gbuffer->shown.stamp();
-  shared.blockers = made.occluders.surfaces();
-  shared.grid = s.memory.product()->grid;
-  shared.openingRatio = scene.options.openingRatio();
-  shared.turns = s.shadowed ? shadowTurns(frame, scene.options) : 0;
-  std::vector<PoolPictureInputs> out;
-  for (const LightPool& pool : made.pools.pools) {
-    PoolPictureInputs& inputs = out.emplace_back(shared);
-    for (int i = pool.firstLight; i < pool.lightsEnd; ++i) inputs.lights.push_back(lookedAt(s.lights[std::size_t(i)]));
-  }
-  if (made.reflecting() == nullptr) return out;
-  PoolPictureInputs& reflected = out.emplace_back(shared);
-  reflected.reflected = made.reflected.stamp();
-  reflected.turns = s.reflectionsBlocked ? shadowTurns(frame, scene.options) : 0;
-  return out;
-}
-
-}  // namespace
-
-GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
-  if (view.nearField == nullptr || view.nearField->size != frame.size) {
-    view.nearField = nullptr;
-    view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
-  }
-  const StageProducts& made = *s.products;
-  const int turns = shadowTurns(frame, scene.options);
-  const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? turns : 0, made.reflecting(),
-                                 s.reflectionsBlocked ? turns : 0};
-  const bool inTheWay = s.shadowed || s.bounces > 0;
-  const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
-                                    inTheWay ? &shadows : nullptr,
-                                    frame.reduced,
-                                    inTheWay ? poolPictures(s, scene, frame, view) : std::vector<PoolPictureInputs>()};
-  co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
-                             pacing(s));
-}
-
-GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
-  if (!PaneRenderer::needed(frame, scene)) {
-    view.panes = nullptr;
-    co_return;
-  }
-  if (view.panes == nullptr || view.panes->target.size() != frame.size) {
-    view.panes = nullptr;
-    view.panes = std::make_unique<PaneBuffer>(frame.size);
-  }
-  co_await paneRenderer.run(*view.panes, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
-                            view.targets->frameParams, pacing(s));
-}
-
-GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
-  if (view.targets == nullptr || !view.targets->fits(frame)) {
-    view.targets = nullptr;
-    view.targets = std::make_unique<FrameTargets>(frame.size, frame.format, frame.exposure.automatic);
-  }
-  if (view.gbuffer == nullptr || view.gbuffer->target.size() != frame.size) {
-    view.gbuffer = nullptr;
-    view.gbuffer = std::make_unique<Gbuffer>(frame.size);
-  }
-  layout::FrameParams params = FrameView(frame.camera, frame.size).params(s.field().grid);
-  params.palette = glm::vec3(s.palette().radiance[0]);
-  params.exposure = exposureParams(frame.exposure);
-  FrameTargets& targets = *view.targets;
-  targets.frameParams.update(0, gpu::bytesOfValue(params));
-
-  Gbuffer& gbuffer = *view.gbuffer;
-  const GbufferInputs shown = gbufferInputs(frame, scene);
-  if (!gbuffer.shown.holds(shown)) {
-    co_await gbufferRenderer.run(gbuffer, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
-    gbuffer.shown.set(shown);
-  }
-  co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
-  co_await drawPanes(s, scene, frame, view);
-  const LightField& field = s.field();
-  const bool sampled =
-      s.shadowed || s.bounces > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
-  if (sampled) co_await lookAtLights(s, scene, frame, view);
-  const IrradianceSources lit = {field.transport,
-                                 scene.options.lookup,
-                                 s.looksAtLights ? nullptr : &*field.textures,
-                                 &s.products->emitters,
-                                 sampled ? &view.nearField->irradiance : nullptr,
-                                 view.panes != nullptr ? &view.panes->share : nullptr};
-  co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 
 }  // namespace lpv

@@ -28,7 +28,8 @@ struct View {
   std::unique_ptr<Gbuffer> gbuffer;
   std::unique_ptr<FrameTargets> targets;
   std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced), or one with shadows
-  std::unique_ptr<PaneBuffer> panes;  ///< where panes are in the picture
+  std::unique_ptr<PaneBuffer> panes;  ///< where panes are in the picture, and one sample per pixel
+  std::unique_ptr<SubpixelBuffer> subpixels;  ///< of a frame with several samples per pixel
   gpu::Readback readback;
 };
 

@@ -5,6 +5,7 @@
 #error "LPV_TEXTURE: 0 or 1"
 #endif
 
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 layout(std140, binding = kDrawParams) uniform DrawBlock { DrawParams draw; };
 #if LPV_TEXTURE
 layout(binding = kAlbedo) uniform sampler2D radianceTexture;
@@ -16,6 +17,6 @@ layout(location = 0) out vec4 emission;
 void main() {
   emission = vec4(gl_FrontFacing ? draw.colour : draw.backColour, 1.0);
 #if LPV_TEXTURE
-  emission.rgb *= texture(radianceTexture, textureUv).rgb;
+  emission.rgb *= texture(radianceTexture, textureUv, -0.5 * log2(float(frame.samples))).rgb;
 #endif
 }

@@ -8,6 +8,7 @@
 #error "LPV_NORMALS, LPV_TEXTURE, LPV_ALPHA: 0 or 1"
 #endif
 
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 layout(std140, binding = kDrawParams) uniform DrawBlock { DrawParams draw; };
 #if LPV_TEXTURE
 layout(binding = kAlbedo) uniform sampler2D albedoTexture;
@@ -33,7 +34,7 @@ vec3 surfaceNormal() {
 void main() {
   albedo = vec4(draw.colour, 1.0);
 #if LPV_TEXTURE
-  const vec4 texel = textureAskew(albedoTexture, textureUv);
+  const vec4 texel = textureAskew(albedoTexture, textureUv, inversesqrt(float(frame.samples)));
   albedo.rgb *= texel.rgb;
 #endif
 #if LPV_ALPHA

@@ -1,6 +1,6 @@
 // Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
 // through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen. LPV_PANES: some of it
-// is seen through panes.
+// is seen through panes. LPV_SUBPIXELS: several samples of each pixel say what is in it (frame/subpixels.glsl).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
@@ -10,10 +10,22 @@
 #ifndef LPV_DISPLAY
 #error "LPV_DISPLAY: 0 or 1"
 #endif
+// LPV_IRRADIANCE: what surfaces receive instead, linear.
+#if !defined LPV_IRRADIANCE || (LPV_IRRADIANCE && LPV_DISPLAY)
+#error "LPV_IRRADIANCE: 0 or 1, which is not for displays"
+#endif
 #ifndef LPV_PANES
 #error "LPV_PANES: 0 or 1"
 #elif LPV_PANES
 layout(binding = kPanes) uniform sampler2D panes;
+#endif
+#ifndef LPV_SUBPIXELS
+#error "LPV_SUBPIXELS: 0 or 1"
+#elif LPV_SUBPIXELS
+#include "frame/subpixels.glsl"
+layout(binding = kSubpixelsOwn) uniform sampler2D ownSubpixels;
+layout(binding = kSubpixelsFirst) uniform sampler2D firstSubpixels;
+layout(binding = kSubpixelsSecond) uniform sampler2D secondSubpixels;
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
@@ -75,22 +87,43 @@ vec3 irradiance(ivec2 pixel, vec3 p, vec3 n) {
 }
 #endif
 
-vec3 reflected(ivec2 pixel, float depth) {
+/// By white.
+vec3 reflected(ivec2 pixel) {
+  const float depth = texelFetch(surfaceDepth, pixel, 0).x;
   const vec3 n = unitFromOctahedral(texelFetch(normal, pixel, 0).xy);
-  const vec3 e = irradiance(pixel, gridPosition(frame, gl_FragCoord.xy, depth), n);
-  return texelFetch(albedo, pixel, 0).rgb * e / kPi;
+  return irradiance(pixel, gridPosition(frame, vec2(pixel) + 0.5, depth), n) / kPi;
 }
+
+#if LPV_SUBPIXELS
+vec3 reflected(ivec2 pixel, vec4 subpixels) {
+  const int count = countOf(subpixels);
+  return count == 0 ? vec3(0.0)
+                    : float(count) / float(frame.samples) * subpixels.rgb * reflected(pixel + pixelAround(codeOf(subpixels)));
+}
+
+vec3 radiance(ivec2 pixel) {
+  return texelFetch(emission, pixel, 0).rgb + reflected(pixel, texelFetch(ownSubpixels, pixel, 0)) +
+         reflected(pixel, texelFetch(firstSubpixels, pixel, 0)) + reflected(pixel, texelFetch(secondSubpixels, pixel, 0));
+}
+#endif
 
 void main() {
   const ivec2 pixel = ivec2(gl_FragCoord.xy);
   const float surface = texelFetch(surfaceDepth, pixel, 0).x;
   const float emitter = texelFetch(emitterDepth, pixel, 0).x;  // reversed: larger is nearer, 0 is nothing
-  colour = vec4(0.0);
-  if (emitter > 0.0 && emitter >= surface) {
+  const bool lightInFront = emitter > 0.0 && emitter >= surface;
+  colour = vec4(vec3(0.0), surface > 0.0 && !lightInFront ? 1.0 : 0.0);
+#if LPV_IRRADIANCE
+  colour.rgb = colour.a * kPi * reflected(pixel);
+#elif LPV_SUBPIXELS
+  colour.rgb = radiance(pixel);
+#else
+  if (lightInFront) {
     colour.rgb = texelFetch(emission, pixel, 0).rgb;
   } else if (surface > 0.0) {
-    colour = vec4(reflected(pixel, surface), 1.0);
+    colour.rgb = texelFetch(albedo, pixel, 0).rgb * reflected(pixel);
   }
+#endif
 #if LPV_PANES
   colour.rgb *= texelFetch(panes, pixel, 0).rgb;
 #endif

@@ -79,11 +79,13 @@ class Server:
     def show(self, session):
         return json.loads(self.run("--json", "session", "show", session))
 
-    def frame(self, session, view, size):
-        """(linear radiance (height, width, 3), the answer's header, seconds that the call took)."""
+    def frame(self, session, view, size, samples=1):
+        """(linear radiance (height, width, 3), the answer's header, seconds that the call took). `samples`: of each pixel,
+        for edges and textures; 0: as the server has it."""
         path = pathlib.Path(self.scratch.name) / "frame.exr"
         began = time.monotonic()
-        header = json.loads(self.run("--json", "frame", "get", session, "-o", path, *view_flags(view, size)))
+        header = json.loads(self.run("--json", "frame", "get", session, "-o", path, "--samples", samples,
+                                     *view_flags(view, size)))
         return exr.read(path)["radiance"], header["header"], time.monotonic() - began
 
     def probe(self, session, positions, normals):

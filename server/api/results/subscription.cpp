@@ -27,6 +27,12 @@ Expected<int> qualityOf(int quality) {
   return invalid("quality", "quality is " + std::to_string(quality) + ", allowed are 1 to 100");
 }
 
+Expected<int> samplesOf(int samples, int otherwise) {
+  if (samples == 0) return otherwise;
+  if (samples == 1 || samples == 2 || samples == 4 || samples == 8 || samples == 16) return samples;
+  return invalid("samples", "samples is " + std::to_string(samples) + ", allowed are 1, 2, 4, 8 and 16 per pixel");
+}
+
 Expected<CameraChoice> cameraChoice(const pb::Camera* camera, const std::string& name) {
   CameraChoice choice;
   choice.name = name;
@@ -38,17 +44,27 @@ Expected<CameraChoice> cameraChoice(const pb::Camera* camera, const std::string&
   return choice;
 }
 
+/// Of what a request leaves open.
+struct FrameDefaults {
+  pb::FrameFormat format;
+  int samples;
+};
+constexpr FrameDefaults kOfStreams = {pb::FRAME_FORMAT_JPEG, 1};
+constexpr FrameDefaults kOfCalls = {pb::FRAME_FORMAT_PNG, 8};
+
 /// What subscriptions and calls have in common.
 template <typename Message>
-Expected<FrameEncodingRequest> common(const Message& in, const pb::Camera* camera, pb::FrameFormat otherwise,
+Expected<FrameEncodingRequest> common(const Message& in, const pb::Camera* camera, const FrameDefaults& otherwise,
                                       const Limits& limits) {
   FrameEncodingRequest order;
   const Expected<glm::ivec2> size = frameSize(in.width(), in.height(), limits);
   if (!size) return size.status();
-  const Expected<pb::FrameFormat> format = formatOf(in.format(), otherwise);
+  const Expected<pb::FrameFormat> format = formatOf(in.format(), otherwise.format);
   if (!format) return format.status();
   const Expected<int> quality = qualityOf(in.quality());
   if (!quality) return quality.status();
+  const Expected<int> samples = samplesOf(in.samples(), otherwise.samples);
+  if (!samples) return samples.status();
   const Expected<lpv::Exposure> exposure = exposureFrom(in.exposure());
   if (!exposure) return exposure.status().within("exposure");
   const Expected<CameraChoice> choice = cameraChoice(camera, in.camera_name());
@@ -59,7 +75,21 @@ Expected<FrameEncodingRequest> common(const Message& in, const pb::Camera* camer
   order.subscription.format = *format == pb::FRAME_FORMAT_EXR ? PixelFormat::kRgb32F : PixelFormat::kRgb8;
   order.format = *format;
   order.subscription.quality = *quality;
+  order.subscription.samples = *samples;
   return order;
+}
+
+Expected<FrameQuantity> quantityOf(pb::FrameQuantity quantity, pb::FrameFormat format) {
+  switch (quantity) {
+    case pb::FRAME_QUANTITY_UNSPECIFIED:
+    case pb::FRAME_QUANTITY_RADIANCE:
+      return FrameQuantity::kRadiance;
+    case pb::FRAME_QUANTITY_IRRADIANCE:
+      if (format == pb::FRAME_FORMAT_EXR) return FrameQuantity::kIrradiance;
+      return invalid("format", "irradiance is written as EXR only; want FRAME_FORMAT_EXR");
+    default:
+      return invalid("quantity", "quantity has the unknown value " + std::to_string(int(quantity)));
+  }
 }
 
 Expected<wire::Format> volumeFormatOf(pb::VolumeFormat format) {
@@ -183,13 +213,19 @@ Expected<VolumeEncodingRequest> encodingRequestFrom(const pb::GetVolumeRequest& 
 Expected<FrameEncodingRequest> encodingRequestFrom(const pb::FrameSubscription& in, const Limits& limits) {
   if (Status s = checkRate(in.max_rate()); !s.ok()) return s;
   const pb::Camera* camera = in.has_camera() && in.camera().has_camera() ? &in.camera().camera() : nullptr;
-  Expected<FrameEncodingRequest> order = common(in, camera, pb::FRAME_FORMAT_JPEG, limits);
+  Expected<FrameEncodingRequest> order = common(in, camera, kOfStreams, limits);
   if (order) order->subscription.cameraSequence = in.camera().sequence();
   return order;
 }
 
 Expected<FrameEncodingRequest> encodingRequestFrom(const pb::GetFrameRequest& in, const Limits& limits) {
-  return common(in, in.has_camera() ? &in.camera() : nullptr, pb::FRAME_FORMAT_PNG, limits);
+  Expected<FrameEncodingRequest> order = common(in, in.has_camera() ? &in.camera() : nullptr, kOfCalls, limits);
+  if (!order) return order;
+  const Expected<FrameQuantity> quantity = quantityOf(in.quantity(), order->format);
+  if (!quantity) return quantity.status();
+  order->subscription.quantity = *quantity;
+  if (*quantity == FrameQuantity::kIrradiance) order->subscription.samples = 1;
+  return order;
 }
 
 Expected<FrameSettings> updated(const FrameSettings& subscription, const pb::SubscriberUpdate& update,

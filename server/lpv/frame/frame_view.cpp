@@ -41,6 +41,16 @@ layout::FrameParams FrameView::params(const Grid& grid) const {
   return params;
 }
 
+glm::mat4 FrameView::clipFromEye(const glm::dvec2& offset, int firstRow, int rows) const {
+  const glm::dvec2 size(size_), to = 2.0 * offset / size;
+  const double share = size.y / double(rows);
+  glm::dmat4 moved(1.0);  // clip space: y points up, and row 0 is the top one
+  moved[3][0] = -to.x;
+  moved[1][1] = share;
+  moved[3][1] = to.y * share + 1.0 - share + 2.0 * firstRow / double(rows);
+  return glm::mat4(moved * clipFromView_ * viewFromEye_);
+}
+
 glm::dmat4 FrameView::eyeFromObject(const glm::dmat4& worldFromObject) const {
   glm::dmat4 m = worldFromObject;
   m[3] -= glm::dvec4(camera_.eye, 0.0);

@@ -18,6 +18,8 @@ class FrameView {
 
   /// What the frame shaders read. `grid` places the picture's rays in the volume.
   layout::FrameParams params(const Grid& grid) const;
+  /// To draw some rows of the picture by themselves, `offset` pixels to the right of and below their middles.
+  glm::mat4 clipFromEye(const glm::dvec2& offset, int firstRow, int rows) const;
   /// `worldFromObject` moved to the eye.
   glm::dmat4 eyeFromObject(const glm::dmat4& worldFromObject) const;
   /// False when no point of the box can be in the picture.

@@ -36,6 +36,12 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
   if (lit->transport != Transport::kPropagate) lit->emitters->view.bind(layout::kDirect);
   if (lit->nearField != nullptr) lit->nearField->bind(layout::kNearField);
   if (lit->panes != nullptr) lit->panes->bind(layout::kPanes);
+  if (lit->subpixels != nullptr) {
+    lit->subpixels->emission.bind(layout::kEmission);
+    lit->subpixels->own.bind(layout::kSubpixelsOwn);
+    lit->subpixels->first.bind(layout::kSubpixelsFirst);
+    lit->subpixels->second.bind(layout::kSubpixelsSecond);
+  }
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
   for (int i = 0; i < count; ++i) lit->volume->colours[std::size_t(i)].bind(std::uint32_t(layout::kIncident + i));
@@ -99,7 +105,8 @@ gpu::Defines ShadingPass::Variant::defines() const {
   return {gpu::define("LPV_CHANNELS", channels),  gpu::define("LPV_GROUPS", groups),
           gpu::define("LPV_LOOKUP", int(lookup)), gpu::define("LPV_NEAR_FIELD", nearField),
           gpu::define("LPV_LOOKED_AT", lookedAt), gpu::define("LPV_DISPLAY", display),
-          gpu::define("LPV_PANES", panes)};
+          gpu::define("LPV_PANES", panes),        gpu::define("LPV_SUBPIXELS", subpixels),
+          gpu::define("LPV_IRRADIANCE", irradiance)};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -161,7 +168,9 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
                                       .nearField = int(mode),
                                       .lookedAt = nearLights && lit.emitters->lookedAt > 0,
                                       .display = direct,
-                                      .panes = lit.panes != nullptr});
+                                      .panes = lit.panes != nullptr,
+                                      .subpixels = lit.subpixels != nullptr,
+                                      .irradiance = request.quantity == FrameQuantity::kIrradiance});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;
   co_await findExposure(targets, exposureParams(request.exposure), pacing);

@@ -8,6 +8,7 @@
 #include "gpu/program.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/frame/subpixels.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/incident_textures.h"
@@ -43,7 +44,8 @@ struct IrradianceSources {
   const IncidentTextures* volume = nullptr;  ///< null where pixels look at the lights everywhere
   const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
   const gpu::Texture* nearField = nullptr;  ///< of NearFieldBuffer; null: pixels look at the lights themselves
-  const gpu::Texture* panes = nullptr;  ///< of PaneBuffer; null: no pane is in the picture
+  const gpu::Texture* panes = nullptr;  ///< of PaneBuffer; null: no pane is in the picture, or in the subpixels already
+  const SubpixelBuffer* subpixels = nullptr;  ///< null: the middle says what is in a pixel
 };
 
 class ShadingPass {
@@ -70,6 +72,8 @@ class ShadingPass {
     bool lookedAt = false;  ///< shares of lights, wherever a pixel is
     bool display = false;
     bool panes = false;
+    bool subpixels = false;
+    bool irradiance = false;
     gpu::Defines defines() const;
   };
   struct ExposureVariant {

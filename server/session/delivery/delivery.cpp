@@ -336,6 +336,8 @@ FrameRequest Delivery::frameRequest(const FrameSettings& settings, std::uint64_t
   request.size = settings.size;
   request.exposure = settings.exposure;
   request.format = settings.format;
+  request.quantity = settings.quantity;
+  request.samples = settings.samples;
   return request;
 }
 

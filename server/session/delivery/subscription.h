@@ -25,6 +25,8 @@ struct FrameSettings {
   glm::ivec2 size{640, 360};  ///< pixels
   Exposure exposure;
   PixelFormat format = PixelFormat::kRgb8;
+  FrameQuantity quantity = FrameQuantity::kRadiance;
+  int samples = 1;   ///< FrameRequest::samples
   int quality = 85;  ///< of JPEG, 1..100
 };
 

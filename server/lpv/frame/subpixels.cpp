@@ -1,0 +1,114 @@
+#include "lpv/frame/subpixels.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "gpu/gl.h"
+
+namespace lpv {
+
+namespace {
+
+/// Pixels that are sampled at a time: 40 to 48 bytes each.
+constexpr int kSampledPixels = 1 << 20;
+
+/// In sixteenths of a pixel from its middle: the patterns that Direct3D 11 lays down, of which no two share a row or a
+/// column.
+using Offset = glm::ivec2;
+constexpr Offset k2[] = {{4, 4}, {-4, -4}};
+constexpr Offset k4[] = {{-2, -6}, {6, -2}, {-6, 2}, {2, 6}};
+constexpr Offset k8[] = {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}};
+constexpr Offset k16[] = {{1, 1},  {-1, -3}, {-3, 2},  {4, -1}, {-5, -2}, {2, 5},  {5, 3},  {3, -5},
+                          {-2, 6}, {0, -7},  {-4, -6}, {-6, 4}, {-8, 0},  {7, -4}, {6, 7}, {-7, -8}};
+
+std::span<const Offset> offsetsOf(int samples) {
+  switch (samples) {
+    case 2:
+      return k2;
+    case 4:
+      return k4;
+    case 8:
+      return k8;
+    default:
+      return k16;
+  }
+}
+
+gpu::Texture texture(const char* label, const glm::ivec2& size, GLenum format) {
+  return gpu::Texture::make2d(label, size, format, gpu::Sampling::kNearestClamp);
+}
+
+}  // namespace
+
+/// What a sample of each pixel of some rows shows.
+struct SubpixelPass::Rows {
+  Rows(const glm::ivec2& size, bool seesPanes) : gbuffer(size), emitters(size) {
+    if (seesPanes) panes.emplace(size);
+  }
+  Gbuffer gbuffer;
+  EmitterBuffer emitters;
+  std::optional<PaneBuffer> panes;
+};
+
+SubpixelBuffer::SubpixelBuffer(const glm::ivec2& size)
+    : emission(texture("subpixel emission", size, GL_RGBA32F)),
+      own(texture("own subpixels", size, GL_RGBA16F)),
+      first(texture("first subpixels", size, GL_RGBA16F)),
+      second(texture("second subpixels", size, GL_RGBA16F)) {}
+
+GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights,
+                          const FrameRequest& request, const Scene& scene, const SceneResources& resources,
+                          const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing) {
+  const glm::ivec2 size = request.size;
+  const int height = std::clamp(kSampledPixels / size.x, 1, size.y);
+  Rows rows({size.x, height}, PaneRenderer::needed(request, scene));
+  const FrameView view(request.camera, size);
+  gpu::Buffer sampleParams("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic);
+  gpu::Buffer subpixelParams("subpixel params", sizeof(layout::SubpixelParams), gpu::BufferUse::kDynamic);
+  gpu::Program& add = add_.get({.panes = rows.panes.has_value()});
+  const std::span<const Offset> offsets = offsetsOf(request.samples);
+  for (int row = 0; row < size.y; row += height) {
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const glm::vec2 offset = glm::vec2(offsets[i]) / 16.0F;
+      layout::FrameParams drawn{};
+      drawn.samples = request.samples;
+      drawn.clipFromEye = view.clipFromEye(glm::dvec2(offset), row, height);
+      sampleParams.update(0, gpu::bytesOfValue(drawn));
+      co_await gbuffer_.run(rows.gbuffer, request, scene, resources, drawer, sampleParams, pacing);
+      co_await emitters_.run(rows.emitters, request, scene, resources, drawer, sampleParams, pacing);
+      if (rows.panes) {
+        co_await panes_.run(*rows.panes, rows.gbuffer, rows.emitters, request, scene, resources, drawer, sampleParams,
+                            pacing);
+      }
+      gpu::memoryBarrier();
+      layout::SubpixelParams params{};
+      params.offset = offset;
+      params.sampleIndex = int(i);
+      params.samples = int(offsets.size());
+      params.firstRow = row;
+      subpixelParams.update(0, gpu::bytesOfValue(params));
+      frameParams.bindUniform(layout::kParams);
+      subpixelParams.bindUniform(layout::kSubpixelParams);
+      middles.normal.bind(layout::kNormal);
+      middles.depth.bind(layout::kSurfaceDepth);
+      seenLights.depth.bind(layout::kEmitterDepth);
+      rows.gbuffer.albedo.bind(layout::kSampleAlbedo);
+      rows.gbuffer.normal.bind(layout::kSampleNormal);
+      rows.gbuffer.depth.bind(layout::kSampleDepth);
+      rows.emitters.emission.bind(layout::kSampleEmission);
+      rows.emitters.depth.bind(layout::kSampleEmitterDepth);
+      if (rows.panes) rows.panes->share.bind(layout::kPanes);
+      buffer.emission.bindImage(layout::kSubpixelEmissionOut, GL_READ_WRITE);
+      buffer.own.bindImage(layout::kSubpixelOwnOut, GL_READ_WRITE);
+      buffer.first.bindImage(layout::kSubpixelFirstOut, GL_READ_WRITE);
+      buffer.second.bindImage(layout::kSubpixelSecondOut, GL_READ_WRITE);
+      const glm::ivec2 tiles = (glm::ivec2(size.x, height) + layout::kNearFieldTile - 1) / layout::kNearFieldTile;
+      add.dispatch(std::uint32_t(tiles.x), std::uint32_t(tiles.y));
+      co_yield submitted(Stage::kShade, double(size.x) * height);
+    }
+  }
+  gpu::memoryBarrier();
+}
+
+}  // namespace lpv

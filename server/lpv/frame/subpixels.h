@@ -1,0 +1,63 @@
+#pragma once
+// Stage: edges and textures, from several samples of each pixel. Light is found once per pixel, in its middle; here is
+// found how much of the pixel shows which surface, of what albedo, and how much a light in front.
+
+#include <memory>
+#include <vector>
+
+#include "engine/engine.h"
+#include "gpu/buffer.h"
+#include "gpu/program.h"
+#include "gpu/texture.h"
+#include "lpv/cached.h"
+#include "lpv/frame/emitters.h"
+#include "lpv/frame/gbuffer.h"
+#include "lpv/frame/panes.h"
+#include "lpv/pacing/gpu_task.h"
+#include "lpv/pacing/stage_clock.h"
+
+namespace lpv {
+
+/// What a picture's subpixels are made from.
+struct SubpixelInputs {
+  Stamp picture = 0;  ///< of the G-buffer
+  std::vector<LightPtr> lights;
+  int samples = 0;  ///< per pixel
+
+  bool operator==(const SubpixelInputs&) const = default;
+};
+
+/// Of a picture (shaders/frame/subpixels.glsl).
+struct SubpixelBuffer {
+  explicit SubpixelBuffer(const glm::ivec2& size);
+  glm::ivec2 size() const { return {own.size()}; }
+
+  gpu::Texture emission;            ///< RGBA32F: mean radiance of lights in front, as seen
+  gpu::Texture own, first, second;  ///< RGBA16F: mean albedo of samples that are lit as this pixel, or as one beside it
+  Cached<SubpixelInputs> shown;
+};
+
+class SubpixelPass {
+ public:
+  SubpixelPass(GbufferRenderer& gbuffer, EmitterRenderer& emitters, PaneRenderer& panes)
+      : gbuffer_(gbuffer), emitters_(emitters), panes_(panes) {}
+
+  /// After the G-buffer and the lights of the same picture, whose middles they are. Large pictures are sampled some
+  /// rows at a time.
+  GpuTask run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights,
+              const FrameRequest& request, const Scene& scene, const SceneResources& resources,
+              const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+
+ private:
+  struct Rows;
+  struct Variant {
+    bool panes = false;
+    gpu::Defines defines() const { return {gpu::define("LPV_PANES", panes)}; }
+  };
+  GbufferRenderer& gbuffer_;
+  EmitterRenderer& emitters_;
+  PaneRenderer& panes_;
+  gpu::Programs<Variant> add_{{"frame/subpixels.comp"}};
+};
+
+}  // namespace lpv

@@ -1,0 +1,120 @@
+#include "lpv/pipeline_stages.h"
+
+namespace lpv {
+
+namespace {
+
+/// What each pool of lights, and last what surfaces reflect, sends to a view is made from; empty where no picture of
+/// each is kept.
+std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& scene, const FrameRequest& frame,
+                                            const View& view) {
+  const StageProducts& made = *s.products;
+  const std::size_t count = made.pools.pools.size() + (made.reflecting() != nullptr ? 1 : 0);
+  if (!frame.reduced || !s.looksAtLights || !keepsPools(frame.size, count)) return {};
+  PoolPictureInputs shared;
+  shared.picture = view.gbuffer->shown.stamp();
+  shared.blockers = made.occluders.surfaces();
+  shared.grid = s.memory.product()->grid;
+  shared.openingRatio = scene.options.openingRatio();
+  shared.turns = s.shadowed ? shadowTurns(frame, scene.options) : 0;
+  std::vector<PoolPictureInputs> out;
+  for (const LightPool& pool : made.pools.pools) {
+    PoolPictureInputs& inputs = out.emplace_back(shared);
+    for (int i = pool.firstLight; i < pool.lightsEnd; ++i) inputs.lights.push_back(lookedAt(s.lights[std::size_t(i)]));
+  }
+  if (made.reflecting() == nullptr) return out;
+  PoolPictureInputs& reflected = out.emplace_back(shared);
+  reflected.reflected = made.reflected.stamp();
+  reflected.turns = s.reflectionsBlocked ? shadowTurns(frame, scene.options) : 0;
+  return out;
+}
+
+}  // namespace
+
+GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+  if (view.nearField == nullptr || view.nearField->size != frame.size) {
+    view.nearField = nullptr;
+    view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
+  }
+  const StageProducts& made = *s.products;
+  const int turns = shadowTurns(frame, scene.options);
+  const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? turns : 0, made.reflecting(),
+                                 s.reflectionsBlocked ? turns : 0};
+  const bool inTheWay = s.shadowed || s.bounces > 0;
+  const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
+                                    inTheWay ? &shadows : nullptr,
+                                    frame.reduced,
+                                    inTheWay ? poolPictures(s, scene, frame, view) : std::vector<PoolPictureInputs>()};
+  co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
+                             pacing(s));
+}
+
+GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+  if (frame.samples > 1 || !PaneRenderer::needed(frame, scene)) {
+    view.panes = nullptr;
+    co_return;
+  }
+  if (view.panes == nullptr || view.panes->target.size() != frame.size) {
+    view.panes = nullptr;
+    view.panes = std::make_unique<PaneBuffer>(frame.size);
+  }
+  co_await paneRenderer.run(*view.panes, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
+                            view.targets->frameParams, pacing(s));
+}
+
+GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+  if (frame.samples == 1) {
+    view.subpixels = nullptr;
+    co_return;
+  }
+  if (view.subpixels == nullptr || view.subpixels->size() != frame.size) {
+    view.subpixels = nullptr;
+    view.subpixels = std::make_unique<SubpixelBuffer>(frame.size);
+  }
+  SubpixelInputs inputs = {view.gbuffer->shown.stamp(), {}, frame.samples};
+  for (const auto& [name, light] : scene.lights) inputs.lights.push_back(light);
+  if (view.subpixels->shown.holds(inputs)) co_return;
+  co_await subpixelPass.run(*view.subpixels, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
+                            view.targets->frameParams, pacing(s));
+  view.subpixels->shown.set(std::move(inputs));
+}
+
+GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+  if (view.targets == nullptr || !view.targets->fits(frame)) {
+    view.targets = nullptr;
+    view.targets = std::make_unique<FrameTargets>(frame.size, frame.format, frame.exposure.automatic);
+  }
+  if (view.gbuffer == nullptr || view.gbuffer->target.size() != frame.size) {
+    view.gbuffer = nullptr;
+    view.gbuffer = std::make_unique<Gbuffer>(frame.size);
+  }
+  layout::FrameParams params = FrameView(frame.camera, frame.size).params(s.field().grid);
+  params.palette = glm::vec3(s.palette().radiance[0]);
+  params.samples = frame.samples;
+  params.exposure = exposureParams(frame.exposure);
+  FrameTargets& targets = *view.targets;
+  targets.frameParams.update(0, gpu::bytesOfValue(params));
+
+  Gbuffer& gbuffer = *view.gbuffer;
+  const GbufferInputs shown = gbufferInputs(frame, scene);
+  if (!gbuffer.shown.holds(shown)) {
+    co_await gbufferRenderer.run(gbuffer, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
+    gbuffer.shown.set(shown);
+  }
+  co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
+  co_await drawPanes(s, scene, frame, view);
+  co_await drawSubpixels(s, scene, frame, view);
+  const LightField& field = s.field();
+  const bool sampled =
+      s.shadowed || s.bounces > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
+  if (sampled) co_await lookAtLights(s, scene, frame, view);
+  const IrradianceSources lit = {field.transport,
+                                 scene.options.lookup,
+                                 s.looksAtLights ? nullptr : &*field.textures,
+                                 &s.products->emitters,
+                                 sampled ? &view.nearField->irradiance : nullptr,
+                                 view.panes != nullptr ? &view.panes->share : nullptr, view.subpixels.get()};
+  co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
+}
+
+}  // namespace lpv

@@ -1,0 +1,171 @@
+#pragma once
+// Inside of the pipeline: its stages, and what each has made for a session.
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "lpv/frame/draw.h"
+#include "lpv/frame/emitters.h"
+#include "lpv/frame/gbuffer.h"
+#include "lpv/frame/near_field.h"
+#include "lpv/frame/panes.h"
+#include "lpv/frame/shading.h"
+#include "lpv/frame/subpixels.h"
+#include "lpv/pipeline.h"
+#include "lpv/readback.h"
+#include "lpv/resources/scene_cache.h"
+#include "lpv/transport/bounces.h"
+#include "lpv/transport/emitter_list.h"
+#include "lpv/transport/gather.h"
+#include "lpv/transport/inject.h"
+#include "lpv/transport/propagate.h"
+#include "lpv/transport/volume.h"
+#include "lpv/voxelize/voxelize.h"
+
+namespace lpv {
+
+/// A piece is aimed at this share of what it may take: predictions are not exact.
+inline constexpr double kAim = 0.6;
+
+/// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
+inline int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
+inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
+  return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
+}
+
+/// Light that has arrived in cells, as volumes are made from it.
+struct Transported {
+  const FieldBuffer& field;
+  Stamp stamp;
+};
+
+/// What the counters count.
+struct CountInputs {
+  Stamp lights = 0;    ///< begins with zeros
+  Stamp textured = 0;  ///< clamped cells; a volume's are read with the volume
+
+  bool operator==(const CountInputs&) const = default;
+};
+
+/// What the patches, and what they exchange, are made from.
+struct PatchInputs {
+  std::vector<SurfacePtr> surfaces;
+  Grid grid;
+  std::size_t count = 0;
+  Stamp blockers = 0;
+
+  bool operator==(const PatchInputs&) const = default;
+};
+
+/// What patches send.
+struct ReflectInputs {
+  Stamp patches = 0;
+  Stamp lights = 0;
+  Stamp list = 0;  ///< of emitters
+  Stamp blockers = 0;
+  int bounces = 0;
+  int turns = 0;   ///< of shadow rays
+
+  bool operator==(const ReflectInputs&) const = default;
+};
+
+/// What an injected volume that leaves the engine is made from.
+struct InjectedVolumeInputs {
+  InjectInputs injected;
+  bool guarded = false;  ///< guard cells go along
+
+  bool operator==(const InjectedVolumeInputs&) const = default;
+};
+
+/// Volumes whose copies are under way, by what they are made from.
+struct VolumeCopies {
+  std::optional<VolumeInputs> transported;
+  bool probed = false;  ///< Volume::probed
+  std::optional<InjectedVolumeInputs> injected;
+
+  bool any() const { return transported || injected; }
+};
+
+/// Where each frame of a tick is made: kept views in the session, others here for the tick.
+struct TickViews {
+  TickViews(SessionState& session, const TickRequest& request) {
+    for (const FrameRequest& frame : request.frames) {
+      View* view = frame.view != 0 ? &session.views[frame.view] : nullptr;
+      if (view == nullptr || std::find(of.begin(), of.end(), view) != of.end())
+        view = unkept.emplace_back(std::make_unique<View>()).get();
+      of.push_back(view);
+    }
+  }
+  std::vector<View*> of;  ///< per frame
+  std::vector<std::unique_ptr<View>> unkept;
+};
+
+/// Of one session. What has no product here describes memory: of the field, or of the list of emitters.
+struct StageProducts {
+  Cached<InjectInputs> injected;  ///< PROPAGATE
+  Cached<PropagateInputs> propagated;
+  Cached<GatherInputs, ReceiverBlocks> gathered;  ///< the blocks that are
+  Cached<SurfaceBlocksInputs, ReceiverBlocks> surfaceBlocks;
+  Cached<EmitterListInputs> listed;
+  EmitterBufferList emitters;
+  Cached<Stamp> pooled;  ///< of the lights
+  LightPools pools;
+  LightPointCache lightPoints;
+  GpuOccluders occluders;
+  CellVisibilities cellVisibilities;
+  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
+  Cached<ReflectInputs> reflected;
+  /// Patches that send light, or null.
+  const PatchSet* reflecting() const { return reflected.stamp() != 0 ? patches.product().get() : nullptr; }
+  Cached<VolumeInputs> textured;
+  Cached<VolumeInputs, VolumePtr> transportedVolume;
+  Cached<InjectedVolumeInputs, VolumePtr> injectedVolume;
+  Cached<InjectInputs> counting;  ///< GATHER, DIRECT
+  Cached<CountInputs, layout::Counters> counts;
+  Readbacks readbacks;
+};
+
+struct Pipeline::Stages {
+  explicit Stages(double seconds) : pieceSeconds(seconds) {}
+
+  double pieceSeconds;
+  SceneCache cache;
+  Voxelizer voxelizer;
+  Injector injector;
+  Propagator propagator;
+  Gatherer gatherer;
+  BouncePass bouncePass;
+  VolumeMaker volumeMaker;
+  MeshDrawer drawer;
+  GbufferRenderer gbufferRenderer;
+  EmitterRenderer emitterRenderer;
+  PaneRenderer paneRenderer;
+  SubpixelPass subpixelPass{gbufferRenderer, emitterRenderer, paneRenderer};
+  NearFieldPass nearFieldPass;
+  ShadingPass shadingPass;
+
+  Pacing pacing(const SessionState& s) const { return {s.clock.get(), kAim * pieceSeconds}; }
+  GpuTask voxelize(SessionState& s, const TickRequest& request, TickReport& report);
+  GpuTask inject(SessionState& s, const TickRequest& request, TickReport& report);
+  GpuTask propagate(SessionState& s, const Scene& scene);
+  GpuTask gather(SessionState& s, const TickRequest& request);
+  GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
+  GpuTask listEmitters(SessionState& s, double openingRatio);
+  GpuTask findShadowCasters(SessionState& s, const Scene& scene);
+  GpuTask findPatches(SessionState& s, const Scene& scene);
+  GpuTask reflect(SessionState& s, const TickRequest& request);
+  GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
+  GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
+  GpuTask finishCopies(SessionState& s, const TickViews& views);
+  GpuTask takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies);
+
+  // Of frames (pipeline_frames.cpp).
+  GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+  GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+  GpuTask drawSubpixels(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+  GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+};
+
+}  // namespace lpv
