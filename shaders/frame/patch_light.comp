@@ -62,20 +62,21 @@ vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
   return place;
 }
 
-/// Of near patches, what would arrive from those that are not asked, with nothing in between, and what arrives from the
-/// others.
-void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 known) {
-  known = vec3(0.0);
+/// Of near patches, what would arrive with nothing in between, from those that are not asked and from those that are;
+/// and what arrives from these.
+void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 asked, out vec3 known) {
+  asked = known = vec3(0.0);
   int i = 0, rounds = 0;
   while (i < shadow.pointCount) {
     // By itself: llvmpipe goes through what a branch leaves out.
     while (i < shadow.pointCount && !isNearer(i, x, kNearPatch)) ++i;
     if (i >= shadow.pointCount) break;
     const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
-    const bool asked = isNearer(i, x, kAskedPatch);
-    light += asked ? vec3(0.0) : e;
-    if (asked && shadow.turns == 0) known += e;
-    if (asked && shadow.turns > 0 && e != vec3(0.0))
+    const bool asks = isNearer(i, x, kAskedPatch);
+    light += asks ? vec3(0.0) : e;
+    asked += asks ? e : vec3(0.0);
+    if (asks && shadow.turns == 0) known += e;
+    if (asks && shadow.turns > 0 && e != vec3(0.0))
       known += e * transmitted(x, mix(x, placeOn(i, x, n, pixel), kShadowEnd), kFromSurfaces, rounds);
     ++i;
   }
@@ -86,7 +87,7 @@ void main() {
   if (four >= list.count) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
-  vec3 light = farLight(x, n), known;
-  addNear(x, n, pixel, light, known);
-  begin(point, light, known);
+  vec3 light = farLight(x, n), asked, known;
+  addNear(x, n, pixel, light, asked, known);
+  begin(point, light, asked, known);
 }

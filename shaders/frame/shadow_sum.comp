@@ -27,7 +27,8 @@ void main() {
   if (four >= list.count) return;
   const ShadowPoint p = shadowPoints[point];
   const vec3 seen = mix(p.seen.rgb / max(p.all.rgb, vec3(1e-30)), vec3(1.0), equal(p.seen.rgb, p.all.rgb));
-  const vec3 share = mix(seen, vec3(1.0), p.known.rgb / max(p.light.rgb, vec3(1e-30)));
+  const vec3 arrives = seen * (p.light.rgb - p.asked.rgb) + p.known.rgb;
+  const vec3 share = mix(arrives / max(p.light.rgb, vec3(1e-30)), seen, equal(p.asked.rgb, vec3(0.0)));
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
 #if !LPV_PATCHES
   if (shadow.apart > 0) {

@@ -3,7 +3,8 @@
 struct ShadowPoint {
   vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
                // or the sum of their shares; -1 where none were sent, less where they differ
-  vec4 known;  // rgb: of it what arrives without asking further
+  vec4 asked;  // rgb: of it what was asked about when it was found
+  vec4 known;  // rgb: of that what arrives
   vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
   vec4 seen;   // rgb: of those that arrived
   vec4 sum;    // rgb: E of the pools before
@@ -12,9 +13,11 @@ struct ShadowPoint {
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
 layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadowPoints[]; };
 
-/// What the pool sends to a point, before any ray, and what of it is known to arrive.
-void begin(uint point, vec3 light, vec3 known) {
-  shadowPoints[point].light = vec4(light + known, -1.0);
+/// What the pool sends to a point, before any ray; besides, what it sends that was asked about already, and what of that
+/// arrives.
+void begin(uint point, vec3 light, vec3 asked, vec3 known) {
+  shadowPoints[point].light = vec4(light + asked, -1.0);
+  shadowPoints[point].asked = vec4(asked, 0.0);
   shadowPoints[point].known = vec4(known, 0.0);
   shadowPoints[point].all = vec4(0.0);
   shadowPoints[point].seen = vec4(0.0);
