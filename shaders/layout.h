@@ -444,7 +444,8 @@ struct DrawParams {
   float opacity;  // times the texture's alpha, where that varies
   float leastAlpha;  // of what the G-buffer shows
   float masked;  // 1: what the G-buffer shows has an alpha of 1, the rest of 0
-  float pad0, pad1;
+  float normalScale;  // of the picture of normals
+  float pad0;
 };
 
 #ifdef __cplusplus

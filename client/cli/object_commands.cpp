@@ -63,9 +63,9 @@ Expected<std::string> uploadMeshFile(client::Client& client, const std::string& 
 
 /// Reads an image and uploads the texture; "none" gives "".
 Expected<std::string> uploadImageFile(client::Client& client, const std::string& session, const std::string& path,
-                                      ImageAlpha alpha) {
+                                      ImageUse use) {
   if (path == "none") return std::string();
-  const Expected<Texture> texture = asLocal(readImage(path, alpha));
+  const Expected<Texture> texture = asLocal(readImage(path, use));
   if (!texture) return texture.status();
   ProgressBar bar("uploading");
   return client::upload(client, session, *texture, [&](auto done, auto total) { bar.show(done, total); });
@@ -232,9 +232,14 @@ Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& f
   }
   if (!flags.texture.empty()) {
     const auto hash =
-        uploadImageFile(client, flags.id, flags.texture, flags.textureAlpha ? ImageAlpha::kKeep : ImageAlpha::kDrop);
+        uploadImageFile(client, flags.id, flags.texture, flags.textureAlpha ? ImageUse::kColourWithAlpha : ImageUse::kColour);
     if (!hash) return hash.status();
     out.texture = *hash;
+  }
+  if (!flags.normalMap.empty()) {
+    const auto hash = uploadImageFile(client, flags.id, flags.normalMap, ImageUse::kNormals);
+    if (!hash) return hash.status();
+    out.normalMap = *hash;
   }
   return out;
 }

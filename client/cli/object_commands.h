@@ -57,6 +57,7 @@ struct ObjectFlags {
   std::string mesh;
   std::string texture;
   bool textureAlpha = false;  ///< the texture keeps its alpha
+  std::string normalMap;      ///< of surfaces
   std::optional<bool> castsShadow;
   std::optional<bool> visibleToCamera;
   TransformFlags transform;
@@ -83,10 +84,11 @@ CLI::App& declareSet(CLI::App& group, Commands& commands, const ObjectKind& kind
 /// The name for a new object: the one given, else the file's.
 std::string nameFor(const ObjectFlags& flags);
 
-/// Hashes of the uploaded files. "" for the texture "none", which removes the object's texture.
+/// Hashes of the uploaded files. "" for a picture "none", which removes the object's texture.
 struct UploadedFiles {
   std::optional<std::string> mesh;
   std::optional<std::string> texture;
+  std::optional<std::string> normalMap;
 };
 /// Uploads the files that were given. `directions`: file of emission directions, one per vertex in the mesh file's
 /// order; "": none.

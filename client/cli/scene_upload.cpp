@@ -23,6 +23,7 @@ class SceneBlobs {
     for (const Surface& surface : scene.surfaces) {
       add(surface.mesh);
       add(surface.albedoTexture);
+      add(surface.normalTexture);
     }
   }
 
@@ -69,6 +70,10 @@ v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
   *out.mutable_transform() = client::toProto(surface.transform);
   *out.mutable_albedo() = client::toProto(surface.albedo);
   out.set_albedo_texture(blobs.hashOf(surface.albedoTexture.get()));
+  if (surface.normalTexture) {
+    out.set_normal_texture(blobs.hashOf(surface.normalTexture.get()));
+    out.set_normal_scale(surface.normalScale);
+  }
   out.set_roughness(surface.roughness);
   out.set_metalness(surface.metalness);
   out.set_two_sided(surface.twoSided);

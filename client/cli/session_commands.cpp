@@ -24,6 +24,12 @@ std::string gridText(const v1::Session& session) {
   return std::to_string(d.x()) + "x" + std::to_string(d.y()) + "x" + std::to_string(d.z());
 }
 
+std::string memoryText(const v1::GpuMemory& memory) {
+  const auto mebibytes = [](std::int64_t bytes) { return shortText(double(bytes) / (1 << 20)) + " MiB"; };
+  return mebibytes(memory.light_bytes()) + " for light, " + mebibytes(memory.frame_bytes()) + " for frames, " +
+         mebibytes(memory.scene_bytes()) + " for meshes and textures";
+}
+
 void printSession(const Context& context, const v1::Session& session) {
   if (context.json()) return print(toJson(session));
   const std::string measured = session.has_measured_error()
@@ -43,6 +49,7 @@ void printSession(const Context& context, const v1::Session& session) {
               {"subscribers", std::to_string(session.subscriber_count())},
               {"expected error", shortText(session.expected_error())},
               {"measured error", measured},
+              {"GPU memory", session.has_gpu_memory() ? memoryText(session.gpu_memory()) : "not yet"},
               {"choice", session.choice()},
               {"settings", toJson(session.settings())}});
 }

@@ -16,6 +16,7 @@ struct SurfaceFlags : ObjectFlags {
   SurfaceFlags() { textureAlpha = true; }
 
   std::optional<glm::dvec3> albedo;
+  std::optional<double> normalScale;
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> oneSided;
@@ -28,6 +29,10 @@ struct SurfaceFlags : ObjectFlags {
     addColour(app, "--albedo", albedo, "Linear reflectance, 0..1 (default of add: 0.8)");
     app.add_option("--texture", texture, "Image that multiplies the albedo (default of add: none)")
         ->type_name("IMG|none");
+    app.add_option("--normal-map", normalMap,
+                   "Picture of tangent-space normals as glTF has them, that bends the normals of frames; none removes it")
+        ->type_name("IMG|none");
+    app.add_option("--normal-scale", normalScale, "How much it bends, 0..16 (default of add: 1)")->type_name("S");
     app.add_option("--roughness", roughness, "Roughness, 0..1 (default of add: 1)")->type_name("R");
     app.add_option("--metalness", metalness, "Metalness, 0..1 (default of add: 0)")->type_name("M");
     addSwitch(app, "--one-sided", oneSided, "Show and light the front only (default of add: off)");
@@ -71,6 +76,8 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
   MaskBuilder fields;
   fields.set("mesh", files->mesh, [&](const std::string& hash) { surface.set_mesh(hash); });
   fields.set("albedo_texture", files->texture, [&](const std::string& hash) { surface.set_albedo_texture(hash); });
+  fields.set("normal_texture", files->normalMap, [&](const std::string& hash) { surface.set_normal_texture(hash); });
+  fields.set("normal_scale", flags.normalScale, [&](double v) { surface.set_normal_scale(v); });
   fields.set("albedo", flags.albedo, [&](const auto& v) { *surface.mutable_albedo() = client::toProto(v); });
   fields.set("roughness", flags.roughness, [&](double v) { surface.set_roughness(v); });
   fields.set("metalness", flags.metalness, [&](double v) { surface.set_metalness(v); });

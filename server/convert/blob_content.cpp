@@ -40,6 +40,8 @@ Expected<TexelFormat> formatFromProto(pb::TextureFormat format) {
       return TexelFormat::kRgb32F;
     case pb::TEXTURE_FORMAT_RGBA8_SRGB:
       return TexelFormat::kRgba8Srgb;
+    case pb::TEXTURE_FORMAT_RGB8_LINEAR:
+      return TexelFormat::kRgb8;
     default:
       return invalid("format", "format has the unknown value " + std::to_string(int(format)));
   }

@@ -129,6 +129,7 @@ Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const FieldSelectio
   SurfaceFields out;
   if (Status s = takeCommon<Surface>(in, named, &out); !s.ok()) return s;
   if (named("albedo_texture", !in.albedo_texture().empty())) out.albedoTexture = in.albedo_texture();
+  if (named("normal_texture", !in.normal_texture().empty())) out.normalTexture = in.normal_texture();
   return out;
 }
 
@@ -237,6 +238,7 @@ void toProto(const Versioned<Surface>& in, pb::Surface* out) {
   out->set_mesh(surface.mesh->hash);
   toProto(surface.transform, out->mutable_transform());
   if (surface.albedoTexture) out->set_albedo_texture(surface.albedoTexture->hash);
+  if (surface.normalTexture) out->set_normal_texture(surface.normalTexture->hash);
   writePlain(surface, out);
   out->set_revision(in.revision);
   out->set_triangle_count(std::int64_t(surface.mesh->triangles.size()));

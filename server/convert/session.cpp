@@ -238,6 +238,11 @@ void toProto(const SessionSummary& in, pb::Session* out) {
     out->set_measured_error_high(in.measured->high);
     out->set_measured_revision(in.measured->revision);
   }
+  if (in.memory) {
+    out->mutable_gpu_memory()->set_light_bytes(in.memory->light);
+    out->mutable_gpu_memory()->set_frame_bytes(in.memory->frames);
+    out->mutable_gpu_memory()->set_scene_bytes(in.memory->scene);
+  }
   out->set_durability(toProto(in.durability));
 }
 

@@ -79,6 +79,15 @@ struct StageTime {
 };
 
 /// What ran and what was seen, for logs, metrics and the client.
+/// Bytes of buffers and textures on the GPU, as they were asked for.
+struct MemoryUse {
+  std::int64_t light = 0;   ///< volume, lights, shadows and bounces
+  std::int64_t frames = 0;  ///< of views that are kept, and of those of this tick
+  std::int64_t scene = 0;   ///< meshes and textures, which sessions share that have the same
+
+  bool operator==(const MemoryUse&) const = default;
+};
+
 struct TickReport {
   std::vector<StageTime> stages;  ///< in order; skipped stages are absent
   std::vector<std::string> features;  ///< compiled variants that ran, e.g. "count", "propagate", "two-sided"
@@ -94,6 +103,7 @@ struct TickReport {
   double longestPiece = 0.0;       ///< seconds; other sessions had to wait so long for the device
   std::optional<Stage> longestStage;  ///< whose piece that was; none: work without a stage
   double largestPrediction = 0.0;  ///< seconds that a piece was predicted to take
+  MemoryUse memory;                ///< at the end
 };
 
 struct TickResult {

@@ -31,22 +31,26 @@ std::uint32_t createStorage(const std::string& label, std::size_t bytes, const v
 }  // namespace
 
 Buffer::Buffer(const std::string& label, std::size_t bytes, BufferUse use)
-    : id_(createStorage(label, bytes, nullptr, use)), size_(bytes) {
+    : id_(createStorage(label, bytes, nullptr, use)), size_(bytes), charge_(bytes) {
   clear();
 }
 
 Buffer::Buffer(const std::string& label, std::size_t bytes, BufferUse use, Undefined)
-    : id_(createStorage(label, bytes, nullptr, use)), size_(bytes) {}
+    : id_(createStorage(label, bytes, nullptr, use)), size_(bytes), charge_(bytes) {}
 
 Buffer::Buffer(const std::string& label, std::span<const std::byte> data, BufferUse use)
-    : id_(createStorage(label, data.size(), data.data(), use)), size_(data.size()) {}
+    : id_(createStorage(label, data.size(), data.data(), use)), size_(data.size()), charge_(data.size()) {}
 
-Buffer::Buffer(Buffer&& other) noexcept : id_(std::exchange(other.id_, 0)), size_(std::exchange(other.size_, 0)) {}
+Buffer::Buffer(Buffer&& other) noexcept
+    : id_(std::exchange(other.id_, 0)),
+      size_(std::exchange(other.size_, 0)),
+      charge_(std::move(other.charge_)) {}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   Buffer taken(std::move(other));
   std::swap(id_, taken.id_);
   std::swap(size_, taken.size_);
+  std::swap(charge_, taken.charge_);
   return *this;
 }
 

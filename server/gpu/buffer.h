@@ -6,6 +6,8 @@
 #include <string>
 #include <type_traits>
 
+#include "gpu/account.h"
+
 namespace lpv::gpu {
 
 /// How a buffer's storage is used; determines its flags.
@@ -51,6 +53,7 @@ class Buffer {
  private:
   std::uint32_t id_ = 0;
   std::size_t size_ = 0;
+  Charge charge_;
 };
 
 /// The bytes of a vector, array or struct.

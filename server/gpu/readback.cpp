@@ -7,7 +7,7 @@
 
 namespace lpv::gpu {
 
-Readback::Readback(const std::string& label, std::size_t bytes) : size_(bytes) {
+Readback::Readback(const std::string& label, std::size_t bytes) : size_(bytes), charge_(bytes) {
   constexpr GLbitfield kMapped = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
   clearErrors();
   glCreateBuffers(1, &id_);
@@ -26,13 +26,15 @@ Readback::Readback(const std::string& label, std::size_t bytes) : size_(bytes) {
 Readback::Readback(Readback&& other) noexcept
     : id_(std::exchange(other.id_, 0)),
       size_(std::exchange(other.size_, 0)),
-      data_(std::exchange(other.data_, nullptr)) {}
+      data_(std::exchange(other.data_, nullptr)),
+      charge_(std::move(other.charge_)) {}
 
 Readback& Readback::operator=(Readback&& other) noexcept {
   Readback taken(std::move(other));
   std::swap(id_, taken.id_);
   std::swap(size_, taken.size_);
   std::swap(data_, taken.data_);
+  std::swap(charge_, taken.charge_);
   return *this;
 }
 

@@ -38,6 +38,7 @@ class Readback {
   std::uint32_t id_ = 0;
   std::size_t size_ = 0;
   const std::byte* data_ = nullptr;
+  Charge charge_;
 };
 
 }  // namespace lpv::gpu

@@ -21,11 +21,31 @@ void setSampling(GLuint id, Sampling sampling) {
     glTextureParameteri(id, axis, wrap);
 }
 
+std::size_t bytesOfTexel(GLenum format) {
+  switch (format) {
+    case GL_RGBA32F:
+      return 16;
+    case GL_RGBA16F:
+      return 8;
+    default:  // GL_R32F, GL_RG16, GL_RGBA8, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT32F
+      return 4;
+  }
+}
+
+std::size_t bytesOfLevels(const glm::ivec3& size, GLenum format, int levels) {
+  std::size_t texels = 0;
+  for (int i = 0; i < levels; ++i) {
+    const glm::ivec3 level = glm::max(size >> i, glm::ivec3(1));
+    texels += std::size_t(level.x) * std::size_t(level.y) * std::size_t(level.z);
+  }
+  return texels * bytesOfTexel(format);
+}
+
 }  // namespace
 
 Texture::Texture(GLenum target, const std::string& label, const glm::ivec3& size, GLenum format, Sampling sampling,
                  int levels)
-    : format_(format), size_(size) {
+    : format_(format), size_(size), charge_(bytesOfLevels(size, format, levels)) {
   clearErrors();
   glCreateTextures(target, 1, &id_);
   if (target == GL_TEXTURE_3D) {
@@ -55,13 +75,17 @@ Texture Texture::make3d(const std::string& label, const glm::ivec3& size, GLenum
 }
 
 Texture::Texture(Texture&& other) noexcept
-    : id_(std::exchange(other.id_, 0)), format_(other.format_), size_(std::exchange(other.size_, glm::ivec3(0))) {}
+    : id_(std::exchange(other.id_, 0)),
+      format_(other.format_),
+      size_(std::exchange(other.size_, glm::ivec3(0))),
+      charge_(std::move(other.charge_)) {}
 
 Texture& Texture::operator=(Texture&& other) noexcept {
   Texture taken(std::move(other));
   std::swap(id_, taken.id_);
   std::swap(format_, taken.format_);
   std::swap(size_, taken.size_);
+  std::swap(charge_, taken.charge_);
   return *this;
 }
 

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <string>
 
+#include "gpu/account.h"
 #include "gpu/gl.h"
 
 namespace lpv::gpu {
@@ -29,6 +30,7 @@ class Texture {
 
   std::uint32_t id() const { return id_; }
   const glm::ivec3& size() const { return size_; }  ///< texels; z = 1 for 2D
+  std::size_t bytes() const { return charge_.bytes(); }  ///< of all levels
   explicit operator bool() const { return id_ != 0; }
 
   /// Rows [row, row + rows) of one level of a 2D texture from tightly packed client memory.
@@ -46,6 +48,7 @@ class Texture {
   std::uint32_t id_ = 0;
   GLenum format_ = 0;
   glm::ivec3 size_{0};
+  Charge charge_;
 };
 
 /// Number of levels of a full mip chain for a texture of this size.

@@ -52,11 +52,14 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   const Scene& scene = *request.scene;
   Stages& stages = *stages_;
   gpu::throwOnReset();
+  s.charge(s.lightMemory);
   s.adopt(scene, request.guarded);
   if (s.products == nullptr) s.products = std::make_shared<StageProducts>();
   StageProducts& made = *s.products;
   co_yield yield();
+  s.charge(nullptr);  // sessions share them
   co_await stages.cache.upload(scene, s.resources);
+  s.charge(s.lightMemory);
 
   const bool propagates = scene.options.transport == Transport::kPropagate;
   if (propagates) {
@@ -74,9 +77,11 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   VolumeCopies copies;
   co_await stages.makeVolumes(s, request, light, copies);
   TickViews views(s, request);
+  s.charge(s.frameMemory);
   for (std::size_t i = 0; i < request.frames.size(); ++i)
     co_await stages.drawFrame(s, scene, request.frames[i], *views.of[i]);
 
+  s.charge(s.lightMemory);
   const CountInputs counted = {propagates ? made.injected.stamp() : made.counting.stamp(), made.textured.stamp()};
   const bool counters = copies.any() || !made.counts.holds(counted);
   if (counters) copyCounters(s.field(), made.readbacks);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/engine.h"
+#include "gpu/account.h"
 #include "gpu/readback.h"
 #include "lpv/cached.h"
 #include "lpv/frame/near_field.h"
@@ -70,7 +71,12 @@ struct SessionState {
   Cached<FieldInputs, std::unique_ptr<LightField>> memory;
   std::shared_ptr<StageProducts> products;  ///< null: nothing
   std::map<std::uint64_t, View> views;
+  gpu::AccountPtr lightMemory = std::make_shared<gpu::Account>();  ///< of everything but `resources` and frames
+  gpu::AccountPtr frameMemory = std::make_shared<gpu::Account>();
+  gpu::AccountPtr charged;  ///< for what its tick makes now; null: for nobody
 
+  /// Until it says something else. The engine does the same whenever a tick goes on.
+  void charge(const gpu::AccountPtr& account) { gpu::chargeTo(charged = account); }
   LightField& field() { return *memory.product(); }
   const Palette& palette() const { return arranged.product().palette; }
 

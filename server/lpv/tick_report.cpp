@@ -1,6 +1,7 @@
 #include "lpv/tick_report.h"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -59,10 +60,27 @@ std::vector<std::string> featuresOf(const SessionState& session, const LightingS
   return features;
 }
 
+template <typename Resource>
+std::int64_t bytesOf(const std::shared_ptr<Resource>& resource) {
+  return resource == nullptr ? 0 : std::int64_t(resource->size());
+}
+
+std::int64_t bytesOf(const SceneResources& resources) {
+  std::int64_t sum = 0;
+  for (const auto& [source, mesh] : resources.meshes)
+    sum += bytesOf(mesh->positions) + bytesOf(mesh->normals) + bytesOf(mesh->uvs) + bytesOf(mesh->directions) +
+           bytesOf(mesh->triangles) + bytesOf(mesh->merged);
+  for (const auto& [source, texture] : resources.textures) sum += std::int64_t(texture->bytes());
+  for (const auto& [source, light] : resources.lightTextures)
+    sum += std::int64_t(light->radiance.bytes() + light->rowIntegrals.size() + light->rowMoments.size());
+  return sum;
+}
+
 }  // namespace
 
 void fillReport(const SessionState& session, const LightingSettings& options, const layout::Counters& counts,
                 TickReport& report) {
+  report.memory = {session.lightMemory->bytes, session.frameMemory->bytes, bytesOf(session.resources)};
   report.features = featuresOf(session, options);
   report.trianglesSkipped = counts.degenerate;
   report.touchedCells = counts.touched;

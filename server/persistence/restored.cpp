@@ -130,6 +130,9 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   const Expected<TexturePtr> texture = contents.texture(in.albedo_texture());
   if (!texture) return texture.status();
   surface->albedoTexture = *texture;
+  const Expected<TexturePtr> normals = contents.texture(in.normal_texture());
+  if (!normals) return normals.status();
+  surface->normalTexture = *normals;
   const Expected<Transform> transform = transformOf(in.transform());
   if (!transform) return outOfRange("surface", in.name(), transform.status());
   surface->transform = *transform;
@@ -250,7 +253,10 @@ void addTextures(const Contents& contents, SavedSession* out) {
     if (texture && there.insert(texture->hash).second) out->uploads.push_back(contents.blob(texture->hash));
   };
   for (const Versioned<Light>& light : out->document.lights) add(light.object->texture);
-  for (const Versioned<Surface>& surface : out->document.surfaces) add(surface.object->albedoTexture);
+  for (const Versioned<Surface>& surface : out->document.surfaces) {
+    add(surface.object->albedoTexture);
+    add(surface.object->normalTexture);
+  }
 }
 
 Status fill(const store::Loaded& loaded, SavedSession* out) {

@@ -67,6 +67,11 @@ Status checkAlphaMode(const char* path, const AlphaMode& mode) {
                            ", allowed are OPAQUE (1), MASK (2) and BLEND (3)");
 }
 
+Status checkNormalScale(const char* path, const double& value) {
+  if (value >= 0.0 && value <= 16.0) return {};
+  return invalid(path, std::string(path) + " is " + std::to_string(value) + ", allowed are 0 to 16");
+}
+
 Status checkUnit(const char* path, const double& value) {
   if (value >= 0.0 && value <= 1.0) return {};
   return invalid(path, std::string(path) + " is " + std::to_string(value) + ", allowed are 0 to 1");

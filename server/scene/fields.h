@@ -54,6 +54,8 @@ struct SurfaceFields {
   TransformFields transform;
   std::optional<glm::dvec3> albedo;
   std::optional<BlobHash> albedoTexture;  ///< "" removes it
+  std::optional<BlobHash> normalTexture;  ///< "" removes it
+  std::optional<double> normalScale;
   std::optional<double> roughness;
   std::optional<double> metalness;
   std::optional<bool> twoSided;
@@ -112,6 +114,8 @@ Status checkAlbedo(const char* path, const glm::dvec3& albedo);
 Status checkAlphaMode(const char* path, const AlphaMode& mode);
 /// A number in 0..1.
 Status checkUnit(const char* path, const double& value);
+/// How much a picture of normals bends: 0..16.
+Status checkNormalScale(const char* path, const double& value);
 /// Radiance and power: each component 0..1e9.
 Status checkEmission(const char* path, const LightFields& fields);
 
@@ -203,6 +207,8 @@ inline constexpr std::array kSurface = {
     ofTransform<Surface, &Transform::rotation, &TransformFields::rotation>("transform.rotation"),
     ofTransform<Surface, &Transform::scale, &TransformFields::scale>("transform.scale"),
     referenced<&Surface::albedoTexture, &SurfaceFields::albedoTexture>("albedo_texture", FieldKind::kTexture),
+    referenced<&Surface::normalTexture, &SurfaceFields::normalTexture>("normal_texture", FieldKind::kTexture),
+    plain<&Surface::normalScale, &SurfaceFields::normalScale, checkNormalScale>("normal_scale"),
     plain<&Surface::twoSided, &SurfaceFields::twoSided>("two_sided"),
     plain<&Surface::albedo, &SurfaceFields::albedo, checkAlbedo>("albedo"),
     plain<&Surface::roughness, &SurfaceFields::roughness, checkUnit>("roughness"),

@@ -54,6 +54,8 @@ struct Surface {
   Transform transform;
   glm::dvec3 albedo{0.8};   ///< linear Rec.709 reflectance, 0..1
   TexturePtr albedoTexture; ///< multiplies albedo, or null
+  TexturePtr normalTexture; ///< tangent-space normals that frames show, or null
+  double normalScale = 1.0; ///< how much these bend, 0..16
   double roughness = 1.0;   ///< 0..1
   double metalness = 0.0;   ///< 0..1
   bool twoSided = true;     ///< false: seen and lit from its front only

@@ -32,6 +32,8 @@ float linearComponent(const Texture& texture, std::size_t i) {
     case TexelFormat::kRgb8Srgb:
     case TexelFormat::kRgba8Srgb:
       return linearOfSrgb()[texture.texels[i]];
+    case TexelFormat::kRgb8:
+      return float(texture.texels[i]) / 255.0F;
     case TexelFormat::kRgb16F: {
       std::uint16_t bits = 0;
       std::memcpy(&bits, &texture.texels[2 * i], sizeof bits);
@@ -52,6 +54,7 @@ bool radianceTexel(float value) { return std::isfinite(value) && value >= 0.0F; 
 std::size_t texelBytes(TexelFormat format) {
   switch (format) {
     case TexelFormat::kRgb8Srgb:
+    case TexelFormat::kRgb8:
       return 3;
     case TexelFormat::kRgb16F:
       return 6;
@@ -76,7 +79,7 @@ Status checkTexture(const Texture& texture) {
                                  std::to_string(texture.width) + " x " + std::to_string(texture.height) +
                                  " texels of this format are " + std::to_string(want));
   }
-  if (texture.format == TexelFormat::kRgb8Srgb || hasAlpha(texture)) return {};
+  if (texelBytes(texture.format) <= 4) return {};  // bytes, of any value
   const bool half = texture.format == TexelFormat::kRgb16F;
   const std::size_t step = half ? sizeof(std::uint16_t) : sizeof(float);
   for (std::size_t i = 0; i < want; i += step) {

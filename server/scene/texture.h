@@ -16,12 +16,13 @@ enum class TexelFormat {
   kRgb16F,    ///< 3 IEEE halves, linear
   kRgb32F,    ///< 3 floats, linear
   kRgba8Srgb, ///< 4 bytes: sRGB-coded colour, alpha
+  kRgb8,      ///< 3 bytes, linear
 };
 
 /// Bytes of one texel.
 std::size_t texelBytes(TexelFormat format);
 
-/// A picture: albedo of a surface, with its alpha where there is one, or radiance multiplier of a light. Rows from top
+/// A picture: albedo of a surface, with its alpha where there is one, its normals, or radiance multiplier of a light. Rows from top
 /// (v = 0) to bottom, tightly packed, little-endian. Wrap: repeat.
 struct Texture {
   int width = 0;   ///< texels, 1..16384

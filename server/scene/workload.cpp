@@ -71,8 +71,8 @@ void Workload::add(const Light& light) {
 
 void Workload::add(const Surface& surface) {
   countMesh(*surface.mesh);
-  if (surface.albedoTexture == nullptr) return;
-  bytes += 4.0 * double(surface.albedoTexture->width) * double(surface.albedoTexture->height);
+  for (const TexturePtr& texture : {surface.albedoTexture, surface.normalTexture})
+    if (texture != nullptr) bytes += 4.0 * double(texture->width) * double(texture->height);
 }
 
 }  // namespace lpv

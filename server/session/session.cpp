@@ -86,6 +86,7 @@ SessionSummary Session::summary() const {
   SessionSummary out;
   out.subscribers = delivery_.subscriberCount();
   out.measured = delivery_.measured();
+  out.memory = delivery_.memory();
   {
     const MutexLock lock(forecastMutex_);
     if (forecast_) out.forecast = forecast_->forecast;

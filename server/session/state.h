@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/engine.h"
 #include "scene/forecast.h"
 #include "session/document/blobs.h"
 #include "session/document/document.h"
@@ -50,6 +51,7 @@ struct SessionSummary {
   std::chrono::system_clock::time_point lastUsed;
   std::optional<MeasuredError> measured;
   std::optional<Forecast> forecast;  ///< the last that was made
+  std::optional<MemoryUse> memory;   ///< on the GPU, at the end of the last tick
   Durability durability = Durability::kMemory;
 };
 

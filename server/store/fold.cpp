@@ -108,7 +108,8 @@ std::map<std::string, lpv::v1::BlobKind> contentsOf(const pb::Snapshot& snapshot
   }
   for (const auto& [name, surface] : snapshot.surfaces()) {
     out[surface.mesh()] = lpv::v1::BLOB_KIND_MESH;
-    if (!surface.albedo_texture().empty()) out[surface.albedo_texture()] = lpv::v1::BLOB_KIND_TEXTURE;
+    for (const std::string& hash : {surface.albedo_texture(), surface.normal_texture()})
+      if (!hash.empty()) out[hash] = lpv::v1::BLOB_KIND_TEXTURE;
   }
   for (const auto& [hash, kind] : snapshot.uploads()) out[hash] = static_cast<lpv::v1::BlobKind>(kind);
   return out;

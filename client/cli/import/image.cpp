@@ -48,21 +48,21 @@ class QuietStderr {
   int kept_;
 };
 
-Expected<Texture> read(const std::string& name, const std::string* bytes, ImageAlpha alpha) {
+Expected<Texture> read(const std::string& name, const std::string* bytes, ImageUse use) {
   static const Reader reader = loadReader();
   if (reader.read == nullptr) return Status(Code::kInternal, "the image module cannot be loaded: " + reader.error);
   const QuietStderr quiet;
   Expected<Texture> out = Texture();
-  reader.read(name, bytes, alpha, out);
+  reader.read(name, bytes, use, out);
   return out;
 }
 
 }  // namespace
 
-Expected<Texture> readImage(const std::string& path, ImageAlpha alpha) { return read(path, nullptr, alpha); }
+Expected<Texture> readImage(const std::string& path, ImageUse use) { return read(path, nullptr, use); }
 
-Expected<Texture> decodeImage(const std::string& bytes, const std::string& format, ImageAlpha alpha) {
-  return read("embedded." + format, &bytes, alpha);
+Expected<Texture> decodeImage(const std::string& bytes, const std::string& format, ImageUse use) {
+  return read("embedded." + format, &bytes, use);
 }
 
 glm::dvec3 meanColour(const Texture& texture) {

@@ -82,7 +82,7 @@ Expected<std::vector<std::uint8_t>> readWithAlpha(OIIO::ImageInput& input, const
   return out;
 }
 
-Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name, ImageAlpha alpha) {
+Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name, ImageUse use) {
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.width < 1 || spec.height < 1 || spec.width > kMaxEdge || spec.height > kMaxEdge || spec.nchannels < 1) {
     return unreadable(name, "the image has " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
@@ -92,7 +92,7 @@ Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name, 
   texture.width = spec.width;
   texture.height = spec.height;
   const bool hasAlpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels;
-  if (alpha == ImageAlpha::kKeep && hasAlpha && !spec.format.is_floating_point()) {
+  if (use == ImageUse::kColourWithAlpha && hasAlpha && !spec.format.is_floating_point()) {
     auto rgba = readWithAlpha(input, name);
     if (!rgba) return rgba.status();
     if (!rgba->empty()) {
@@ -105,24 +105,25 @@ Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name, 
     auto rgb = readPixels<std::uint8_t>(input, OIIO::TypeDesc::UINT8, name);
     if (!rgb) return rgb.status();
     texture.texels = std::move(*rgb);
+    if (use == ImageUse::kNormals) texture.format = TexelFormat::kRgb8;
     return texture;
   }
   auto rgb = readPixels<float>(input, OIIO::TypeDesc::FLOAT, name);
   if (!rgb) return rgb.status();
-  if (!spec.format.is_floating_point()) {
+  if (!spec.format.is_floating_point() && use != ImageUse::kNormals) {
     for (float& value : *rgb) value = float(linearFromSrgb(value));
   }
   setLinear(texture, std::move(*rgb));
   return texture;
 }
 
-Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memory, ImageAlpha alpha) {
+Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memory, ImageUse use) {
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
   if (memory != nullptr) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &memory);
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(name, &config, memory);
   if (!input) return unreadable(name, OIIO::geterror());
-  Expected<Texture> texture = readTexture(*input, name, alpha);
+  Expected<Texture> texture = readTexture(*input, name, use);
   OIIO::geterror();  // an error left pending would be printed at exit
   return texture;
 }
@@ -132,12 +133,12 @@ Expected<Texture> open(const std::string& name, OIIO::Filesystem::IOProxy* memor
 }  // namespace lpv::cli
 
 extern "C" lpv::cli::ReadImage lpvReadImage;
-void lpvReadImage(const std::string& name, const std::string* bytes, lpv::cli::ImageAlpha alpha,
+void lpvReadImage(const std::string& name, const std::string* bytes, lpv::cli::ImageUse use,
                   lpv::Expected<lpv::Texture>& out) {
   if (bytes == nullptr) {
-    out = lpv::cli::open(name, nullptr, alpha);
+    out = lpv::cli::open(name, nullptr, use);
     return;
   }
   OIIO::Filesystem::IOMemReader memory(bytes->data(), bytes->size());
-  out = lpv::cli::open(name, &memory, alpha);
+  out = lpv::cli::open(name, &memory, use);
 }

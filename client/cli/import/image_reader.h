@@ -8,10 +8,14 @@
 
 namespace lpv::cli {
 
-/// What becomes of an image's alpha.
-enum class ImageAlpha { kDrop, kKeep };
+/// What an image is of.
+enum class ImageUse {
+  kColour,           ///< alpha is dropped
+  kColourWithAlpha,
+  kNormals,          ///< integers are linear
+};
 
 /// Reads the file `name`, or `bytes` as a file with the extension of `name`.
-using ReadImage = void(const std::string& name, const std::string* bytes, ImageAlpha alpha, Expected<Texture>& out);
+using ReadImage = void(const std::string& name, const std::string* bytes, ImageUse use, Expected<Texture>& out);
 
 }  // namespace lpv::cli

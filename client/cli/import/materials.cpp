@@ -99,6 +99,7 @@ Material Materials::read(const aiMaterial& material) {
       warnings_.push_back("ignored the opacity texture of " + nameOf(material) +
                           ": put its values into the alpha of the colour's texture");
     setTexture(material, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, out);
+    readNormals(material, out);
     if (out.alphaMode == AlphaMode::kBlend && out.texture && !hasAlpha(*out.texture) && out.tints)
       out.transmission *= glm::min(meanColour(*out.texture), glm::dvec3(1.0));
     out.passes = assumedOf(nameOf(material), out);
@@ -133,40 +134,55 @@ void Materials::readAlpha(const aiMaterial& material, Material& out) const {
   out.transmission = out.albedo;
 }
 
+/// glTF's normalTexture, OBJ's norm. A mesh has one set of uvs here.
+void Materials::readNormals(const aiMaterial& material, Material& out) {
+  aiString name;
+  unsigned channel = 0;
+  if (material.GetTexture(aiTextureType_NORMALS, 0, &name, nullptr, &channel) != AI_SUCCESS || name.length == 0) return;
+  if (out.texture != nullptr && channel != out.uvChannel) {
+    warnings_.push_back("ignored the normal texture of " + nameOf(material) +
+                        ": it has other texture coordinates than the colour's; give both the same");
+    return;
+  }
+  out.normals = texture(name.C_Str(), ImageUse::kNormals);
+  out.normalScale = std::clamp(factor(material, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0), 1.0), 0.0, 16.0);
+  out.uvChannel = channel;
+}
+
 /// The first of the texture types that the material has.
 void Materials::setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out) {
   for (const aiTextureType type : types) {
     aiString name;
     unsigned channel = 0;
     if (material.GetTexture(type, 0, &name, nullptr, &channel) != AI_SUCCESS || name.length == 0) continue;
-    out.texture = texture(name.C_Str(), out.textureAlpha ? ImageAlpha::kKeep : ImageAlpha::kDrop);
+    out.texture = texture(name.C_Str(), out.textureAlpha ? ImageUse::kColourWithAlpha : ImageUse::kColour);
     out.uvChannel = channel;
     return;
   }
 }
 
-TexturePtr Materials::texture(const std::string& name, ImageAlpha alpha) {
-  const auto known = textures_.find({name, alpha});
+TexturePtr Materials::texture(const std::string& name, ImageUse use) {
+  const auto known = textures_.find({name, use});
   if (known != textures_.end()) return known->second;
-  Expected<Texture> loaded = load(name, alpha);
+  Expected<Texture> loaded = load(name, use);
   if (!loaded) warnings_.push_back("ignored texture " + loaded.status().message());
   TexturePtr result = loaded ? std::make_shared<const Texture>(std::move(*loaded)) : nullptr;
-  return textures_[{name, alpha}] = result;
+  return textures_[{name, use}] = result;
 }
 
-Expected<Texture> Materials::load(const std::string& name, ImageAlpha alpha) const {
+Expected<Texture> Materials::load(const std::string& name, ImageUse use) const {
   if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str()); embedded != nullptr) {
     if (embedded->mHeight != 0) return invalid("texture", name + ": uncompressed embedded textures cannot be read");
     const std::string bytes(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth);
     const bool webp = bytes.compare(0, 4, "RIFF") == 0;  // Assimp keeps formats of three letters only
-    return decodeImage(bytes, webp ? "webp" : embedded->achFormatHint, alpha);
+    return decodeImage(bytes, webp ? "webp" : embedded->achFormatHint, use);
   }
   std::string relative = percentDecoded(name);
   std::replace(relative.begin(), relative.end(), '\\', '/');
   const std::filesystem::path path = std::filesystem::path(folder_) / relative;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return invalid("texture", path.string() + ": the file does not exist");
-  return readImage(path.string(), alpha);
+  return readImage(path.string(), use);
 }
 
 }  // namespace lpv::cli

@@ -33,7 +33,9 @@ struct Material {
   bool tints = false;            ///< its texture colours what passes, where that has no alpha
   std::string passes;            ///< what was assumed about light that passes, in words; empty: nothing
   TexturePtr texture;            ///< multiplies the radiance of an emitter, else the albedo
-  unsigned uvChannel = 0;        ///< the texture's uv channel
+  unsigned uvChannel = 0;        ///< the textures' uv channel
+  TexturePtr normals;            ///< of a surface, tangent-space
+  double normalScale = 1.0;
 
   bool emits() const { return radiance.x > 0.0 || radiance.y > 0.0 || radiance.z > 0.0; }
 };
@@ -48,16 +50,17 @@ class Materials {
  private:
   Material read(const aiMaterial& material);
   void readAlpha(const aiMaterial& material, Material& out) const;
+  void readNormals(const aiMaterial& material, Material& out);
   void setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out);
-  TexturePtr texture(const std::string& name, ImageAlpha alpha);
-  Expected<Texture> load(const std::string& name, ImageAlpha alpha) const;
+  TexturePtr texture(const std::string& name, ImageUse use);
+  Expected<Texture> load(const std::string& name, ImageUse use) const;
 
   const aiScene& scene_;
   std::string folder_;
   std::string extension_;
   const GltfExtras& extras_;
   ImportOptions options_;
-  std::map<std::pair<std::string, ImageAlpha>, TexturePtr> textures_;
+  std::map<std::pair<std::string, ImageUse>, TexturePtr> textures_;
   std::vector<Material> materials_;
   std::vector<std::string> warnings_;
 };

@@ -159,6 +159,8 @@ class SceneBuilder {
     surface.transform = transform;
     surface.albedo = material.albedo;
     surface.albedoTexture = texture;
+    if (!mesh->uvs.empty()) surface.normalTexture = material.normals;
+    surface.normalScale = material.normalScale;
     surface.roughness = material.roughness;
     surface.metalness = material.metalness;
     surface.twoSided = !material.oneSidedSurface;

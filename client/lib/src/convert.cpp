@@ -79,6 +79,9 @@ v1::Texture toProto(const Texture& texture) {
     case TexelFormat::kRgba8Srgb:
       out.set_format(v1::TEXTURE_FORMAT_RGBA8_SRGB);
       break;
+    case TexelFormat::kRgb8:
+      out.set_format(v1::TEXTURE_FORMAT_RGB8_LINEAR);
+      break;
   }
   out.set_texels(bytesOf(texture.texels));
   return out;

@@ -223,6 +223,7 @@ void GlThread::advance(Tick& tick) {
   const SessionKey session = tick.request.session;
   fairQueue_.begin(session);
   const auto begin = Timeline::Clock::now();
+  gpu::chargeTo(tick.session->charged);
   try {
     tick.story->resume();
   } catch (...) {

@@ -114,6 +114,7 @@ void MeshDrawer::bind(const DrawItem& item, std::size_t index, const gpu::Buffer
   bindArray(vertexArray_, GLuint(layout::kUvAttribute), mesh.uvs, 2 * sizeof(float));
   glVertexArrayElementBuffer(vertexArray_, mesh.triangles->id());
   if (item.texture != nullptr) item.texture->bind(layout::kAlbedo);
+  if (item.normals != nullptr) item.normals->bind(layout::kNormal);
 }
 
 GpuTask MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,

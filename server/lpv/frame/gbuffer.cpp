@@ -23,6 +23,7 @@ std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene,
 gpu::Defines variantOf(const DrawItem& item) {
   return {{"LPV_NORMALS", item.mesh->normals != nullptr ? "1" : "0"},
           {"LPV_TEXTURE", item.texture != nullptr ? "1" : "0"},
+          gpu::define("LPV_NORMAL_MAP", item.normals != nullptr),
           gpu::define("LPV_ALPHA", item.alphaVaries)};
 }
 
@@ -33,10 +34,13 @@ DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneRe
   item.mesh = resources.meshes.at(surface.mesh).get();
   if (surface.albedoTexture != nullptr && item.mesh->uvs != nullptr)
     item.texture = resources.textures.at(surface.albedoTexture).get();
+  if (surface.normalTexture != nullptr && item.mesh->uvs != nullptr && surface.normalScale > 0.0)
+    item.normals = resources.textures.at(surface.normalTexture).get();
   item.mirrored = surface.transform.mirrors();
   item.cullBack = !surface.twoSided;
   item.params = placed(view, surface.transform.worldFromObject());
   item.params.colour = glm::vec3(surface.albedo);
+  item.params.normalScale = float(surface.normalScale);
   item.params.transmission = glm::vec3(surface.transmission);
   item.alphaVaries = alphaVaries(surface);
   const bool masked = surface.alphaMode == AlphaMode::kMask;

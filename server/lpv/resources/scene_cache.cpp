@@ -1,6 +1,7 @@
 #include "lpv/resources/scene_cache.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,6 +61,8 @@ TexelUpload uploadOf(TexelFormat format) {
       return {GL_RGBA16F, GL_RGB, GL_HALF_FLOAT};
     case TexelFormat::kRgba8Srgb:
       return {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
+    case TexelFormat::kRgb8:
+      return {GL_RGBA8, GL_RGB, GL_UNSIGNED_BYTE};
     case TexelFormat::kRgb32F:
       break;
   }
@@ -191,10 +194,12 @@ GpuTask SceneCache::upload(const Scene& scene, SceneResources& resources) {
   co_await uploadLightTextures(scene, resources);
   std::map<TexturePtr, GpuTexturePtr> textures;
   for (const auto& [name, surface] : scene.surfaces) {
-    const TexturePtr& texture = surface->albedoTexture;
-    if (texture == nullptr || textures.contains(texture)) continue;
-    if (!resources.textures.contains(texture)) co_await uploadTexture(texture, resources);
-    textures[texture] = resources.textures[texture];
+    const std::array<TexturePtr, 2> worn = {surface->albedoTexture, surface->normalTexture};
+    for (const TexturePtr& texture : worn) {
+      if (texture == nullptr || textures.contains(texture)) continue;
+      if (!resources.textures.contains(texture)) co_await uploadTexture(texture, resources);
+      textures[texture] = resources.textures[texture];
+    }
   }
   resources.textures = std::move(textures);
   dropExpired(textures_);

@@ -356,6 +356,7 @@ void Delivery::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   {
     const MutexLock lock(mutex_);
     tickUnderWay_ = false;
+    memory_ = meta.report->memory;
     const Clock::time_point now = Clock::now();
     smooth(tickSeconds_, now - plan.begun);
     deliveries = readers_.deliverResults(plan, *result, meta, {now, source_.revision(), pace()});
@@ -365,6 +366,11 @@ void Delivery::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   if (result->transported) checks_.offer(plan.moment.scene, result->transported, Clock::now());
   deliver(std::move(deliveries.offers));
   tickIfDue();
+}
+
+std::optional<MemoryUse> Delivery::memory() const {
+  const MutexLock lock(mutex_);
+  return memory_;
 }
 
 void Delivery::fail(const TickPlan& plan, const Status& status) {

@@ -64,6 +64,8 @@ class Delivery {
   std::set<std::string> clients() const LPV_EXCLUDES(mutex_);
   /// What the last self-check found.
   std::optional<MeasuredError> measured() const { return checks_.measured(); }
+  /// On the GPU at the end of the last tick; nothing before the first.
+  std::optional<MemoryUse> memory() const LPV_EXCLUDES(mutex_);
   /// Somebody subscribes or waits.
   bool busy() const LPV_EXCLUDES(mutex_);
   /// Calls `act` where nobody does, and lets nobody begin meanwhile.
@@ -104,6 +106,7 @@ class Delivery {
   Limits limits_ LPV_GUARDED_BY(mutex_);
   Readers readers_ LPV_GUARDED_BY(mutex_);
   bool tickUnderWay_ LPV_GUARDED_BY(mutex_) = false;
+  std::optional<MemoryUse> memory_ LPV_GUARDED_BY(mutex_);
   Clock::time_point nextTick_ LPV_GUARDED_BY(mutex_);  ///< no tick begins earlier
   std::optional<Clock::time_point> wakesAt_ LPV_GUARDED_BY(mutex_);  ///< the timer's call that is pending
   double tickSeconds_ LPV_GUARDED_BY(mutex_) = 0.0;  ///< from a tick's plan to its results, smoothed

@@ -446,7 +446,8 @@ std::set<BlobHash> Document::hashesInUse() const {
   }
   for (const auto& [name, surface] : surfaces_) {
     out.insert(surface.object->mesh->hash);
-    if (surface.object->albedoTexture) out.insert(surface.object->albedoTexture->hash);
+    for (const TexturePtr& texture : {surface.object->albedoTexture, surface.object->normalTexture})
+      if (texture) out.insert(texture->hash);
   }
   return out;
 }

@@ -1,5 +1,6 @@
 // What each operation of an edit does to the scene.
 
+#include <array>
 #include <cstdio>
 
 #include "base/text.h"
@@ -35,21 +36,21 @@ Expected<TexturePtr> resolveTexture(const char* field, const BlobHash& hash, con
                 field);
 }
 
-/// The texture of a T, and its path in an edit.
+/// A texture of a T, and its path in an edit.
 template <typename T>
-struct TextureOf;
-template <>
-struct TextureOf<Light> {
-  static constexpr auto kMember = &Light::texture;
-  static constexpr auto kGiven = &LightFields::texture;
-  static constexpr const char* kPath = "texture";
+struct TextureSlot {
+  TexturePtr T::*member;
+  std::optional<BlobHash> FieldsOf<T>::*given;
+  const char* path;
 };
+template <typename T>
+constexpr std::array<TextureSlot<T>, 0> kTextures = {};
 template <>
-struct TextureOf<Surface> {
-  static constexpr auto kMember = &Surface::albedoTexture;
-  static constexpr auto kGiven = &SurfaceFields::albedoTexture;
-  static constexpr const char* kPath = "albedo_texture";
-};
+constexpr std::array kTextures<Light> = {TextureSlot<Light>{&Light::texture, &LightFields::texture, "texture"}};
+template <>
+constexpr std::array kTextures<Surface> = {
+    TextureSlot<Surface>{&Surface::albedoTexture, &SurfaceFields::albedoTexture, "albedo_texture"},
+    TextureSlot<Surface>{&Surface::normalTexture, &SurfaceFields::normalTexture, "normal_texture"}};
 
 template <typename T>
 Status assign(T& object, const FieldsOf<T>& f, const Blobs& blobs) {
@@ -59,11 +60,12 @@ Status assign(T& object, const FieldsOf<T>& f, const Blobs& blobs) {
     if (!mesh) return mesh.status();
     object.mesh = *mesh;
   }
-  using Texture = TextureOf<T>;
-  if (const std::optional<BlobHash>& hash = f.*Texture::kGiven) {
-    Expected<TexturePtr> texture = resolveTexture(Texture::kPath, *hash, blobs);
+  for (const TextureSlot<T>& slot : kTextures<T>) {
+    const std::optional<BlobHash>& hash = f.*slot.given;
+    if (!hash) continue;
+    Expected<TexturePtr> texture = resolveTexture(slot.path, *hash, blobs);
     if (!texture) return texture.status();
-    object.*Texture::kMember = *texture;
+    object.*slot.member = *texture;
   }
   Expected<Transform> transform = withFields(object.transform, f.transform);
   if (!transform) return transform.status().within("transform");
