@@ -48,6 +48,7 @@ Expected<client::FrameResult> getFrame(client::Client& client, const std::string
   request.set_format(*format);
   if (flags.exposure) *request.mutable_exposure() = *flags.exposure;
   request.set_samples(flags.samples);
+  if (flags.falseColour) request.set_quantity(v1::FRAME_QUANTITY_IRRADIANCE);
   Expected<client::FrameResult> frame = [&] {
     const Spinner spinner("rendering");
     return client.frame(request);
@@ -79,6 +80,7 @@ void addFrameCommands(CLI::App& app, Commands& commands) {
   addSession(get, given->id);
   given->out.addTo(get);
   given->frame.addTo(get);
+  given->frame.addFalseColourTo(get);
 }
 
 }  // namespace lpv::cli

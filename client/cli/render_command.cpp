@@ -7,8 +7,10 @@
 #include "files.h"
 #include "frame_get.h"
 #include "import/scene_file.h"
+#include "key_light.h"
 #include "lpv/convert.h"
 #include "output.h"
+#include "scene/default_view.h"
 #include "scene_flags.h"
 #include "scene_upload.h"
 #include "session_settings.h"
@@ -54,14 +56,33 @@ std::optional<v1::Camera> cameraFor(const RenderOptions& options, const Imported
   return client::toProto(scene.cameras.front().second);
 }
 
+/// The same where nothing is chosen on the server.
+Camera viewOf(const RenderOptions& options, const ImportedScene& file, const Scene& scene) {
+  const glm::dvec2 size = options.frame.pixels();
+  Camera camera = file.cameras.empty() ? DefaultView(scene).camera(size.x / size.y) : file.cameras.front().second;
+  if (!options.frame.hasCamera()) return camera;
+  camera.eye = *options.frame.eye;
+  camera.target = *options.frame.target;
+  camera.up = options.frame.up.value_or(glm::dvec3(0, 1, 0));
+  camera.fovDegrees = options.frame.fov.value_or(Camera().fovDegrees);
+  return camera;
+}
+
 Status render(Context& context, const RenderOptions& options) {
   checkBinaryOutput(context, "render", options.out.path);
   if (const auto format = options.out.format(); !format) return format.status();
-  const Expected<ImportedScene> scene = asLocal(importScene(options.file, options.import));
+  Expected<ImportedScene> scene = asLocal(importScene(options.file, options.import));
   if (!scene) return scene.status();
   for (const std::string& warning : scene->warnings) warn(warning);
   for (const std::string& assumed : scene->assumed) note(assumed);
-  if (scene->lights.empty()) warn("the file has no emissive material: the frame will be black");
+  std::optional<v1::Camera> camera = cameraFor(options, *scene);
+  if (scene->lights.empty() && !scene->surfaces.empty()) {
+    const Scene unlit = sceneOf(*scene);
+    const Camera view = viewOf(options, *scene, unlit);
+    scene->lights.push_back(keyLight(unlit, view));
+    if (options.frame.cameraName.empty()) camera = client::toProto(view);  // the server's would show the light, too
+    note("the file has no emissive material: added a light '" + scene->lights.back().name + "' beside the camera");
+  }
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
 
@@ -79,7 +100,7 @@ Status render(Context& context, const RenderOptions& options) {
   if (!uploaded) return uploaded.status();
   for (const std::string& warning : uploaded->warnings) warn(warning);
 
-  const auto frame = getFrame(*client, session.name(), options.frame, cameraFor(options, *scene), options.out);
+  const auto frame = getFrame(*client, session.name(), options.frame, camera, options.out);
   if (frame && context.json()) {
     print(JsonObject().text("file", options.out.path).raw("header", toJson(frame->header)).str());
   }
@@ -97,6 +118,7 @@ void addRenderCommand(CLI::App& app, Commands& commands) {
   given->out.addTo(command);
   addImportFlags(command, given->import);
   given->frame.addTo(command);
+  given->frame.addFalseColourTo(command);
   given->session.addTo(command);
 }
 

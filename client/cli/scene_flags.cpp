@@ -93,6 +93,11 @@ void FrameFlags::addSizeTo(CLI::App& app) {
   addParsed<glm::ivec2>(app, "--size", size, "WxH", parseSize, "Size, pixels (default: 640x360)");
 }
 
+void FrameFlags::addFalseColourTo(CLI::App& app) {
+  app.add_flag("--false-colour", falseColour,
+               "Show illuminance in lux instead, by colours with a legend; with exr, irradiance in W/m^2");
+}
+
 void FrameFlags::addTo(CLI::App& app) {
   addCameraTo(app);
   addSizeTo(app);

@@ -43,10 +43,13 @@ struct FrameFlags {
   std::optional<glm::ivec2> size;
   std::optional<v1::Exposure> exposure;
   int samples = 0;  ///< per pixel; 0: as the server has it
+  bool falseColour = false;
 
   void addTo(CLI::App& app);
   void addCameraTo(CLI::App& app);
   void addSizeTo(CLI::App& app);
+  /// --false-colour, of single frames.
+  void addFalseColourTo(CLI::App& app);
   /// True if --eye and --target were given.
   bool hasCamera() const { return eye.has_value(); }
   /// The camera given by --eye and its companions; unset fields take the server's defaults.

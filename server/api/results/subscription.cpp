@@ -79,14 +79,13 @@ Expected<FrameEncodingRequest> common(const Message& in, const pb::Camera* camer
   return order;
 }
 
-Expected<FrameQuantity> quantityOf(pb::FrameQuantity quantity, pb::FrameFormat format) {
+Expected<FrameQuantity> quantityOf(pb::FrameQuantity quantity) {
   switch (quantity) {
     case pb::FRAME_QUANTITY_UNSPECIFIED:
     case pb::FRAME_QUANTITY_RADIANCE:
       return FrameQuantity::kRadiance;
     case pb::FRAME_QUANTITY_IRRADIANCE:
-      if (format == pb::FRAME_FORMAT_EXR) return FrameQuantity::kIrradiance;
-      return invalid("format", "irradiance is written as EXR only; want FRAME_FORMAT_EXR");
+      return FrameQuantity::kIrradiance;
     default:
       return invalid("quantity", "quantity has the unknown value " + std::to_string(int(quantity)));
   }
@@ -221,10 +220,12 @@ Expected<FrameEncodingRequest> encodingRequestFrom(const pb::FrameSubscription& 
 Expected<FrameEncodingRequest> encodingRequestFrom(const pb::GetFrameRequest& in, const Limits& limits) {
   Expected<FrameEncodingRequest> order = common(in, in.has_camera() ? &in.camera() : nullptr, kOfCalls, limits);
   if (!order) return order;
-  const Expected<FrameQuantity> quantity = quantityOf(in.quantity(), order->format);
+  const Expected<FrameQuantity> quantity = quantityOf(in.quantity());
   if (!quantity) return quantity.status();
+  if (*quantity == FrameQuantity::kRadiance) return order;
   order->subscription.quantity = *quantity;
-  if (*quantity == FrameQuantity::kIrradiance) order->subscription.samples = 1;
+  order->subscription.format = PixelFormat::kRgb32F;
+  order->subscription.samples = 1;
   return order;
 }
 

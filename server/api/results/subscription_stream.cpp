@@ -4,6 +4,7 @@
 
 #include "api/services.h"
 #include "convert/session.h"
+#include "encode/false_colour.h"
 #include "ops/log_scope.h"
 
 namespace lpv::api {
@@ -199,15 +200,14 @@ Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>&
       subscriber, subscription, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
 }
 
+/// Linear pixels that are not for EXR are irradiance, for people.
 Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {
-  switch (format) {
-    case pb::FRAME_FORMAT_PNG:
-      return encode::png(frame.size, frame.rgb8);
-    case pb::FRAME_FORMAT_EXR:
-      return encode::exr(frame.size, frame.rgb32f);
-    default:
-      return encode::jpeg(frame.size, frame.rgb8, quality);
-  }
+  if (format == pb::FRAME_FORMAT_EXR) return encode::exr(frame.size, frame.rgb32f);
+  const bool linear = frame.format == PixelFormat::kRgb32F;
+  const std::vector<std::uint8_t> colours =
+      linear ? encode::falseColours(frame.size, frame.rgb32f) : std::vector<std::uint8_t>();
+  const std::vector<std::uint8_t>& rgb = linear ? colours : frame.rgb8;
+  return format == pb::FRAME_FORMAT_PNG ? encode::png(frame.size, rgb) : encode::jpeg(frame.size, rgb, quality);
 }
 
 }  // namespace lpv::api

@@ -231,6 +231,48 @@ TEST_F(BouncesTest, FoldsReflectToThemselves) {
   EXPECT_NEAR(all / first, 1.0 / (1.0 - 0.9 * 0.5), 0.1);
 }
 
+/// By how much a pixel's radiance differs from the mean of the four beside it, as a share of the picture's mean: the
+/// root of the mean of the squares.
+double grainOf(const Frame& frame) {
+  double squares = 0.0, sum = 0.0;
+  for (int y = 1; y + 1 < frame.size.y; ++y) {
+    for (int x = 1; x + 1 < frame.size.x; ++x) {
+      const double own = test::pixel(frame, x, y).x;
+      const double around = 0.25 * (test::pixel(frame, x - 1, y).x + test::pixel(frame, x + 1, y).x +
+                                    test::pixel(frame, x, y - 1).x + test::pixel(frame, x, y + 1).x);
+      squares += (own - around) * (own - around);
+      sum += own;
+    }
+  }
+  const double count = double(frame.size.x - 2) * (frame.size.y - 2);
+  return std::sqrt(squares / count) / (sum / count);
+}
+
+// A wall beside a corner, before which screens stand that cameras do not see: patches near the wall are seen from it in
+// part.
+// Broken by: what near patches send, taken as each pixel's one ray has it.
+TEST_F(BouncesTest, WallsHaveNoGrain) {
+  Scene scene = closedRoom(1.0, 0.8, 4);
+  Light& lamp = test::lightOf(scene);
+  lamp.transform.scale = glm::dvec3(0.2);
+  lamp.transform.translation = {0.5, 0.3, 0.4};
+  for (const double z : {-0.3, 0.0, 0.3}) {
+    Surface& screen = test::addSurface(scene, "screen at " + std::to_string(z), reference::quad());
+    screen.transform.rotation = rotationFromEulerDegrees({0.0, 90.0, 0.0});
+    screen.transform.scale = glm::dvec3(0.2);
+    screen.transform.translation = {-0.9, -0.8, z};
+    screen.visibleToCamera = false;
+  }
+  Camera camera;
+  camera.eye = {-0.2, -0.6, 0.0};
+  camera.target = {-1.0, -0.6, 0.0};
+  camera.up = {0.0, 1.0, 0.0};
+  camera.fovDegrees = 45.0;
+  const FramePtr frame = frameOf(scene, test::linearFrame(camera, {96, 96}));
+  ASSERT_NE(frame, nullptr);
+  EXPECT_LT(grainOf(*frame), 0.008);
+}
+
 // Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
 TEST_F(BouncesTest, TheDarkSideReflectsNothing) {
   Scene scene = lampOverFloor();

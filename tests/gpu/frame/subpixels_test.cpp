@@ -1,0 +1,196 @@
+// Several samples of each pixel: what edges and textures become, and that light stays what it is.
+
+#include <cmath>
+
+#include "gpu/engine/engine_rig.h"
+#include "gpu/frame/light_views.h"
+#include "reference/textures.h"
+
+namespace lpv {
+namespace {
+
+using test::pixel;
+
+class SubpixelsTest : public test::EngineTest {
+ protected:
+  FramePtr frame(const Scene& scene, const FrameRequest& request, SessionKey session = 1) {
+    TickRequest tick = test::requestOf(scene, session);
+    tick.frames = {request};
+    const TickResult result = run(tick);
+    return result.frames.size() == 1 ? result.frames[0] : std::make_shared<Frame>();
+  }
+};
+
+constexpr double kPixel = 4.0 / 64.0;  // metres, of test::frontCamera in z = 0
+
+/// A square of 1 m that shines towards the camera, so many pixels right of where its edges lie between pixels.
+Scene squareAt(double pixels) {
+  Scene scene = test::smallScene();
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quad();
+  light.transform.translation = {pixels * kPixel, 0.0, 0.0};
+  return scene;
+}
+
+FrameRequest sampled(int samples, const glm::ivec2& size = {64, 64}) {
+  FrameRequest request = test::linearFrame(test::frontCamera(), size);
+  request.samples = samples;
+  return request;
+}
+
+// Columns 24 to 39 are the square's; moved by part of a pixel, the edges' pixels have that part of it.
+// Broken by: an offset with the wrong sign; samples that are weighed by a count other than theirs.
+TEST_F(SubpixelsTest, AnEdgeIsAShare) {
+  const double radiance = 4.0;
+  for (const int samples : {2, 4, 8, 16}) {
+    for (const double moved : {0.5, 0.25, 0.75}) {
+      const FramePtr picture = frame(squareAt(moved + 1e-3), sampled(samples));
+      const double within = samples == 2 ? 0.26 : 0.51 / samples;
+      EXPECT_NEAR(pixel(*picture, 24, 32).x, radiance * (1.0 - moved), radiance * within) << samples << ", " << moved;
+      EXPECT_NEAR(pixel(*picture, 40, 32).x, radiance * moved, radiance * within) << samples << ", " << moved;
+      EXPECT_EQ(pixel(*picture, 32, 32).x, radiance) << samples;
+      EXPECT_EQ(pixel(*picture, 20, 32).x, 0.0) << samples;
+    }
+  }
+}
+
+// The same up and down, on all four sides at once: the square's light is its area's, wherever it lies.
+// Broken by: rows that are moved the other way than columns.
+TEST_F(SubpixelsTest, AMovedSquareShinesAsMuch) {
+  Scene scene = squareAt(0.37);
+  test::lightOf(scene).transform.translation.y = 0.23 * kPixel;
+  const FramePtr picture = frame(scene, sampled(8));
+  double sum = 0.0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) sum += pixel(*picture, x, y).x;
+  }
+  EXPECT_NEAR(sum, 4.0 * 16 * 16, 0.01 * 4.0 * 16 * 16);
+}
+
+/// A white wall whose right half is darker, lit evenly enough, the border in the middle of column 32.
+Scene halvedWall(double albedo) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.transport = Transport::kDirect;
+  scene.options.visibility = Visibility::kOff;
+  scene.options.bounces = 0;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quad();
+  light.transform = {{0, 0, 3}, glm::angleAxis(std::acos(-1.0), glm::dvec3(0, 1, 0)), glm::dvec3(0.8)};
+  light.visibleToCamera = false;
+  for (const double side : {-1.0, 1.0}) {
+    Surface& half = test::addSurface(scene, side < 0.0 ? "left" : "right", reference::quad());
+    half.transform.scale = glm::dvec3(4.0);
+    half.transform.translation = {0.5 * kPixel + 2.0 * side, 0.0, 0.0};
+    half.albedo = glm::dvec3(side < 0.0 ? 1.0 : albedo);
+  }
+  return scene;
+}
+
+// Broken by: the albedo of the middle; a border lit as one of its sides is shaded.
+TEST_F(SubpixelsTest, ABorderOnAWallIsTheMeanOfItsSides) {
+  const FramePtr picture = frame(halvedWall(0.25), sampled(8)), plain = frame(halvedWall(1.0), sampled(1), 2);
+  EXPECT_NEAR(pixel(*picture, 32, 20).x, 0.625 * pixel(*plain, 32, 20).x, 1e-3 * pixel(*plain, 32, 20).x);
+  EXPECT_NEAR(pixel(*picture, 31, 20).x, pixel(*plain, 31, 20).x, 1e-3 * pixel(*plain, 31, 20).x);
+  EXPECT_NEAR(pixel(*picture, 33, 20).x, 0.25 * pixel(*plain, 33, 20).x, 1e-3 * pixel(*plain, 33, 20).x);
+}
+
+// A screen before the wall, its edge in the middle of a column: half of the pixel shows the wall, lit as the wall is
+// beside it, half the screen, lit as that is.
+// Broken by: all samples lit as the middle of their pixel.
+TEST_F(SubpixelsTest, WhatIsBehindAnEdgeHasItsOwnLight) {
+  Scene scene = halvedWall(1.0);
+  Surface& screen = test::addSurface(scene, "screen", reference::quad());
+  screen.transform.scale = glm::dvec3(2.0);
+  screen.transform.translation = {0.25 * kPixel - 1.0, 0.0, 1.0};  // half a pixel of 2 m away
+  const FramePtr picture = frame(scene, sampled(8));
+  const double ofScreen = pixel(*picture, 31, 32).x, ofWall = pixel(*picture, 33, 32).x;
+  ASSERT_GT(ofScreen, 1.5 * ofWall);
+  EXPECT_NEAR(pixel(*picture, 32, 32).x, 0.5 * (ofScreen + ofWall), 0.02 * ofScreen);
+}
+
+// Every transport and lookup: away from edges a sampled picture is the other.
+// Broken by: light looked up elsewhere than in the pixel's middle.
+TEST_F(SubpixelsTest, FlatPlacesStay) {
+  for (const Transport transport : {Transport::kPropagate, Transport::kGather, Transport::kDirect}) {
+    Scene scene = test::floorScene(transport, reference::quad());
+    scene.options.quality = transport == Transport::kGather ? Quality::kFast : Quality::kAccurate;
+    const test::FloorView view = test::floorView(scene, 3.0);
+    FrameRequest request = view.frame;
+    const FramePtr plain = frame(scene, request, 1);
+    request.samples = 4;
+    const FramePtr picture = frame(scene, request, 2);
+    for (int y = 4; y < 60; y += 3) {
+      for (int x = 4; x < 60; x += 3)
+        EXPECT_NEAR(pixel(*picture, x, y).x, pixel(*plain, x, y).x, 1e-6 + 2e-6 * pixel(*plain, x, y).x) << x << ", " << y;
+    }
+  }
+}
+
+// What a texture has finer than pixels is their mean: stripes of two to a pixel are grey.
+// Broken by: one texel per pixel; samples that each blur as far as a whole pixel does not show here, but in the next.
+TEST_F(SubpixelsTest, StripesFinerThanPixelsAreGrey) {
+  Scene scene = halvedWall(1.0);
+  scene.surfaces.erase("right");
+  auto wall = std::make_shared<Surface>(*scene.surfaces.at("left"));
+  wall->transform = {{0, 0, 0}, {1, 0, 0, 0}, glm::dvec3(4.0)};
+  const Scene white = [&] {
+    Scene out = scene;
+    out.surfaces["left"] = wall;
+    return out;
+  }();
+  auto striped = std::make_shared<Surface>(*wall);
+  striped->albedoTexture = reference::textureOf(256, 4, [](int x, int) { return glm::dvec3(x % 2); });
+  scene.surfaces["left"] = striped;
+  const FramePtr grey = frame(scene, sampled(8)), all = frame(white, sampled(1), 2);
+  for (int x = 8; x < 56; x += 5) EXPECT_NEAR(pixel(*grey, x, 30).x, 0.5 * pixel(*all, x, 30).x, 0.03) << x;
+}
+
+// Stripes as wide as pixels stay stripes: each sample stands for its part of the pixel.
+// Broken by: textures that each sample blurs over a whole pixel.
+TEST_F(SubpixelsTest, StripesAsWideAsPixelsStaySharp) {
+  Scene scene = halvedWall(1.0);
+  scene.surfaces.erase("right");
+  auto wall = std::make_shared<Surface>(*scene.surfaces.at("left"));
+  wall->transform = {{0, 0, 0}, {1, 0, 0, 0}, glm::dvec3(4.0)};
+  wall->albedoTexture = reference::textureOf(64, 4, [](int x, int) { return glm::dvec3(x % 2); });
+  scene.surfaces["left"] = wall;
+  const FramePtr picture = frame(scene, sampled(16));
+  for (int x = 9; x < 56; x += 6) {
+    EXPECT_LT(pixel(*picture, x - 1, 30).x, 0.45 * pixel(*picture, x, 30).x) << x;
+  }
+}
+
+// More pixels than are sampled at a time: the square's edges are where they are in the upper and the lower rows.
+// Broken by: rows that begin anew with each band.
+TEST_F(SubpixelsTest, LargePicturesAreSampledSomeRowsAtATime) {
+  Scene scene = squareAt(0.0);
+  test::lightOf(scene).transform.scale = glm::dvec3(3.0);
+  const glm::ivec2 size(1536, 1024);  // two bands; a pixel is 4 m / 1024
+  const FramePtr picture = frame(scene, sampled(2, size));
+  const int left = 768 - 384, top = 512 - 384;
+  for (const int y : {top, 400, 681, 682, 683, 700, top + 767}) {
+    EXPECT_EQ(pixel(*picture, left, y).x, 4.0) << y;
+    EXPECT_EQ(pixel(*picture, left - 1, y).x, 0.0) << y;
+  }
+  EXPECT_EQ(pixel(*picture, 768, top - 1).x, 0.0);
+  EXPECT_EQ(pixel(*picture, 768, top + 768).x, 0.0);
+}
+
+// Irradiance frames: pi x radiance / albedo where a surface is seen, else 0.
+// Broken by: the light in front; the albedo left in.
+TEST_F(SubpixelsTest, FramesOfIrradiance) {
+  Scene scene = halvedWall(0.25);
+  FrameRequest request = sampled(1);
+  const FramePtr seen = frame(scene, request, 1);
+  request.quantity = FrameQuantity::kIrradiance;
+  const FramePtr received = frame(scene, request, 2);
+  const double pi = std::acos(-1.0);
+  EXPECT_NEAR(pixel(*received, 10, 32).x, pi * pixel(*seen, 10, 32).x, 1e-5);
+  EXPECT_NEAR(pixel(*received, 50, 32).x, pi / 0.25 * pixel(*seen, 50, 32).x, 1e-5);
+  const FramePtr light = frame(squareAt(0.0), request, 3);
+  EXPECT_EQ(pixel(*light, 32, 32), glm::dvec3(0.0));
+}
+
+}  // namespace
+}  // namespace lpv
