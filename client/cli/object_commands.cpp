@@ -231,8 +231,8 @@ Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& f
     out.mesh = *hash;
   }
   if (!flags.texture.empty()) {
-    const auto hash =
-        uploadImageFile(client, flags.id, flags.texture, flags.textureAlpha ? ImageUse::kColourWithAlpha : ImageUse::kColour);
+    const auto hash = uploadImageFile(client, flags.id, flags.texture,
+                                      flags.textureAlpha ? ImageUse::kColourWithAlpha : ImageUse::kColour);
     if (!hash) return hash.status();
     out.texture = *hash;
   }

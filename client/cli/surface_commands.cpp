@@ -29,8 +29,9 @@ struct SurfaceFlags : ObjectFlags {
     addColour(app, "--albedo", albedo, "Linear reflectance, 0..1 (default of add: 0.8)");
     app.add_option("--texture", texture, "Image that multiplies the albedo (default of add: none)")
         ->type_name("IMG|none");
-    app.add_option("--normal-map", normalMap,
-                   "Picture of tangent-space normals as glTF has them, that bends the normals of frames; none removes it")
+    app.add_option(
+           "--normal-map", normalMap,
+           "Picture of tangent-space normals as glTF has them, that bends the normals of frames; none removes it")
         ->type_name("IMG|none");
     app.add_option("--normal-scale", normalScale, "How much it bends, 0..16 (default of add: 1)")->type_name("S");
     app.add_option("--roughness", roughness, "Roughness, 0..1 (default of add: 1)")->type_name("R");

@@ -10,8 +10,8 @@ namespace lpv::encode {
 
 namespace {
 
-/// Viridis (van der Walt and Smith 2015) at every fifth of its length, sRGB: even steps of lightness, also for those who
-/// see red and green alike.
+/// Viridis (van der Walt and Smith 2015) at every fifth of its length, sRGB: even steps of lightness, also for those
+/// who see red and green alike.
 constexpr std::array<glm::u8vec3, 6> kColours = {
     {{68, 1, 84}, {65, 68, 135}, {42, 120, 142}, {34, 168, 132}, {122, 209, 81}, {253, 231, 37}}};
 
@@ -41,7 +41,8 @@ struct Canvas {
   void fill(const glm::ivec2& from, const glm::ivec2& extent, const glm::u8vec3& colour) const {
     for (int y = std::max(from.y, 0); y < std::min(from.y + extent.y, size.y); ++y) {
       for (int x = std::max(from.x, 0); x < std::min(from.x + extent.x, size.x); ++x) {
-        for (int c = 0; c < 3; ++c) rgb[3 * (std::size_t(y) * std::size_t(size.x) + std::size_t(x)) + std::size_t(c)] = colour[c];
+        for (int c = 0; c < 3; ++c)
+          rgb[3 * (std::size_t(y) * std::size_t(size.x) + std::size_t(x)) + std::size_t(c)] = colour[c];
       }
     }
   }
@@ -80,8 +81,10 @@ void drawLegend(const Canvas& canvas, double top) {
     canvas.fill(at + glm::ivec2(x, 0), {1, bar.y}, falseColour(top * std::pow(10.0, -decades), top));
   }
   for (int i = 0; i <= kFalseColourDecades; ++i) {
-    const std::string text = numberOf(top * std::pow(10.0, i - kFalseColourDecades)) + (i == kFalseColourDecades ? " lx" : "");
-    canvas.write(at + glm::ivec2(bar.x * i / kFalseColourDecades - (i == 0 ? 0 : kAdvance * scale), bar.y + 4 * scale), text, scale);
+    const std::string text =
+        numberOf(top * std::pow(10.0, i - kFalseColourDecades)) + (i == kFalseColourDecades ? " lx" : "");
+    canvas.write(at + glm::ivec2(bar.x * i / kFalseColourDecades - (i == 0 ? 0 : kAdvance * scale), bar.y + 4 * scale),
+                 text, scale);
   }
 }
 
@@ -90,7 +93,8 @@ glm::vec3 pixelOf(const std::vector<float>& rgb, std::size_t i) { return {rgb[3 
 }  // namespace
 
 double luxOf(const glm::vec3& irradiance) {
-  return kLumensPerWatt * (0.2126 * double(irradiance.x) + 0.7152 * double(irradiance.y) + 0.0722 * double(irradiance.z));
+  return kLumensPerWatt *
+         (0.2126 * double(irradiance.x) + 0.7152 * double(irradiance.y) + 0.0722 * double(irradiance.z));
 }
 
 double brightestLux(const std::vector<float>& irradiance) {
@@ -113,7 +117,8 @@ glm::u8vec3 falseColour(double lux, double top) {
   const double share = 1.0 + std::log10(lux / top) / kFalseColourDecades;
   const double at = std::clamp(share, 0.0, 1.0) * double(kColours.size() - 1);
   const std::size_t below = std::min(std::size_t(at), kColours.size() - 2);
-  return glm::u8vec3(glm::round(glm::mix(glm::dvec3(kColours[below]), glm::dvec3(kColours[below + 1]), at - double(below))));
+  return glm::u8vec3(
+      glm::round(glm::mix(glm::dvec3(kColours[below]), glm::dvec3(kColours[below + 1]), at - double(below))));
 }
 
 std::vector<std::uint8_t> falseColours(const glm::ivec2& size, const std::vector<float>& irradiance) {

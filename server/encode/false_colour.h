@@ -19,12 +19,12 @@ double luxOf(const glm::vec3& irradiance);
 /// light at most exceeds. 1 where none does.
 double brightestLux(const std::vector<float>& irradiance);
 
-/// Colour of so many lux where the brightest stands for `top`: from violet through green to yellow, by the logarithm over
-/// kFalseColourDecades; black at 0.
+/// Colour of so many lux where the brightest stands for `top`: from violet through green to yellow, by the logarithm
+/// over kFalseColourDecades; black at 0.
 glm::u8vec3 falseColour(double lux, double top);
 
-/// A picture of `irradiance` (3 floats per pixel) in these colours; where there is room, with a legend in its lower left
-/// corner. 3 bytes per pixel.
+/// A picture of `irradiance` (3 floats per pixel) in these colours; where there is room, with a legend in its lower
+/// left corner. 3 bytes per pixel.
 std::vector<std::uint8_t> falseColours(const glm::ivec2& size, const std::vector<float>& irradiance);
 
 }  // namespace lpv::encode

@@ -19,8 +19,7 @@ Charge::Charge(std::size_t bytes) : account_(charged()), bytes_(bytes) {
   if (account_ != nullptr) account_->bytes += std::int64_t(bytes_);
 }
 
-Charge::Charge(Charge&& other) noexcept
-    : account_(std::move(other.account_)), bytes_(std::exchange(other.bytes_, 0)) {}
+Charge::Charge(Charge&& other) noexcept : account_(std::move(other.account_)), bytes_(std::exchange(other.bytes_, 0)) {}
 
 Charge& Charge::operator=(Charge&& other) noexcept {
   Charge taken(std::move(other));

@@ -7,8 +7,8 @@
 
 namespace lpv::gpu {
 
-/// Bytes of buffers, textures and readbacks that count as one owner's. As they were asked for: what a driver adds is not
-/// in it. Of one thread.
+/// Bytes of buffers, textures and readbacks that count as one owner's. As they were asked for: what a driver adds is
+/// not in it. Of one thread.
 struct Account {
   std::int64_t bytes = 0;
 };

@@ -42,9 +42,7 @@ Buffer::Buffer(const std::string& label, std::span<const std::byte> data, Buffer
     : id_(createStorage(label, data.size(), data.data(), use)), size_(data.size()), charge_(data.size()) {}
 
 Buffer::Buffer(Buffer&& other) noexcept
-    : id_(std::exchange(other.id_, 0)),
-      size_(std::exchange(other.size_, 0)),
-      charge_(std::move(other.charge_)) {}
+    : id_(std::exchange(other.id_, 0)), size_(std::exchange(other.size_, 0)), charge_(std::move(other.charge_)) {}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   Buffer taken(std::move(other));

@@ -113,7 +113,8 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
                                  s.looksAtLights ? nullptr : &*field.textures,
                                  &s.products->emitters,
                                  sampled ? &view.nearField->irradiance : nullptr,
-                                 view.panes != nullptr ? &view.panes->share : nullptr, view.subpixels.get()};
+                                 view.panes != nullptr ? &view.panes->share : nullptr,
+                                 view.subpixels.get()};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 

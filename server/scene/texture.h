@@ -22,8 +22,8 @@ enum class TexelFormat {
 /// Bytes of one texel.
 std::size_t texelBytes(TexelFormat format);
 
-/// A picture: albedo of a surface, with its alpha where there is one, its normals, or radiance multiplier of a light. Rows from top
-/// (v = 0) to bottom, tightly packed, little-endian. Wrap: repeat.
+/// A picture: albedo of a surface, with its alpha where there is one, its normals, or radiance multiplier of a light.
+/// Rows from top (v = 0) to bottom, tightly packed, little-endian. Wrap: repeat.
 struct Texture {
   int width = 0;   ///< texels, 1..16384
   int height = 0;  ///< texels, 1..16384

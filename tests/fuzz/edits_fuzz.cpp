@@ -81,7 +81,7 @@ class Run {
  private:
   struct Member {
     ClientIdentity identity;
-    std::uint64_t last = 0;                         ///< sequence that was sent
+    std::uint64_t last = 0;  ///< sequence that was sent
     std::map<std::uint64_t, EditOutcome> outcomes;  ///< the first one of each sequence that was not refused as old
   };
 

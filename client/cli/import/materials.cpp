@@ -145,7 +145,8 @@ void Materials::readNormals(const aiMaterial& material, Material& out) {
     return;
   }
   out.normals = texture(name.C_Str(), ImageUse::kNormals);
-  out.normalScale = std::clamp(factor(material, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0), 1.0), 0.0, 16.0);
+  out.normalScale =
+      std::clamp(factor(material, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0), 1.0), 0.0, 16.0);
   out.uvChannel = channel;
 }
 

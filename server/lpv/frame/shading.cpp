@@ -102,10 +102,10 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
 }
 
 gpu::Defines ShadingPass::Variant::defines() const {
-  return {gpu::define("LPV_CHANNELS", channels),  gpu::define("LPV_GROUPS", groups),
-          gpu::define("LPV_LOOKUP", int(lookup)), gpu::define("LPV_NEAR_FIELD", nearField),
-          gpu::define("LPV_LOOKED_AT", lookedAt), gpu::define("LPV_DISPLAY", display),
-          gpu::define("LPV_PANES", panes),        gpu::define("LPV_SUBPIXELS", subpixels),
+  return {gpu::define("LPV_CHANNELS", channels),    gpu::define("LPV_GROUPS", groups),
+          gpu::define("LPV_LOOKUP", int(lookup)),   gpu::define("LPV_NEAR_FIELD", nearField),
+          gpu::define("LPV_LOOKED_AT", lookedAt),   gpu::define("LPV_DISPLAY", display),
+          gpu::define("LPV_PANES", panes),          gpu::define("LPV_SUBPIXELS", subpixels),
           gpu::define("LPV_IRRADIANCE", irradiance)};
 }
 

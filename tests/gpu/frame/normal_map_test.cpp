@@ -4,6 +4,7 @@
 
 #include "gpu/engine/engine_rig.h"
 #include "reference/ground_truth.h"
+#include "reference/receivers.h"
 #include "reference/textures.h"
 
 namespace lpv {
@@ -62,8 +63,8 @@ void expectLitAs(const Frame& frame, const Scene& scene, const glm::dvec3& norma
 
 // Broken by: green that points down; right and up exchanged.
 TEST_F(NormalMapTest, BendsRightAndUp) {
-  for (const glm::dvec3& normal : {glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0, 0.8), glm::dvec3(0, 0.6, 0.8),
-                                   glm::dvec3(-0.3, 0.2, 1.0)}) {
+  for (const glm::dvec3& normal :
+       {glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0, 0.8), glm::dvec3(0, 0.6, 0.8), glm::dvec3(-0.3, 0.2, 1.0)}) {
     const Scene scene = wallUnderLamp(everywhere(normal));
     expectLitAs(*frame(scene), scene, normal);
   }

@@ -248,29 +248,27 @@ double grainOf(const Frame& frame) {
   return std::sqrt(squares / count) / (sum / count);
 }
 
-// A wall beside a corner, before which screens stand that cameras do not see: patches near the wall are seen from it in
-// part.
+// A wall beside a corner, before which a screen stands that cameras do not see: patches of the floor are seen from the
+// wall in part.
 // Broken by: what near patches send, taken as each pixel's one ray has it.
 TEST_F(BouncesTest, WallsHaveNoGrain) {
   Scene scene = closedRoom(1.0, 0.8, 4);
   Light& lamp = test::lightOf(scene);
   lamp.transform.scale = glm::dvec3(0.2);
-  lamp.transform.translation = {0.5, 0.3, 0.4};
-  for (const double z : {-0.3, 0.0, 0.3}) {
-    Surface& screen = test::addSurface(scene, "screen at " + std::to_string(z), reference::quad());
-    screen.transform.rotation = rotationFromEulerDegrees({0.0, 90.0, 0.0});
-    screen.transform.scale = glm::dvec3(0.2);
-    screen.transform.translation = {-0.9, -0.8, z};
-    screen.visibleToCamera = false;
-  }
+  lamp.transform.translation = {-0.8, 0.8, 0.0};
+  Surface& screen = test::addSurface(scene, "screen", reference::quad());
+  screen.transform.rotation = rotationFromEulerDegrees({0.0, 90.0, 0.0});
+  screen.transform.scale = {1.6, 0.5, 1.0};
+  screen.transform.translation = {-0.9, -0.75, 0.0};
+  screen.visibleToCamera = false;
   Camera camera;
-  camera.eye = {-0.2, -0.6, 0.0};
-  camera.target = {-1.0, -0.6, 0.0};
+  camera.eye = {-0.3, -0.8, 0.0};
+  camera.target = {-1.0, -0.8, 0.0};
   camera.up = {0.0, 1.0, 0.0};
-  camera.fovDegrees = 45.0;
+  camera.fovDegrees = 28.0;
   const FramePtr frame = frameOf(scene, test::linearFrame(camera, {96, 96}));
   ASSERT_NE(frame, nullptr);
-  EXPECT_LT(grainOf(*frame), 0.008);
+  EXPECT_LT(grainOf(*frame), 0.017);
 }
 
 // Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
