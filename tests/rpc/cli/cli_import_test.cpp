@@ -128,6 +128,20 @@ TEST_F(Import, GltfAlpha) {
                           "does, unrefracted"));
 }
 
+// Broken by: the rewritten file without it; a picture of normals that is read as sRGB.
+TEST_F(Import, GltfNormals) {
+  folder_.write("leaf.png", halfClearPng());
+  const std::string normals = R"("normalTexture":{"index":0,"scale":0.5},)";
+  const ImportedScene scene = load(folder_.write("room.glb", glb(gltfWithFloor(normals, "1"), gltfBuffer())));
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  const Surface& floor = named(scene.surfaces, "Floor_1");
+  ASSERT_NE(floor.normalTexture, nullptr);
+  EXPECT_EQ(floor.normalTexture->format, TexelFormat::kRgb8);
+  EXPECT_EQ(floor.normalTexture->texels, (std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0}));
+  EXPECT_EQ(floor.normalScale, 0.5);
+  EXPECT_EQ(floor.albedoTexture->format, TexelFormat::kRgb8Srgb) << "the same file";
+}
+
 TEST_F(Import, GltfTransmission) {
   folder_.write("leaf.png", halfClearPng());
   const std::string glass = R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.8}},)";

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <thread>
 
+#include "import/image.h"
 #include "rpc/cli/cli_files.h"
 #include "rpc/cli/cli_run.h"
 #include "rpc/support/rpc.h"
@@ -343,6 +344,33 @@ TEST_F(Cli, WatchTakesAFormatARegionAndATolerance) {
   EXPECT_EQ(bytes({"--region", "900,900,900,901,901,901"}), 0.0);  // and is not there
   EXPECT_EQ(lpvctl({"watch", id_, "--volume", "--tolerance", "4"}).exit, 2);
   EXPECT_EQ(lpvctl({"watch", id_, "--volume", "--region", "1,2,3"}).exit, 2);
+}
+
+// A file without lights gets one, and says so. Broken by: a black picture without a word.
+TEST_F(Cli, RenderLightsWhatHasNoLight) {
+  const std::string square = folder_.write("square.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  const auto rendered = lpvctl({"render", square, "-o", folder_.path("r.png"), "--size", "64x48", "--grid", "8"});
+  EXPECT_EQ(rendered.exit, 0);
+  EXPECT_THAT(rendered.err, HasSubstr("added a light 'key'"));
+  const Expected<Texture> picture = cli::readImage(folder_.path("r.png"));
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  EXPECT_GT(cli::meanColour(*picture).x, 0.02);
+}
+
+// Broken by: pixels of radiance; a legend that is not there.
+TEST_F(Cli, FalseColoursAndSamples) {
+  const auto get = [&](std::vector<std::string> flags) {
+    std::vector<std::string> all = {"frame", "get", id_, "-o", folder_.path("a.png"), "--size", "320x240"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    EXPECT_EQ(lpvctlOut(all), "");
+    return *cli::readImage(folder_.path("a.png"));
+  };
+  const Texture seen = get({}), plain = get({"--samples", "1"}), colours = get({"--false-colour"});
+  EXPECT_NE(seen.texels, plain.texels) << "edges are smoothed unasked";
+  const auto at = [&](int x, int y) { return &colours.texels[3 * (std::size_t(y) * 320 + std::size_t(x))]; };
+  EXPECT_EQ(std::vector<int>(at(10, 230), at(10, 230) + 3), (std::vector<int>{24, 24, 24})) << "the legend";
+  EXPECT_THAT(lpvctl({"frame", "get", id_, "-o", folder_.path("a.png"), "--samples", "5"}).err, HasSubstr("samples"));
+  EXPECT_THAT(lpvctlOut({"session", "show", id_}), HasSubstr("MiB for light"));
 }
 
 TEST_F(Cli, RenderLeavesNothingBehind) {

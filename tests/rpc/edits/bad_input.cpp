@@ -309,6 +309,10 @@ std::vector<Row> frameRows() {
       frameRow(
           "Quality", [](auto* r) { r->set_quality(101); }, "quality", "1 to 100"),
       frameRow(
+          "Samples", [](auto* r) { r->set_samples(3); }, "samples", "1, 2, 4, 8 and 16"),
+      frameRow(
+          "Quantity", [](auto* r) { r->set_quantity(pb::FrameQuantity(9)); }, "quantity", "9"),
+      frameRow(
           "Format", [](auto* r) { r->set_format(pb::FrameFormat(9)); }, "format", "9"),
       frameRow(
           "Exposure", [](auto* r) { r->mutable_exposure()->set_ev(41); }, "exposure.ev", "-40 to 40"),

@@ -246,6 +246,10 @@ TEST_F(DocumentTest, ABlobIsTakenForWhatItIs) {
   asTexture.fields.albedoTexture = "picture";
   applied({asTexture});
   EXPECT_EQ(document_.snapshot()->surfaces.at("Wall")->albedoTexture, texture->texture);
+  UpdateSurface asNormals{"Wall", {}};
+  asNormals.fields.normalTexture = "picture";
+  applied({asNormals});
+  EXPECT_EQ(document_.snapshot()->surfaces.at("Wall")->normalTexture, texture->texture);
   asTexture.fields.albedoTexture = "";
   applied({asTexture});
   EXPECT_EQ(document_.snapshot()->surfaces.at("Wall")->albedoTexture, nullptr);

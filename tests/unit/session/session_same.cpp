@@ -26,6 +26,8 @@ void expectSame(const Surface& a, const Surface& b) {
   EXPECT_EQ(a.transform, b.transform);
   EXPECT_EQ(a.albedo, b.albedo);
   EXPECT_EQ(a.albedoTexture ? a.albedoTexture->hash : "", b.albedoTexture ? b.albedoTexture->hash : "");
+  EXPECT_EQ(a.normalTexture ? a.normalTexture->hash : "", b.normalTexture ? b.normalTexture->hash : "");
+  EXPECT_EQ(a.normalScale, b.normalScale);
   EXPECT_EQ(a.roughness, b.roughness);
   EXPECT_EQ(a.metalness, b.metalness);
   EXPECT_EQ(a.twoSided, b.twoSided);
