@@ -112,6 +112,21 @@ def unshadowed(content):
     return "\n".join(lines) + "\n"
 
 
+def edges(content):
+    """Markdown: HDR-FLIP of so many samples per pixel against the finest, a line per scene and camera."""
+    cases = {}
+    for row in content["rows"]:
+        if row["quantity"] == "edges":
+            cases.setdefault((row["case"], row["camera"]), {})[row["settings"]["samples"]] = row["values"]["hdr_flip"]
+    counts = sorted({samples for values in cases.values() for samples in values})
+    head = ["scene", "view", *map(str, counts)]
+    lines = [provenance(content), "", f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for (case, camera), values in cases.items():
+        shown = [f"{values[samples]:.2g}" if samples in values else "-" for samples in counts]
+        lines.append(f"| {case} | {camera} | {' | '.join(shown)} |")
+    return "\n".join(lines) + "\n"
+
+
 def check(content):
     """Sentences about what is not as results.schema.md says; empty if all is."""
     wrong = []
