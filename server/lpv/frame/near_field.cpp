@@ -20,7 +20,7 @@ std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::
 
 constexpr int kPointsOfBlock = layout::kNearFieldBlockX * layout::kNearFieldBlockY;
 static_assert(kPointsOfBlock == 32);  // bits of a uint
-constexpr std::size_t kShadowPointBytes = 6 * sizeof(glm::vec4);  // of shaders/visibility/shadow_points.glsl
+constexpr std::size_t kShadowPointBytes = kShadowPointTexels * sizeof(glm::vec4);
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view

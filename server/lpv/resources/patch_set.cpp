@@ -15,8 +15,6 @@ struct StoredPatch {
   float wanted = 0.0F, scale[2] = {1.0F, 1.0F}, pad = 0.0F;
 };
 
-constexpr int kShadowPointTexels = 5;  // of shaders/visibility/shadow_points.glsl
-
 std::vector<StoredPatch> stored(const std::vector<Patch>& patches, const Grid& grid) {
   std::vector<StoredPatch> out;
   for (const Patch& p : patches) {

@@ -12,6 +12,9 @@
 
 namespace lpv {
 
+/// Vectors of four of each point of layout::kShadowPoints (shaders/visibility/shadow_points.glsl).
+inline constexpr int kShadowPointTexels = 6;
+
 struct PatchSet {
   /// Nothing arrives yet, and none sees another. `patches` is not empty. `throughPanes`: some may see others through
   /// what lets light through.

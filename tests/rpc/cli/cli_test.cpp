@@ -359,6 +359,7 @@ TEST_F(Cli, RenderLightsWhatHasNoLight) {
 
 // Broken by: pixels of radiance; a legend that is not there.
 TEST_F(Cli, FalseColoursAndSamples) {
+  (void)lpvctlOut({"scene", "load", id_, room_});
   const auto get = [&](std::vector<std::string> flags) {
     std::vector<std::string> all = {"frame", "get", id_, "-o", folder_.path("a.png"), "--size", "320x240"};
     all.insert(all.end(), flags.begin(), flags.end());
