@@ -65,6 +65,8 @@ class MaterialWriter {
     copyNumber(place, "alphaCutoff", out);
     copyNumbers(place, "emissiveFactor", 3, out);
     copyTexture(place, "emissiveTexture", out);
+    copyTexture(place, "normalTexture", out);
+    if (out.contains("normalTexture")) copyNumber(place.at("normalTexture"), "scale", out["normalTexture"]);
     const JsonPlace pbr = place.at("pbrMetallicRoughness");
     if (pbr.present()) {
       json& to = out["pbrMetallicRoughness"] = json::object();
