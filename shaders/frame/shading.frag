@@ -124,7 +124,7 @@ void main() {
     colour.rgb = texelFetch(albedo, pixel, 0).rgb * reflected(pixel);
   }
 #endif
-#if LPV_PANES
+#if LPV_PANES && !LPV_IRRADIANCE
   colour.rgb *= texelFetch(panes, pixel, 0).rgb;
 #endif
 #if LPV_DISPLAY
