@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LPV_ADDRESS_SANITIZER)
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -286,7 +286,7 @@ TEST_F(Import, RefusesWhatIsNoSceneFile) {
 /// Assimp and libpng leak what they had made of a file when they meet its fault.
 struct ForeignLeaks {
   ForeignLeaks() {}  // NOLINT(modernize-use-equals-default): so that an empty one is not unused
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LPV_ADDRESS_SANITIZER)
   __lsan::ScopedDisabler disabled;
 #endif
 };

@@ -13,7 +13,7 @@
 namespace lpv::rpc {
 
 /// Built with a sanitizer: memory bounds of the server are looser there.
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LPV_ADDRESS_SANITIZER)
 inline constexpr bool kSanitized = true;
 #else
 inline constexpr bool kSanitized = false;
