@@ -37,6 +37,10 @@ Status LoadSession::prepare() {
                                             : load_.transport == "direct" ? v1::TRANSPORT_DIRECT
                                                                           : v1::TRANSPORT_GATHER);
   if (propagate) request.mutable_settings()->set_iterations(load_.iterations);
+  if (load_.unshadowed) {
+    request.mutable_settings()->set_visibility(v1::VISIBILITY_OFF);
+    request.mutable_settings()->set_bounces(0);
+  }
   const auto created = client_.createSession(request);
   if (!created) return created.status();
   id_ = client::sessionId(created->session().name());

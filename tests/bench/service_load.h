@@ -31,6 +31,7 @@ struct Load {
   double seconds = 20.0;
   bool deform = false;
   bool watchVolume = false;
+  bool unshadowed = false;                     ///< direct light with nothing in its way, instead of the default
 };
 
 /// What was seen.
