@@ -95,7 +95,20 @@ def compare(ours, truth, in_shadow=None, error=None):
         out["raw_l2_shadowed"] = relative_l2(ours[dark], truth[dark])
         out["nrmse_shadowed"] = nrmse(ours[dark], truth[dark])
     if error is not None:
-        out["nrmse_of_reference"] = nrmse(truth + np.asarray(error), truth)
+        out.update(of_reference(truth, np.asarray(error), in_shadow))
+    return out
+
+
+def of_reference(truth, error, in_shadow=None):
+    """What the truth's standard error makes of the figures. NRMSE is a closed form; percentiles and shares are those of
+    the truth with noise of that error against itself."""
+    out = {"nrmse_of_reference": nrmse(truth + error, truth)}
+    if in_shadow is not None:
+        dark = np.asarray(in_shadow, bool)
+        out["nrmse_shadowed_of_reference"] = nrmse((truth + error)[dark], truth[dark])
+    noisy = truth + error * np.random.default_rng(5).standard_normal(truth.shape)
+    out["log_ratio_p95_of_reference"] = log_ratio_p95(noisy, truth)
+    out["share_over_10_percent_of_reference"] = share_off(noisy, truth)
     return out
 
 

@@ -68,6 +68,18 @@ class Numbers(unittest.TestCase):
         self.assertAlmostEqual(out["nrmse"], math.sqrt(0.125) / 0.75, 12)
         self.assertAlmostEqual(out["nrmse_of_reference"], math.sqrt((0.01 + 0.0025) / 2) / 0.75, 12)
         self.assertEqual(out["shadowed_pixels"], 2)
+        self.assertAlmostEqual(out["nrmse_shadowed_of_reference"], 0.1, 12)
+
+    # Luminance of noise of .05 in each colour has a standard deviation of .05 |LUMINANCE| = .0375: 95 % are within 1.96 of
+    # them, and .77 % beyond .1, 2.67 of them. Broken by: the same noise in all colours.
+    def test_noise_of_the_reference_makes_ratios_and_shares(self):
+        truth = np.ones((20000, 3))
+        out = metrics.of_reference(truth, 0.05 * truth)
+        self.assertAlmostEqual(out["log_ratio_p95_of_reference"], 1.96 * 0.0375, delta=0.002)
+        self.assertAlmostEqual(out["share_over_10_percent_of_reference"], 0.0077, delta=0.002)
+        self.assertNotIn("nrmse_shadowed_of_reference", out)
+        self.assertEqual(out, metrics.of_reference(truth, 0.05 * truth))
+        self.assertEqual(metrics.of_reference(truth, 0 * truth)["log_ratio_p95_of_reference"], 0)
 
 
 class Bootstrap(unittest.TestCase):
