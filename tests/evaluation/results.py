@@ -134,11 +134,15 @@ def check(content):
                       ("rows", list), ("skipped", list)):
         if not isinstance(content.get(key), kind):
             wrong.append(f"{key} is missing or no {kind.__name__}")
-    for i, row in enumerate(content.get("rows", [])):
+    for i, row in enumerate(content["rows"] if isinstance(content.get("rows"), list) else []):
+        if not isinstance(row, dict):
+            wrong.append(f"rows[{i}] is no object")
+            continue
         for key, kind in (("case", str), ("quantity", str), ("settings", dict), ("values", dict)):
             if not isinstance(row.get(key), kind):
                 wrong.append(f"rows[{i}].{key} is missing or no {kind.__name__}")
-        for key, value in row.get("values", {}).items():
+        values = row.get("values")
+        for key, value in values.items() if isinstance(values, dict) else ():
             if value is not None and not isinstance(value, (int, float)):
                 wrong.append(f"rows[{i}].values.{key} is no number")
     return wrong
