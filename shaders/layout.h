@@ -64,6 +64,8 @@ LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
 LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its
                                     // area; negative: a light is between
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
+LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (shaders/frame/fold_rays.comp)
+LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders/visibility/folds.glsl)
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
 // --- uniform blocks
@@ -259,13 +261,17 @@ LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llv
 // --- shadow rays (MATHS.md 3d)
 LPV_CONST int kLightPointTexels = 3;
 LPV_CONST int kLeafItems = 8;  // of a BVH's node: see BvhNode::leaf
-LPV_CONST int kInstanceTexels = 6;
+LPV_CONST int kInstanceTexels = 7;
 LPV_CONST int kTriangleTexels = 3;
 LPV_CONST int kUvTexels = 2;  // of a triangle whose alpha varies
 LPV_CONST int kAlphasOfTexel = 16;
 LPV_CONST float kShadowOffset = 2e-4;  // cells along the receiver's normal where rays begin
 LPV_CONST int kAllLights = -1;  // what an occluder blocks, or else the light whose own it blocks; rays between patches
 LPV_CONST int kFromSurfaces = -2;  // light that surfaces reflect, which lights block: of an occluder, that alone
+LPV_CONST float kFromFolds =
+    -3.0;  // less the square of Patch::reach: the same of a patch that stands for small triangles
+LPV_CONST int kFoldRays = 8;  // all around from a receiver, a turn
+LPV_CONST int kPieceBits = 8;  // of a word of kFoldTriangles: how many pieces; above them the first
 LPV_CONST float kShadowEnd = 0.9999;  // of a ray's way, where it has arrived
 
 /// Of the rays from a cell to points of one light, which it gets equal shares of its light from: sums.
@@ -291,7 +297,8 @@ struct PatchParams {
   int bounce;  // 0: what comes from the lights; a turn of balancing
   int lastBounce;
   int balanced;  // parity of the last turn of balancing
-  int pad0, pad1, pad2;
+  int pieces;  // of folds, after the patches
+  int pad0, pad1;
 };
 
 struct Counters {
@@ -432,7 +439,7 @@ struct ShadowParams {
   int jitter;  // 0: rays go to the same places from every pixel; 1: to others, so that steps become grain
   int even;  // 1: rays go to points that are spread evenly over the pool; 0: to those that are worth most to the
              // receiver
-  int pad0;
+  int foldTurns;  // of rays all around to the pieces of folds; 0: none
 };
 
 struct DrawParams {

@@ -20,6 +20,16 @@ std::size_t patchesWanted(const LightingSettings& options) {
   return options.quality == Quality::kAccurate ? kAccuratePatches : kFastPatches;
 }
 
+std::size_t piecesWanted(const LightingSettings& options) {
+  return options.quality == Quality::kAccurate ? kAccuratePieces : kFastPieces;
+}
+
+/// Frames of streams do not look for pieces of folds.
+bool looksForPieces(const TickRequest& request) {
+  const auto full = [](const FrameRequest& frame) { return !frame.reduced; };
+  return std::ranges::any_of(request.frames, full) || (request.transported && request.probed);
+}
+
 /// Volumes alone hold direct light.
 bool readsReflections(const TickRequest& request) {
   return !request.frames.empty() || (request.transported && request.probed);
@@ -199,15 +209,21 @@ GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene)
   co_await made.occluders.update(std::move(occluders), s.field().grid);
 }
 
-GpuTask Pipeline::Stages::findPatches(SessionState& s, const Scene& scene) {
+GpuTask Pipeline::Stages::findPatches(SessionState& s, const TickRequest& request) {
   StageProducts& made = *s.products;
-  PatchInputs inputs = {{}, s.field().grid, patchesWanted(scene.options), made.occluders.surfaces()};
+  const Scene& scene = *request.scene;
+  made.foldsRead = s.reflectionsBlocked && (made.foldsRead || looksForPieces(request));
+  PatchInputs inputs = {{},
+                        s.field().grid,
+                        patchesWanted(scene.options),
+                        made.foldsRead ? piecesWanted(scene.options) : 0,
+                        made.occluders.surfaces()};
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   if (made.patches.holds(inputs)) co_return;
-  std::vector<Patch> patches = patchesOf(scene, inputs.count);
-  auto set = patches.empty()
+  auto patched = std::make_shared<const PatchedScene>(patchedScene(scene, inputs.count, inputs.pieces));
+  auto set = patched->patches.empty()
                  ? nullptr
-                 : std::make_unique<PatchSet>(std::move(patches), s.field().grid, made.occluders.transparent());
+                 : std::make_unique<PatchSet>(std::move(patched), scene, s.field().grid, made.occluders.transparent());
   if (set != nullptr) co_await bouncePass.findExchange(*set, made.occluders, pacing(s));
   made.patches.set(std::move(inputs), std::move(set));
 }
@@ -217,16 +233,30 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   if (s.bounces == 0 || s.lights.empty()) s.products->reflected.forget();
   if (s.bounces == 0 || s.lights.empty() || !readsReflections(request)) co_return;
   StageProducts& made = *s.products;
-  co_await findPatches(s, *request.scene);
+  co_await findPatches(s, request);
   PatchSet* patches = made.patches.product().get();
   const int turns = s.shadowed ? shadowTurns(request.scene->options) : 0;
   const ReflectInputs inputs = {made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(),
                                 made.occluders.all(), s.bounces,           turns};
   if (patches == nullptr || made.reflected.holds(inputs)) co_return;
   co_await nearFieldPass.run(*patches, made.emitters, {&made.pools, &made.occluders, turns}, pacing(s));
+  if (patches->folded()) co_await bouncePass.takeMeans(*patches, pacing(s));
   if (s.reflectionsBlocked) co_await bouncePass.findLights(*patches, made.occluders, pacing(s));
-  co_await bouncePass.run(*patches, s.bounces, pacing(s));
+  co_await bounce(s, *request.scene, *patches);
   made.reflected.set(inputs);
+}
+
+/// Pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it on.
+GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& patches) {
+  const StageProducts& made = *s.products;
+  const bool look = patches.folded() && s.bounces > 1;
+  co_await bouncePass.run(patches, 0, look ? s.bounces - 1 : s.bounces, pacing(s));
+  if (!look) co_return;
+  const ShadowCasters shadows = {
+      &made.pools, &made.occluders, 0, &patches, shadowTurns(scene.options), foldTurns(scene.options)};
+  co_await nearFieldPass.lookFromPieces(patches, made.emitters, shadows, pacing(s));
+  co_await bouncePass.run(patches, s.bounces - 1, s.bounces, pacing(s));
+  co_await bouncePass.finishPieces(patches, pacing(s));
 }
 
 /// For frames that do not look at the lights alone.

@@ -38,8 +38,12 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   }
   const StageProducts& made = *s.products;
   const int turns = shadowTurns(frame, scene.options);
-  const ShadowCasters shadows = {&made.pools, &made.occluders, s.shadowed ? turns : 0, made.reflecting(),
-                                 s.reflectionsBlocked ? turns : 0};
+  const ShadowCasters shadows = {&made.pools,
+                                 &made.occluders,
+                                 s.shadowed ? turns : 0,
+                                 made.reflecting(),
+                                 s.reflectionsBlocked ? turns : 0,
+                                 frame.reduced ? 0 : foldTurns(scene.options)};
   const bool inTheWay = s.shadowed || s.bounces > 0;
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
                                     inTheWay ? &shadows : nullptr,

@@ -31,6 +31,8 @@ inline constexpr double kAim = 0.6;
 
 /// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
 inline int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
+/// Of rays all around a pixel, to pieces of folds.
+inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
 inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
 }
@@ -54,6 +56,7 @@ struct PatchInputs {
   std::vector<SurfacePtr> surfaces;
   Grid grid;
   std::size_t count = 0;
+  std::size_t pieces = 0;  ///< of folds
   Stamp blockers = 0;
 
   bool operator==(const PatchInputs&) const = default;
@@ -115,6 +118,7 @@ struct StageProducts {
   LightPointCache lightPoints;
   GpuOccluders occluders;
   CellVisibilities cellVisibilities;
+  bool foldsRead = false;  ///< somebody looks for their pieces, or did
   Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
   Cached<ReflectInputs> reflected;
   /// Patches that send light, or null.
@@ -154,8 +158,9 @@ struct Pipeline::Stages {
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   GpuTask listEmitters(SessionState& s, double openingRatio);
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
-  GpuTask findPatches(SessionState& s, const Scene& scene);
+  GpuTask findPatches(SessionState& s, const TickRequest& request);
   GpuTask reflect(SessionState& s, const TickRequest& request);
+  GpuTask bounce(SessionState& s, const Scene& scene, PatchSet& patches);
   GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
   GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
   GpuTask finishCopies(SessionState& s, const TickViews& views);

@@ -164,20 +164,26 @@ EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList&
 }
 
 void copyReflected(const PatchSet& patches, Readbacks& readbacks) {
-  const std::size_t bytes = patches.lights.size();
+  const std::size_t bytes = patches.lights.size(), ofPieces = patches.pieceLights.size();
   withRoom(readbacks.patchLights, "patch lights", bytes).copyFrom(patches.lights, 0, 0, bytes);
+  if (patches.folded())
+    withRoom(readbacks.pieceLights, "piece lights", ofPieces).copyFrom(patches.pieceLights, 0, 0, ofPieces);
 }
 
 ReflectedLightPtr takeReflected(const PatchSet& patches, const Readbacks& readbacks) {
-  std::vector<glm::vec4> texels(patches.source.size() * layout::kLightPointTexels);
+  std::vector<glm::vec4> texels(patches.source->patches.size() * layout::kLightPointTexels);
   std::memcpy(texels.data(), readbacks.patchLights.bytes().data(), texels.size() * sizeof(glm::vec4));
   auto out = std::make_shared<ReflectedLight>();
-  for (std::size_t i = 0; i < patches.source.size(); ++i) {
+  for (std::size_t i = 0; i < patches.source->patches.size(); ++i) {
     const glm::vec4* point = &texels[i * layout::kLightPointTexels];
     const double area = -double(point[1].w);
     out->radiance.push_back(double(point[0].w) / area * glm::dvec3(point[2]));
   }
-  out->patches = patches.source;
+  std::vector<glm::vec4> pieces(patches.source->folds.pieces.size());
+  if (patches.folded())
+    std::memcpy(pieces.data(), readbacks.pieceLights.bytes().data(), pieces.size() * sizeof(glm::vec4));
+  for (const glm::vec4& radiance : pieces) out->pieceRadiance.emplace_back(radiance);
+  out->of = patches.source;
   return out;
 }
 

@@ -22,6 +22,14 @@ double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const 
 void LightVisibility::prepare() const {
   occluders_ = std::make_unique<const Occluders>(*scene_);
   offset_ = double(layout::kShadowOffset) * scene_->grid.cell;
+  Bounds bounds;
+  for (const auto& [name, surface] : scene_->surfaces) {
+    const Bounds box = surface->mesh->bounds.transformed(surface->transform.worldFromObject());
+    bounds.add(box.min);
+    bounds.add(box.max);
+    panes_ = panes_ || !coverageOf(*surface).isOpaque();
+  }
+  reach_ = glm::length(bounds.max - bounds.min);
   for (const auto& [name, light] : scene_->lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
     const LightPoints points = lightPoints(*light->mesh, light->texture.get());
@@ -54,6 +62,16 @@ glm::dvec3 LightVisibility::seen(const glm::dvec3& at, const glm::dvec3& n, cons
   std::call_once(once_, [this] { prepare(); });
   const glm::dvec3 from = at + offset_ * n;
   return occluders_->transmitted(from, glm::mix(from, place, double(layout::kShadowEnd)), kFromSurfaces);
+}
+
+std::optional<LightVisibility::Sight> LightVisibility::sight(const glm::dvec3& at, const glm::dvec3& n,
+                                                             const glm::dvec3& direction) const {
+  std::call_once(once_, [this] { prepare(); });
+  const glm::dvec3 from = at + offset_ * n;
+  const std::optional<OccluderHit> hit = occluders_->firstHit(from, from + reach_ * direction);
+  if (!hit) return std::nullopt;
+  const glm::dvec3 to = glm::mix(from, hit->position, double(layout::kShadowEnd));
+  return Sight{*hit, panes_ ? occluders_->transmitted(from, to, kFromSurfaces) : glm::dvec3(1.0)};
 }
 
 }  // namespace lpv

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "scene/light_points.h"
@@ -27,6 +28,13 @@ class LightVisibility {
   glm::dvec3 share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const;
   /// Per colour, the share of light from a place on a surface that gets to a point with unit normal n.
   glm::dvec3 seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const;
+  /// What a point with unit normal n first sees in a direction, a unit vector, of what stops all light; and per colour
+  /// what gets here from there.
+  struct Sight {
+    OccluderHit hit;
+    glm::dvec3 share{1.0};
+  };
+  std::optional<Sight> sight(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& direction) const;
 
  private:
   struct Emitter {
@@ -41,6 +49,8 @@ class LightVisibility {
   mutable std::unique_ptr<const Occluders> occluders_;
   mutable std::vector<Emitter> emitters_;
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
+  mutable double reach_ = 0.0;  ///< metres: all of the scene is nearer to any of its points
+  mutable bool panes_ = false;  ///< something lets light through
 };
 using LightVisibilityPtr = std::shared_ptr<const LightVisibility>;
 

@@ -19,12 +19,14 @@ glm::dvec2 uvAt(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& weig
 
 std::vector<Occluder> occludersOf(const Scene& scene) {
   std::vector<Occluder> out;
+  int number = -1;
   for (const auto& [name, surface] : scene.surfaces) {
+    ++number;
     if (!canStop(*surface)) continue;
     Coverage coverage = coverageOf(*surface);
     if (coverage.letsAllThrough()) continue;
     if (coverage.isOpaque()) coverage = Coverage();
-    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage)});
+    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage), number});
   }
   const bool reflects = bouncesFor(scene) > 0;
   int index = 0;
@@ -32,7 +34,7 @@ std::vector<Occluder> occludersOf(const Scene& scene) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
     if (blocksItself(*light) || (reflects && light->castsShadow)) {
       const int blocks = blocksItself(*light) ? index : kFromSurfaces;
-      out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}});
+      out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}, -1});
     }
     ++index;
   }
@@ -55,8 +57,8 @@ Occluders::Occluders(const Scene& scene) {
   nodes_ = std::move(bvh.nodes);
   for (const std::uint32_t i : bvh.order) {
     const Occluder& o = occluders[i];
-    instances_.push_back(
-        {bvhOf(o.mesh), glm::inverse(o.worldFromObject), o.blocks, o.mesh, o.coverage, o.coverage == Coverage()});
+    instances_.push_back({bvhOf(o.mesh), glm::inverse(o.worldFromObject), o.blocks, o.mesh, o.coverage,
+                          o.coverage == Coverage(), o.surface});
   }
 }
 
@@ -102,6 +104,30 @@ glm::dvec3 Occluders::transmitted(const glm::dvec3& from, const glm::dvec3& to, 
     if (share == glm::dvec3(0.0)) break;
   }
   return share;
+}
+
+std::optional<OccluderHit> Occluders::firstHit(const glm::dvec3& from, const glm::dvec3& to) const {
+  const BvhSegment segment(from, to);
+  std::optional<OccluderHit> found;
+  double nearest = 1.0;
+  for (std::size_t at = 0; at < nodes_.size();) {
+    const BvhNode& node = nodes_[at];
+    if (!segment.meets(node)) {
+      at = node.skip;
+      continue;
+    }
+    ++at;
+    if (node.items() == 0) continue;
+    const Instance& instance = instances_[node.firstItem()];
+    if (!instance.opaque) continue;
+    const glm::dmat4& m = instance.objectFromWorld;
+    const auto hit =
+        lpv::firstHit(*instance.bvh, glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)));
+    if (!hit || hit->at >= nearest) continue;
+    nearest = hit->at;
+    found = {instance.surface, instance.bvh->indices[hit->triangle], hit->front, glm::mix(from, to, nearest)};
+  }
+  return found;
 }
 
 }  // namespace lpv

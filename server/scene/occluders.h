@@ -3,7 +3,9 @@
 // light of all lights, or as much of it as it covers; a light blocks its own and what surfaces reflect, but not that
 // of other lights, which see it where it is a surface, too.
 
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,7 @@ struct Occluder {
   /// kAllLights, kFromSurfaces, or the one light that it blocks besides, among those that emit in the order of names.
   int blocks = kAllLights;
   Coverage coverage;  ///< opaque, or what of it stops light
+  int surface = -1;  ///< which one of the scene's, in the order of names; -1: a light
 
   bool operator==(const Occluder&) const = default;
 };
@@ -36,6 +39,14 @@ std::vector<Occluder> occludersOf(const Scene& scene);
 /// The BVH over occluders in a space that `spaceFromWorld` leads to: its leaves have one item each.
 Bvh bvhOf(const std::vector<Occluder>& occluders, const glm::dmat4& spaceFromWorld);
 
+/// What a ray sees of what stops all light.
+struct OccluderHit {
+  int surface = -1;  ///< Occluder::surface
+  std::uint32_t triangle = 0;  ///< of its mesh
+  bool front = true;
+  glm::dvec3 position{0.0};
+};
+
 /// Answers rays on the CPU. World space. Immutable.
 class Occluders {
  public:
@@ -46,6 +57,8 @@ class Occluders {
   bool blocked(const glm::dvec3& from, const glm::dvec3& to, int light) const;
   /// Per colour, what gets there, 0..1.
   glm::dvec3 transmitted(const glm::dvec3& from, const glm::dvec3& to, int light) const;
+  /// The first opaque surface or light strictly between two points.
+  std::optional<OccluderHit> firstHit(const glm::dvec3& from, const glm::dvec3& to) const;
 
  private:
   struct Instance {
@@ -55,6 +68,7 @@ class Occluders {
     MeshPtr mesh;
     Coverage coverage;
     bool opaque = true;
+    int surface = -1;
 
     glm::dvec3 transmitted(const glm::dvec3& from, const glm::dvec3& to) const;
   };

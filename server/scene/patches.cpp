@@ -1,13 +1,20 @@
 #include "scene/patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <deque>
 #include <glm/gtx/component_wise.hpp>
+#include <limits>
 #include <memory>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "scene/coarse_texture.h"
 #include "scene/grid_choice.h"
+#include "scene/merged_triangles.h"
+#include "scene/shadowing.h"
 #include "scene/transparency.h"
 
 namespace lpv {
@@ -40,8 +47,9 @@ struct Piece {
 /// A surface's triangles, world space.
 class Triangles {
  public:
-  explicit Triangles(const Surface& surface)
+  Triangles(const Surface& surface, std::size_t number)
       : surface_(surface),
+        number_(number),
         varies_(surface.albedoTexture != nullptr && !surface.mesh->uvs.empty()),
         albedo_(alphaVaries(surface) ? surface.albedo : alphaOf(surface, 255) * surface.albedo),
         texture_(varies_ ? std::make_unique<CoarseTexture>(*surface.albedoTexture, alphaFactors(surface)) : nullptr) {
@@ -54,6 +62,21 @@ class Triangles {
     return varies_ ? surface_.mesh->triangles : surface_.mesh->evenTriangles();
   }
   double area(const glm::uvec3& t) const { return 0.5 * glm::length(cross(t)); }
+  /// How far the corners of a triangle are from a place at the most.
+  float farthest(const glm::uvec3& t, const glm::vec3& from) const {
+    double out = 0.0;
+    for (int i = 0; i < 3; ++i) out = std::max(out, glm::distance(positions_[t[i]], glm::dvec3(from)));
+    return float(out);
+  }
+  const Surface& surface() const { return surface_; }
+  std::size_t number() const { return number_; }
+  /// By triangle of the mesh: which of all() it is part of.
+  std::vector<std::uint32_t> indices() const {
+    if (!varies_) return mergedTriangleOf(*surface_.mesh);
+    std::vector<std::uint32_t> out(surface_.mesh->triangles.size());
+    std::iota(out.begin(), out.end(), 0U);
+    return out;
+  }
   /// Halved along the longest edge until no piece is larger than `most`; appends the pieces' patches.
   void split(const glm::uvec3& t, double most, std::vector<Patch>& out) const {
     std::vector<Piece> open = {Piece{.area = area(t)}};
@@ -110,10 +133,18 @@ class Triangles {
   }
 
   const Surface& surface_;
+  std::size_t number_;  ///< of the scene's surfaces, in the order of names
   bool varies_;
   glm::dvec3 albedo_;  ///< times alpha, where that is the same all over
   std::unique_ptr<CoarseTexture> texture_;
   std::vector<glm::dvec3> positions_;
+};
+
+/// One for which another one may stand.
+struct SmallTriangle {
+  const Triangles* of = nullptr;
+  std::uint32_t index = 0;  ///< in Triangles::all
+  std::uint32_t patch = 0;  ///< that stands for it
 };
 
 /// Large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all, until their area
@@ -124,7 +155,8 @@ class Patches {
 
   /// Of one side.
   void add(const Triangles& triangles) {
-    for (const glm::uvec3& t : triangles.all()) {
+    for (std::uint32_t i = 0; i < triangles.all().size(); ++i) {
+      const glm::uvec3& t = triangles.all()[i];
       const double area = triangles.area(t);
       if (!(area > 0.0)) continue;
       if (area > 0.5 * most_) {
@@ -132,23 +164,109 @@ class Patches {
         continue;
       }
       if (pending_ < 0.5 * most_) last_ = triangles.patch(t, glm::dvec2(1.0 / 3.0), 0.0);
+      small_.push_back({&triangles, i, 0});
       pending_ += area;
       if (pending_ >= most_) flush();
     }
   }
   /// What is left of small triangles gets a patch.
   void flush() {
-    if (pending_ > 0.0) patches_.push_back(last_);
-    if (pending_ > 0.0) patches_.back().area = float(pending_);
+    if (pending_ <= 0.0) return;
+    for (; resolved_ < small_.size(); ++resolved_) small_[resolved_].patch = std::uint32_t(patches_.size());
+    patches_.push_back(last_);
+    patches_.back().area = float(pending_);
     pending_ = 0.0;
   }
-  const std::vector<Patch>& all() const { return patches_; }
+  std::vector<Patch>& all() { return patches_; }
+  const std::vector<SmallTriangle>& small() const { return small_; }
 
  private:
   double most_;
   std::vector<Patch> patches_;
+  std::vector<SmallTriangle> small_;
+  std::size_t resolved_ = 0;  ///< of them, those whose patch is known
   Patch last_;
   double pending_ = 0.0;
+};
+
+constexpr double kMostPiecesOfTriangle = 64.0;  // half of what halving makes of it: who sees one looks for the nearest
+
+/// Pieces of small triangles: one that is larger than a piece is cut; others share one with those of their patch that
+/// face about the same way and are nearest.
+class Pieces {
+ public:
+  explicit Pieces(double most) : most_(most) {}
+
+  /// Of one surface, which one patch stands for.
+  void add(std::span<const SmallTriangle> together) {
+    const Triangles& of = *together.front().of;
+    ranges_[&of].resize(of.all().size());
+    std::map<int, std::vector<Member>> byDirection;
+    for (const SmallTriangle& t : together) {
+      const glm::uvec3& corners = of.all()[t.index];
+      const double area = of.area(corners);
+      if (area > most_) {
+        const std::size_t first = pieces_.size();
+        of.split(corners, std::max(most_, area / kMostPiecesOfTriangle), pieces_);
+        for (std::size_t i = first; i < pieces_.size(); ++i) pieces_[i].triangle.reset();
+        ranges_[&of][t.index] = {std::uint32_t(first), std::uint32_t(pieces_.size() - first)};
+        continue;
+      }
+      const Patch patch = of.patch(corners, glm::dvec2(1.0 / 3.0), area);
+      byDirection[directionOf(patch.normal)].push_back({patch, t.index});
+    }
+    for (auto& [direction, members] : byDirection) addMembers(of, members);
+    patchOf_.resize(pieces_.size(), together.front().patch);
+  }
+
+  const std::vector<Patch>& all() const { return pieces_; }
+  const std::vector<std::uint32_t>& patchOf() const { return patchOf_; }
+  const std::map<const Triangles*, std::vector<Folds::Range>>& ranges() const { return ranges_; }
+
+ private:
+  struct Member {
+    Patch patch;
+    std::uint32_t index = 0;  ///< in Triangles::all
+  };
+
+  /// Which of some fifty, 25 degrees or so apart.
+  static int directionOf(const glm::vec3& n) {
+    const glm::ivec3 steps(glm::round(2.0F * n));
+    return 25 * steps.x + 5 * steps.y + steps.z;
+  }
+
+  /// Halved along the way that they stretch most until they are no more than a piece, which is the one in the middle.
+  void addMembers(const Triangles& of, std::span<Member> members) {
+    if (members.empty()) return;
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    double area = 0.0;
+    for (const Member& m : members) {
+      low = glm::min(low, m.patch.position);
+      high = glm::max(high, m.patch.position);
+      area += double(m.patch.area);
+    }
+    const glm::vec3 size = high - low, middle = 0.5F * (low + high);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    if (area > most_ && members.size() > 1) {
+      std::stable_sort(members.begin(), members.end(), [axis](const Member& a, const Member& b) {
+        return a.patch.position[axis] < b.patch.position[axis];
+      });
+      addMembers(of, members.first(members.size() / 2));
+      addMembers(of, members.subspan(members.size() / 2));
+      return;
+    }
+    const auto central = std::min_element(members.begin(), members.end(), [&middle](const Member& a, const Member& b) {
+      return glm::distance(a.patch.position, middle) < glm::distance(b.patch.position, middle);
+    });
+    pieces_.push_back(central->patch);
+    pieces_.back().area = float(area);
+    for (const Member& m : members) ranges_[&of][m.index] = {std::uint32_t(pieces_.size()) - 1, 1};
+  }
+
+  double most_;
+  std::vector<Patch> pieces_;
+  std::vector<std::uint32_t> patchOf_;
+  std::map<const Triangles*, std::vector<Folds::Range>> ranges_;  ///< by Triangles::all
 };
 
 Patch turned(Patch p) {
@@ -159,30 +277,109 @@ Patch turned(Patch p) {
 
 }  // namespace
 
-std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) {
-  constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
+namespace {
+
+constexpr float kReach = 3.0F;  // of folds, in sizes of the patch that stands for them: beyond it is nearly a point
+constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
+
+/// Whether a ray ends at whatever of the surface it meets, so that what it sees there is all that it sees.
+bool stopsRays(const Surface& surface) { return canStop(surface) && coverageOf(surface).isOpaque(); }
+
+/// Surfaces of one kind, with so many sides: their patches, front and back, and the small triangles among them.
+struct Sides {
+  int sides = 1;
+  std::deque<Triangles> surfaces;  // where they are they stay
+  std::vector<SmallTriangle> small;  ///< of folded patches
+  std::uint32_t fronts = 0;  ///< patches of the front
+};
+
+using NumberedSurfaces = std::vector<std::pair<const Surface*, std::size_t>>;
+
+/// Appends the patches of surfaces; of small triangles those are folded that stand for what stops rays alone.
+void addPatches(const NumberedSurfaces& surfaces, bool apart, double most, Sides& of, std::vector<Patch>& out) {
+  Patches patches(most);
+  for (const auto& [surface, number] : surfaces) {
+    patches.add(of.surfaces.emplace_back(*surface, number));
+    if (apart) patches.flush();
+  }
+  patches.flush();
+  for (const SmallTriangle& t : patches.small()) {
+    Patch& patch = patches.all()[t.patch];
+    const float size = std::sqrt(patch.area);
+    patch.reach = std::max({patch.reach, kReach * size, size + t.of->farthest(t.of->all()[t.index], patch.position)});
+  }
+  for (const SmallTriangle& t : patches.small()) {
+    if (!stopsRays(t.of->surface())) patches.all()[t.patch].reach = 0.0F;
+  }
+  const auto before = std::uint32_t(out.size());
+  for (const SmallTriangle& t : patches.small()) {
+    if (patches.all()[t.patch].reach > 0.0F) of.small.push_back({t.of, t.index, before + t.patch});
+  }
+  of.fronts = std::uint32_t(patches.all().size());
+  out.insert(out.end(), patches.all().begin(), patches.all().end());
+  for (const Patch& p : patches.all()) {
+    if (of.sides == 2) out.push_back(turned(p));
+  }
+}
+
+void addPieces(const Sides& of, double most, Folds& out) {
+  Pieces pieces(most);
+  for (std::size_t first = 0, end = 0; first < of.small.size(); first = end) {
+    const auto isOther = [&](const SmallTriangle& t) {
+      return t.of != of.small[first].of || t.patch != of.small[first].patch;
+    };
+    while (end < of.small.size() && !isOther(of.small[end])) ++end;
+    pieces.add(std::span(of.small).subspan(first, end - first));
+  }
+  const auto before = std::uint32_t(out.pieces.size()), count = std::uint32_t(pieces.all().size());
+  out.pieces.insert(out.pieces.end(), pieces.all().begin(), pieces.all().end());
+  out.patchOf.insert(out.patchOf.end(), pieces.patchOf().begin(), pieces.patchOf().end());
+  for (std::uint32_t i = 0; of.sides == 2 && i < count; ++i) {
+    out.pieces.push_back(turned(pieces.all()[i]));
+    out.patchOf.push_back(pieces.patchOf()[i] + of.fronts);
+  }
+  for (const auto& [triangles, ranges] : pieces.ranges()) {
+    Folds::OfSurface& surface = out.surfaces[triangles->number()];
+    surface.toBack = of.sides == 2 ? count : 0;
+    for (const std::uint32_t i : triangles->indices()) {
+      const Folds::Range range = i < ranges.size() ? ranges[i] : Folds::Range();
+      surface.triangles.push_back({before + range.first, range.count});
+    }
+  }
+}
+
+double areaOfSmall(const Sides& of) {
+  double sum = 0.0;
+  for (const SmallTriangle& t : of.small) sum += of.sides * t.of->area(t.of->all()[t.index]);
+  return sum;
+}
+
+}  // namespace
+
+PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces) {
   double area = 0.0;
-  std::vector<const Surface*> reflecting;
+  NumberedSurfaces reflecting[2];  // by sides - 1
+  std::size_t number = 0;
   for (const auto& [name, surface] : scene.surfaces) {
     area += areaOf(*surface);
-    if (highestAlbedo(*surface) > 0.0) reflecting.push_back(surface.get());
+    if (highestAlbedo(*surface) > 0.0) reflecting[sidesOf(*surface) - 1].emplace_back(surface.get(), number);
+    ++number;
   }
-  std::vector<Patch> out;
-  for (const int sides : {1, 2}) {
-    Patches patches(kPieces * area / double(count));
-    for (const Surface* surface : reflecting) {
-      if (sidesOf(*surface) != sides) continue;
-      patches.add(Triangles(*surface));
-      if (2 * reflecting.size() <= count) patches.flush();
-    }
-    patches.flush();
-    out.insert(out.end(), patches.all().begin(), patches.all().end());
-    for (const Patch& p : patches.all()) {
-      if (sides == 2) out.push_back(turned(p));
-    }
+  const bool apart = 2 * (reflecting[0].size() + reflecting[1].size()) <= count;
+  PatchedScene out;
+  Sides kinds[2] = {{.sides = 1, .surfaces = {}, .small = {}}, {.sides = 2, .surfaces = {}, .small = {}}};
+  for (Sides& of : kinds) addPatches(reflecting[of.sides - 1], apart, kPieces * area / double(count), of, out.patches);
+  const double folded = areaOfSmall(kinds[0]) + areaOfSmall(kinds[1]);
+  if (pieces == 0 || !(folded > 0.0)) return out;
+  out.folds.surfaces.resize(scene.surfaces.size());
+  const double most = kPieces * folded / double(pieces);
+  for (const Sides& of : kinds) {
+    addPieces(of, most, out.folds);
   }
   return out;
 }
+
+std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) { return patchedScene(scene, count, 0).patches; }
 
 int bouncesFor(const Scene& scene) {
   constexpr double kShareOfError = 1.0 / 3.0, kHighestAlbedo = 0.98;

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -20,16 +22,45 @@ struct Patch {
   glm::vec3 albedo{0.0F};  ///< mean of alpha x albedo around it
   std::optional<std::array<glm::vec3, 3>>
       triangle;  ///< counter-clockwise seen from its side; none: it stands for several
+  float reach = 0.0F;  ///< 0, or it stands for small triangles that have pieces (Folds): metres from it in which
+                       ///< receivers look for these
 };
+
+/// Small triangles, for which one of many stands among the patches, in finer pieces: what is near to them sees these
+/// (MATHS.md 3d.7). Of surfaces that stop all light, so that a ray that sees a piece ends there.
+struct Folds {
+  struct Range {
+    std::uint32_t first = 0, count = 0;  ///< pieces
+  };
+  struct OfSurface {
+    std::vector<Range>
+        triangles;  ///< by triangle of the mesh, its front; none where it is no small one. Empty: none is
+    std::uint32_t toBack = 0;      ///< from a piece of the front to the same of the back; 0: it is not lit there
+  };
+  std::vector<Patch> pieces;
+  std::vector<std::uint32_t> patchOf;  ///< by piece: the patch that stands for it
+  std::vector<OfSurface> surfaces;  ///< of the scene, in the order of names; empty without pieces
+};
+
+struct PatchedScene {
+  std::vector<Patch> patches;
+  Folds folds;
+};
+using PatchedScenePtr = std::shared_ptr<const PatchedScene>;
 
 /// Patches of a scene's surfaces by quality, about.
 inline constexpr std::size_t kFastPatches = 1024;
 inline constexpr std::size_t kAccuratePatches = 2048;
+/// Pieces of folds, by quality.
+inline constexpr std::size_t kFastPieces = 32768;
+inline constexpr std::size_t kAccuratePieces = 65536;
 
 /// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their
 /// neighbours. Every surface has one for each of its sides at least, unless there are more surfaces than half of
 /// `count`; twice `count` are the most. The same scene gives the same patches.
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count);
+/// The same patches with about `pieces` of their folds, and some for each patch in which triangles face many ways.
+PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces);
 
 /// The number of bounces after which what light is still under way is less than a third of the wanted error, bounded by
 /// the highest albedo; `bounces` itself where it is not kAutoBounces. 0 without surfaces that reflect.

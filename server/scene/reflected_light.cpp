@@ -1,9 +1,13 @@
 #include "scene/reflected_light.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <glm/gtx/component_wise.hpp>
+#include <limits>
 
 #include "scene/emitter_list.h"
+#include "shaders/layout.h"
 
 namespace lpv {
 
@@ -12,6 +16,8 @@ namespace {
 constexpr double kNearPatch = 9.0;  ///< as in the shader
 constexpr double kSizeOfArea = 0.44;
 constexpr int kRays = 256;
+constexpr int kFoldRays = 256;
+constexpr double kGoldenAngle = 2.399963229728653;
 
 /// E of unit radiance with nothing between: a triangle from near, else to second order in the patch's size
 /// (shaders/visibility/patches.glsl).
@@ -30,19 +36,64 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
   return area * -q * std::max(p + size / (r2 + size) * across, 0.0) / (r2 * (r2 + size));
 }
 
+/// The k-th of directions about n that are spread by their cosine: a spiral over the disc below them (Vogel 1979).
+glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
+  const double r2 = (k + 0.5) / kFoldRays, turn = kGoldenAngle * k;
+  const glm::dvec3 right =
+      glm::normalize(glm::cross(n, std::abs(n.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0)));
+  return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
+}
+
+/// Whether a patch is near enough that its pieces are seen instead.
+bool looksForPieces(const Patch& patch, const glm::dvec3& at) {
+  return glm::distance(glm::dvec3(patch.position), at) < double(patch.reach);
+}
+
 }  // namespace
+
+/// Of the pieces whose patches are near: rays all around see the nearest of what they meet.
+glm::dvec3 ReflectedLight::fromPieces(const glm::dvec3& at, const glm::dvec3& n,
+                                      const LightVisibility& visibility) const {
+  const Folds& folds = of->folds;
+  glm::dvec3 sum(0.0);
+  for (int k = 0; k < kFoldRays; ++k) {
+    const auto sight = visibility.sight(at, n, directionAbout(n, k));
+    if (!sight || sight->hit.surface < 0) continue;
+    const Folds::OfSurface& surface = folds.surfaces[std::size_t(sight->hit.surface)];
+    if (surface.triangles.empty() || (!sight->hit.front && surface.toBack == 0)) continue;
+    const Folds::Range range = surface.triangles[sight->hit.triangle];
+    std::size_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = range.first; i < range.first + range.count; ++i) {
+      const double distance = glm::distance(glm::dvec3(folds.pieces[i].position), sight->hit.position);
+      if (distance < least) nearest = i;
+      least = std::min(least, distance);
+    }
+    if (range.count == 0) continue;
+    if (!sight->hit.front) nearest += surface.toBack;
+    if (looksForPieces(of->patches[folds.patchOf[nearest]], at)) sum += sight->share * pieceRadiance[nearest];
+  }
+  return glm::pi<double>() / kFoldRays * sum;
+}
 
 glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
                                       const LightVisibility* visibility) const {
+  const std::vector<Patch>& patches = of->patches;
   std::vector<glm::dvec3> sent(patches.size());
-  glm::dvec3 sum(0.0);
+  glm::dvec3 sum(0.0), near(0.0);
   double all = 0.0;
+  bool folded = false;
   for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (visibility != nullptr && !of->folds.pieces.empty() && looksForPieces(patches[i], at)) {
+      folded = true;
+      continue;
+    }
     sent[i] = weightOf(patches[i], at, n) * radiance[i];
     sum += sent[i];
     all += glm::compMax(sent[i]);
   }
-  if (visibility == nullptr || !(all > 0.0)) return sum;
+  if (folded) near = fromPieces(at, n, *visibility);
+  if (visibility == nullptr || !(all > 0.0)) return sum + near;
   glm::dvec3 tried(0.0), seen(0.0);
   double before = 0.0;
   int next = 0;
@@ -57,7 +108,7 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
     seen += colour * visibility->seen(at, n, glm::dvec3(patches[i].position));
   }
   for (int c = 0; c < 3; ++c) sum[c] *= tried[c] > 0.0 && seen[c] < tried[c] ? seen[c] / tried[c] : 1.0;
-  return sum;
+  return sum + near;
 }
 
 }  // namespace lpv

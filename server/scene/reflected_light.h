@@ -11,12 +11,16 @@
 namespace lpv {
 
 struct ReflectedLight {
-  std::vector<Patch> patches;
+  PatchedScenePtr of;
   std::vector<glm::dvec3> radiance;  ///< W/(sr m^2), per patch
+  std::vector<glm::dvec3> pieceRadiance;  ///< the same, per piece of the folds
 
   /// W/m^2 at a world position on a surface with unit normal n; `visibility`: null where nothing stands in the way.
-  /// Rays go to some of the patches, in proportion to what they send.
+  /// Rays go to some of the patches, in proportion to what they send; folds that are near are looked for all around.
   glm::dvec3 irradiance(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility* visibility) const;
+
+ private:
+  glm::dvec3 fromPieces(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility& visibility) const;
 };
 using ReflectedLightPtr = std::shared_ptr<const ReflectedLight>;
 

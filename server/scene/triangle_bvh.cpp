@@ -287,21 +287,26 @@ bool BvhSegment::Seen::near() const {
   return low.x <= 0.0 && low.y <= 0.0 && high.x >= 0.0 && high.y >= 0.0;
 }
 
-bool BvhSegment::isBetween(const Seen& t) const {
+/// Where the triangle's plane is met: 0..1 between the ends, 2 for none.
+double BvhSegment::planeAt(const Seen& t) const {
   const glm::dvec3 normal = glm::cross(t.second - t.first, t.third - t.first);
   const double slope = glm::dot(normal, direction_);
-  if (slope == 0.0) return false;
-  const double at = glm::dot(normal, t.first) / slope;
-  return at > 0.0 && at < 1.0;
+  return slope == 0.0 ? 2.0 : glm::dot(normal, t.first) / slope;
 }
 
-bool BvhSegment::meets(const BvhTriangle& triangle) const {
-  const Seen t = seen(triangle);
-  if (!t.near()) return false;
+bool BvhSegment::isInside(const Seen& t) const {
   const double u = t.sides.x, v = t.sides.y, w = t.sides.z;
-  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-  return inside && isBetween(t);
+  return t.near() && ((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0));
 }
+
+std::optional<double> BvhSegment::where(const BvhTriangle& triangle) const {
+  const Seen t = seen(triangle);
+  if (!isInside(t)) return std::nullopt;
+  const double at = planeAt(t);
+  return at > 0.0 && at < 1.0 ? std::optional(at) : std::nullopt;
+}
+
+bool BvhSegment::meets(const BvhTriangle& triangle) const { return where(triangle).has_value(); }
 
 std::optional<glm::dvec3> BvhSegment::crossing(const BvhTriangle& triangle) const {
   const Seen t = seen(triangle);
@@ -310,7 +315,8 @@ std::optional<glm::dvec3> BvhSegment::crossing(const BvhTriangle& triangle) cons
   const double turn = all > 0.0 ? 1.0 : -1.0;
   const bool inside = isWithin(turn * t.sides.x, turn * (t.c - t.b)) &&
                       isWithin(turn * t.sides.y, turn * (t.a - t.c)) && isWithin(turn * t.sides.z, turn * (t.b - t.a));
-  if (!inside || !isBetween(t)) return std::nullopt;
+  const double at = planeAt(t);
+  if (!inside || !(at > 0.0 && at < 1.0)) return std::nullopt;
   return t.sides / all;
 }
 
@@ -328,6 +334,27 @@ bool meets(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to)
     ++at;
   }
   return false;
+}
+
+std::optional<BvhHit> firstHit(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to) {
+  const BvhSegment segment(from, to);
+  std::optional<BvhHit> found;
+  for (std::size_t at = 0; at < bvh.nodes.size();) {
+    const BvhNode& node = bvh.nodes[at];
+    if (!segment.meets(node)) {
+      at = node.skip;
+      continue;
+    }
+    ++at;
+    for (std::uint32_t i = node.firstItem(); i < node.firstItem() + node.items(); ++i) {
+      const std::optional<double> where = segment.where(bvh.triangles[i]);
+      if (!where || (found && *where >= found->at)) continue;
+      const BvhTriangle& t = bvh.triangles[i];
+      const double towards = glm::dot(glm::dvec3(t.normalX, t.normalY, t.normalZ), to - from);
+      found = {*where, i, towards < 0.0};
+    }
+  }
+  return found;
 }
 
 }  // namespace lpv

@@ -80,6 +80,8 @@ class BvhSegment {
   /// edge or a corner, and that the segment goes through one after the other, one alone says that it was met there: so
   /// that a pane of two triangles is one pane.
   std::optional<glm::dvec3> crossing(const BvhTriangle& triangle) const;
+  /// Where on the segment it meets, 0..1; nothing where it does not.
+  std::optional<double> where(const BvhTriangle& triangle) const;
 
  private:
   /// A triangle as it is seen along the segment.
@@ -90,7 +92,8 @@ class BvhSegment {
     bool near() const;
   };
   Seen seen(const BvhTriangle& triangle) const;
-  bool isBetween(const Seen& t) const;
+  bool isInside(const Seen& t) const;
+  double planeAt(const Seen& t) const;
 
   glm::dvec3 from_, direction_, inverse_;
   glm::dvec3 right_, up_;  ///< across the segment
@@ -98,5 +101,13 @@ class BvhSegment {
 
 /// Whether the segment from `from` to `to` meets a triangle strictly in between, from either side. In the mesh's space.
 bool meets(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to);
+
+struct BvhHit {
+  double at = 1.0;  ///< on the segment, 0..1
+  std::uint32_t triangle = 0;  ///< in TriangleBvh::triangles
+  bool front = true;  ///< its corners are seen counter-clockwise
+};
+/// The first that it meets.
+std::optional<BvhHit> firstHit(const TriangleBvh& bvh, const glm::dvec3& from, const glm::dvec3& to);
 
 }  // namespace lpv

@@ -33,7 +33,7 @@ void main() {
 #if LPV_SHADOWED
   const FourIrradiances e = directIrradiances(r, shadow.firstLight, shadow.lightsEnd);
   for (int i = 0; i < 4; ++i) {
-    begin(4u * gl_GlobalInvocationID.x + uint(i), vec3(e.red[i], e.green[i], e.blue[i]), vec3(0.0), vec3(0.0));
+    begin(4u * gl_GlobalInvocationID.x + uint(i), vec3(e.red[i], e.green[i], e.blue[i]), vec3(0.0), vec3(0.0), false);
   }
 #else
   const FourIrradiances e = directIrradiances(r, 0, lightsInList());

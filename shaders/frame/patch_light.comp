@@ -28,14 +28,21 @@ bool isNearer(int i, vec3 x, float limit) {
   return dot(d, d) < -limit * texelFetch(lightPoints, kLightPointTexels * i + 1).w;
 }
 
+/// Whether its pieces are looked for instead, in fold_rays.comp.
+bool isFolded(int i, vec3 x) {
+  const vec3 d = texelFetch(lightPoints, kLightPointTexels * i).xyz - x;
+  return isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a);
+}
+
 vec3 farLight(vec3 x, vec3 n) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < shadow.pointCount; ++i) {
     const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
+    const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;
-    const float weight = dot(d, d) < -kNearPatch * emits.w ? 0.0 : patchWeight(d, -emits.w, emits.xyz, n) / -emits.w;
-    sum += place.w * weight * texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
+    const bool near = dot(d, d) < -kNearPatch * emits.w || isFolded(dot(d, d), colour.a);
+    sum += near ? vec3(0.0) : place.w * patchWeight(d, -emits.w, emits.xyz, n) / -emits.w * colour.rgb;
   }
   return sum;
 }
@@ -63,14 +70,23 @@ vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
 }
 
 /// Of near patches, what would arrive with nothing in between, from those that are not asked and from those that are;
-/// and what arrives from these.
-void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 asked, out vec3 known) {
+/// and what arrives from these. What pieces of folds send is not known yet: as much is asked for as patches like these
+/// send to all sides, so that what they are found to send is smoothed like a share of it.
+void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 asked, out vec3 known, out bool folded) {
   asked = known = vec3(0.0);
+  folded = false;
   int i = 0, rounds = 0;
   while (i < shadow.pointCount) {
     // By itself: llvmpipe goes through what a branch leaves out.
-    while (i < shadow.pointCount && !isNearer(i, x, kNearPatch)) ++i;
+    while (i < shadow.pointCount && !isNearer(i, x, kNearPatch) && !isFolded(i, x)) ++i;
     if (i >= shadow.pointCount) break;
+    if (isFolded(i, x)) {
+      const vec3 d = patches[i].place.xyz - x;
+      asked += patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
+      folded = true;
+      ++i;
+      continue;
+    }
     const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
     const bool asks = isNearer(i, x, kAskedPatch);
     light += asks ? vec3(0.0) : e;
@@ -88,6 +104,7 @@ void main() {
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
   vec3 light = farLight(x, n), asked, known;
-  addNear(x, n, pixel, light, asked, known);
-  begin(point, light, asked, known);
+  bool folded;
+  addNear(x, n, pixel, light, asked, known, folded);
+  begin(point, light, asked, known, folded);
 }

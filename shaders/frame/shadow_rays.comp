@@ -4,10 +4,10 @@
 #include "layout.h"
 #include "visibility/patch_weight.glsl"
 #include "visibility/receivers.glsl"
+#include "visibility/shadow_points.glsl"
 #define LPV_FACING 1
 #include "visibility/light_points.glsl"
 #include "visibility/occluders.glsl"
-#include "visibility/shadow_points.glsl"
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
@@ -75,7 +75,7 @@ void sendRays(uint point, ivec2 pixel) {
     if (chosen[i] < 0) continue;
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);
-    const vec3 share = transmitted(x, mix(x, to, kShadowEnd), int(colour.a));
+    const vec3 share = transmitted(x, mix(x, to, kShadowEnd), max(int(colour.a), kFromSurfaces));
     all += vec4(weights[i] * colour.rgb, 1.0);
     seen += vec4(weights[i] * share * colour.rgb, 0.0);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about

@@ -41,7 +41,11 @@ void main() {
   shadowPoints[point].sum = vec4(sum, 0.0);
   if (shadow.pool + 1 < shadow.pools) return;
 #if LPV_PATCHES
-  patches[pixel.x].direct = vec4(sum, 0.0);
+  if (shadow.foldTurns > 0) {  // of a piece: what others reflect to it
+    patches[pixel.x].arriving[0] = vec4(sum, 0.0);
+  } else {
+    patches[pixel.x].direct = vec4(sum, 0.0);
+  }
 #else
   imageStore(nearField, pixel, vec4(sum, imageLoad(nearField, pixel).w));
 #endif

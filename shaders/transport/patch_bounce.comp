@@ -41,5 +41,5 @@ void main() {
   const float brightness = max(max(radiance.r, radiance.g), radiance.b);
   lights[kLightPointTexels * a] = vec4(patches[a].place.xyz, patches[a].place.w * brightness);
   lights[kLightPointTexels * a + 1] = vec4(patches[a].normal.xyz, -patches[a].place.w);
-  lights[kLightPointTexels * a + 2] = vec4(brightness > 0.0 ? radiance / brightness : vec3(0.0), float(kFromSurfaces));
+  lights[kLightPointTexels * a + 2] = vec4(brightness > 0.0 ? radiance / brightness : vec3(0.0), patches[a].corners[1].w < 0.0 ? kFromFolds - patches[a].corners[2].w : float(kFromSurfaces));
 }

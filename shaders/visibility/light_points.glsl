@@ -1,10 +1,11 @@
 // Points of the lights' surfaces, and which of them shadow rays go to (MATHS.md 3d). Texels of a point, grid space:
 //   (position, area x brightness)
 //   (direction that it emits about, sides that emit; - area of a patch of a surface, which emits from one)
-//   (colour: radiance as a share of brightness, the light, or kFromSurfaces)
+//   (colour: radiance as a share of brightness; the light, or kFromSurfaces, or kFromFolds and less)
 // Every n-th point of a range is a sample of the whole range (server/scene/light_points.h).
 //
-// LPV_FACING: receivers are on surfaces and have normals; else they are points in space.
+// LPV_FACING: receivers are on surfaces and have normals (and visibility/shadow_points.glsl); else they are points in
+// space.
 #ifndef LPV_FACING
 #error "LPV_FACING: 0 or 1"
 #endif
@@ -17,7 +18,7 @@ const int kCandidates = 32;  // points of a range that are weighed for four rays
 const float kNearParts = 16.0;  // by the square of the distance over that of a part's size
 
 /// What a receiver at x, with normal n, gets from point i, about, and as if nothing lay between: irradiance, or fluence.
-/// Patches that are near have been asked already (patch_light.comp).
+/// Patches that are near have been asked already (patch_light.comp), or their pieces have (fold_rays.comp).
 float pointWeight(int i, vec3 x, vec3 n) {
   const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
   const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
@@ -25,8 +26,9 @@ float pointWeight(int i, vec3 x, vec3 n) {
   const float along = -dot(emits.xyz, d), towards = emits.w > 1.5 ? abs(along) : max(along, 0.0);
   const float r2 = dot(d, d) + 1e-8;
 #if LPV_FACING
-  if (emits.w < 0.0)
-    return r2 < -kAskedPatch * emits.w ? 0.0 : place.w / -emits.w * patchWeight(d, -emits.w, emits.xyz, n);
+  if (emits.w < 0.0 && (r2 < -kAskedPatch * emits.w || isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a)))
+    return 0.0;
+  if (emits.w < 0.0) return place.w / -emits.w * patchWeight(d, -emits.w, emits.xyz, n);
   return place.w * towards * max(dot(n, d), 0.0) / (r2 * r2);
 #else
   return place.w * towards * inversesqrt(r2) / r2;

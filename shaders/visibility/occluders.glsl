@@ -1,17 +1,17 @@
 // Shadow rays against triangles: a BVH over instances, below each the BVH of its mesh, walked depth first without a stack
 // (server/scene/triangle_bvh.h, occluders.h). Texels:
-//   0: (texel of the first instance, -, -, -), then the nodes over instances
+//   0: (texel of the first instance, as float the diagonal of the box of all, -, -), then the nodes over instances
 //   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
 //   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
 //             triangles, which follow them, largest coordinate of its box, what it blocks: Occluder::blocks), then
-//             (transmission, alpha) and (first texel of a map of alpha or 0, its boxes across and down, first texel of
-//             the triangles' texture coordinates)
+//             (transmission, alpha), (first texel of a map of alpha or 0, its boxes across and down, first texel of
+//             the triangles' texture coordinates) and (the surface's number and one, 0: a light; -, -, -)
 //   triangle  its three corners, each with a component of the unit normal (BvhTriangle)
 //   texture coordinates of a triangle: (first, second), (third, -)
 //   map       alphas of 255, four to a number
 //
-// LPV_TRANSPARENT: some of what is there lets light through (server/scene/transparency.h); else all is opaque, and the
-// last two texels of instances are not read.
+// LPV_TRANSPARENT: some of what is there lets light through (server/scene/transparency.h); else all is opaque, and what
+// instances have for it is not read.
 #ifndef LPV_TRANSPARENT
 #error "LPV_TRANSPARENT: 0 or 1"
 #endif
@@ -36,9 +36,10 @@ SegmentBox segmentBox(vec3 origin, vec3 direction, float margin) {
   return SegmentBox(inverse, origin + margin, origin - margin);
 }
 
-bool meetsBox(vec3 lower, vec3 upper, SegmentBox s) {
+/// Up to `end`, 0..1.
+bool meetsBox(vec3 lower, vec3 upper, SegmentBox s, float end) {
   const vec3 a = (lower - s.before) * s.inverse, b = (upper - s.after) * s.inverse, near = min(a, b), far = max(a, b);
-  return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, 1.0));
+  return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, end));
 }
 
 /// What triangles are tested against.
@@ -83,30 +84,35 @@ SeenTriangle seenTriangle(int texel, Segment s) {
   return SeenTriangle(a, normal, a2, b2, c2, vec3(passes(b2, c2), passes(c2, a2), passes(a2, b2)));
 }
 
-/// Where the plane lies between the ends, and the segment within the box of all corners: else sides of 0 say nothing.
-bool isBetween(SeenTriangle t, Segment s) {
+/// Where on the segment the plane is, where it lies between the ends and the segment within the box of all corners: else
+/// sides of 0 say nothing, and it is nowhere.
+const float kNowhere = 2.0;
+float planeAt(SeenTriangle t, Segment s) {
   const float at = dot(t.normal, t.a) / dot(t.normal, s.direction);  // along the plane no number in between
   const vec2 low = min(t.a2, min(t.b2, t.c2)), high = max(t.a2, max(t.b2, t.c2));
-  return max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0 && at > 0.0 && at < 1.0;
+  const bool near = max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0;
+  return near && at > 0.0 && at < 1.0 ? at : kNowhere;
 }
 
 /// Strictly between the ends, from either side. After Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection":
 /// triangles that share an edge agree about the side on which the segment passes it.
-bool meetsTriangle(int texel, Segment s) {
+float whereMet(int texel, Segment s) {
   const SeenTriangle t = seenTriangle(texel, s);
   const float least = min(t.sides.x, min(t.sides.y, t.sides.z)), most = max(t.sides.x, max(t.sides.y, t.sides.z));
   const bool inside = (least >= 0.0 && most > 0.0) || (least < 0.0 && most <= 0.0);
-  return inside && isBetween(t, s);
+  return inside ? planeAt(t, s) : kNowhere;
 }
 
-/// Goes on from node `at` of a tree to the next leaf that the segment may meet: its items as BvhNode::leaf has them, or 0
-/// at the end. Texels of the tree's first node and of one past the last. A loop with nothing else in it: llvmpipe goes
-/// through what a branch leaves out.
-uint nextLeaf(inout int at, int begin, int end, SegmentBox box, inout int rounds) {
+bool meetsTriangle(int texel, Segment s) { return whereMet(texel, s) < 1.0; }
+
+/// Goes on from node `at` of a tree to the next leaf that the segment may meet before `limit`: its items as BvhNode::leaf
+/// has them, or 0 at the end. Texels of the tree's first node and of one past the last. A loop with nothing else in it:
+/// llvmpipe goes through what a branch leaves out.
+uint nextLeaf(inout int at, int begin, int end, SegmentBox box, float limit, inout int rounds) {
   uint leaf = 0u;
   while (at < end && leaf == 0u && rounds < kMostRayRounds) {
     const uvec4 lower = texelFetch(occluders, at), upper = texelFetch(occluders, at + 1);
-    const bool met = meetsBox(uintBitsToFloat(lower.xyz), uintBitsToFloat(upper.xyz), box);
+    const bool met = meetsBox(uintBitsToFloat(lower.xyz), uintBitsToFloat(upper.xyz), box, limit);
     leaf = met ? upper.w : 0u;
     at = met ? at + 2 : begin + 2 * int(lower.w);
     ++rounds;
@@ -122,7 +128,7 @@ bool meetsMesh(uvec4 mesh, vec3 origin, vec3 direction, inout int rounds) {
   const Segment segment = segmentOf(origin, direction);
   bool met = false;
   for (int at = begin; at < end && !met && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, begin, end, box, rounds);
+    const uint leaf = nextLeaf(at, begin, end, box, 1.0, rounds);
     const int items = int(leaf % uint(kLeafItems)), first = end + kTriangleTexels * int(leaf / uint(kLeafItems));
     for (int i = 0; i < items && !met; ++i, ++rounds) met = meetsTriangle(first + kTriangleTexels * i, segment);
   }
@@ -143,7 +149,7 @@ bool crossesTriangle(int texel, Segment s, out vec3 weights) {
   weights = t.sides / all;
   return all != 0.0 && isWithin(turn * t.sides.x, turn * (t.c2 - t.b2)) &&
          isWithin(turn * t.sides.y, turn * (t.a2 - t.c2)) && isWithin(turn * t.sides.z, turn * (t.b2 - t.a2)) &&
-         isBetween(t, s);
+         planeAt(t, s) < 1.0;
 }
 
 /// What a map says at a place of a triangle, by the last texel of its instance; 1 without map.
@@ -169,7 +175,7 @@ vec3 throughMesh(int instance, uvec4 mesh, vec3 origin, vec3 direction, inout in
   const Segment segment = segmentOf(origin, direction);
   vec3 share = vec3(1.0);
   for (int at = begin; at < end && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, begin, end, box, rounds);
+    const uint leaf = nextLeaf(at, begin, end, box, 1.0, rounds);
     const int items = int(leaf % uint(kLeafItems)), first = int(leaf / uint(kLeafItems));
     for (int i = first; i < first + items; ++i, ++rounds) {
       vec3 weights;
@@ -195,7 +201,7 @@ vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   vec3 share = vec3(1.0);
   for (int at = 1; at < instances && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, 1, instances, box, rounds);
+    const uint leaf = nextLeaf(at, 1, instances, box, 1.0, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || (int(mesh.w) != kAllLights && light != kFromSurfaces && int(mesh.w) != light)) continue;
@@ -222,7 +228,7 @@ bool meetsLight(vec3 from, vec3 to) {
   bool met = false;
   int rounds = 0;
   for (int at = 1; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, 1, instances, box, rounds);
+    const uint leaf = nextLeaf(at, 1, instances, box, 1.0, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || int(mesh.w) == kAllLights) continue;

@@ -3,7 +3,7 @@
 struct ShadowPoint {
   vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
                // or the sum of their shares; -1 where none were sent, less where they differ
-  vec4 asked;  // rgb: of it what was asked about when it was found
+  vec4 asked;  // rgb: of it what was asked about when it was found; a: 1 where pieces of folds are near
   vec4 known;  // rgb: of that what arrives
   vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
   vec4 seen;   // rgb: of those that arrived
@@ -13,11 +13,15 @@ struct ShadowPoint {
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
 layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadowPoints[]; };
 
+/// Whether pieces of a patch are looked for instead of it, by the square of its distance and what its texel of the list
+/// has in the place of a light (visibility/light_points.glsl).
+bool isFolded(float r2, float from) { return shadow.foldTurns > 0 && from <= kFromFolds && r2 < kFromFolds - from; }
+
 /// What the pool sends to a point, before any ray; besides, what it sends that was asked about already, and what of that
 /// arrives.
-void begin(uint point, vec3 light, vec3 asked, vec3 known) {
+void begin(uint point, vec3 light, vec3 asked, vec3 known, bool folded) {
   shadowPoints[point].light = vec4(light + asked, -1.0);
-  shadowPoints[point].asked = vec4(asked, 0.0);
+  shadowPoints[point].asked = vec4(asked, folded ? 1.0 : 0.0);
   shadowPoints[point].known = vec4(known, 0.0);
   shadowPoints[point].all = vec4(0.0);
   shadowPoints[point].seen = vec4(0.0);

@@ -124,31 +124,48 @@ NearFieldPass::NearFieldPass()
     : params_("near field params", sizeof(layout::NearFieldParams), gpu::BufferUse::kDynamic),
       shadowParams_("shadow params", sizeof(layout::ShadowParams), gpu::BufferUse::kDynamic) {}
 
+/// One dispatch over a list of receivers.
+struct NearFieldPass::LookStep {
+  gpu::Program& program;
+  int turn;
+  double units;
+};
+
+std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, const LookAt& at) {
+  const RayVariant rays = {from.patches, from.shadows.occluders->transparent()};
+  const layout::ShadowParams& params = at.params;
+  const auto units = [](const NearFieldWork& work) { return work.units(); };
+  std::vector<LookStep> steps;
+  if (at.reflected) {
+    steps.push_back({reflected_.get(rays), -1, units({.fromPatches = from.points * params.pointCount})});
+    for (int turn = 0; turn < params.foldTurns; ++turn)
+      steps.push_back({folds_.get(rays), turn, units({.rays = layout::kFoldRays * from.points})});
+  } else {
+    steps.push_back(
+        {evaluate_.get({.shadowed = true, .patches = from.patches}), -1, units({.evaluated = from.points})});
+  }
+  for (int turn = 0; turn < params.turns; ++turn)
+    steps.push_back({rays_.get(rays), turn, units({.rays = 4.0 * from.points})});
+  steps.push_back({sum_.get({from.patches}), params.turns, units({.weighed = from.points})});
+  return steps;
+}
+
 /// What is sent, how much of it arrives, and the sum so far.
 GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
-  const ReceiverVariant receivers = {from.patches};
-  const RayVariant rays = {from.patches, from.shadows.occluders->transparent()};
   layout::ShadowParams params = at.params;
   double queued = 0.0;
-  for (params.turn = -1; params.turn <= params.turns; ++params.turn) {
-    const bool sends = params.turn < 0, sums = params.turn == params.turns;
-    gpu::Program& program = !sends         ? (sums ? sum_.get(receivers) : rays_.get(rays))
-                            : at.reflected ? reflected_.get(rays)
-                                           : evaluate_.get({.shadowed = true, .patches = from.patches});
+  for (const LookStep& step : stepsOf(from, at)) {
+    params.turn = step.turn;
     shadowParams_.update(0, gpu::bytesOfValue(params));
     shadowParams_.bindUniform(layout::kShadowParams);
     from.bind();
     at.points.bind(layout::kLightPoints);
-    if (from.shadows.reflected != nullptr) from.shadows.reflected->patches.bindStorage(layout::kPatches);
+    if (from.shadows.reflected != nullptr) from.shadows.reflected->bind();
     if (params.turns > 0) from.shadows.occluders->bind();
     from.list.bindAsDispatchArguments();
-    program.dispatchIndirect(0);
+    step.program.dispatchIndirect(0);
     gpu::memoryBarrier();
-    queued += NearFieldWork{.weighed = sums ? from.points : 0.0,
-                            .evaluated = sends && !at.reflected ? from.points : 0.0,
-                            .rays = sends || sums ? 0.0 : 4.0 * from.points,
-                            .fromPatches = sends && at.reflected ? from.points * params.pointCount : 0.0}
-                  .units();
+    queued += step.units;
     if (queued < 0.9 * pacing.unitsFor(Stage::kShade)) continue;
     co_yield submitted(Stage::kShade, queued);
     queued = 0.0;
@@ -162,8 +179,8 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   layout::ShadowParams params = {};
   params.turns = shadows.turns;
   params.pools = int(from.pools.size()) + (from.reflected ? 1 : 0);
-  params.jitter = from.patches || from.reduced ? 0 : 1;
-  params.apart = params.jitter;
+  params.jitter = from.reduced || (from.patches && !from.reflected) ? 0 : 1;
+  params.apart = from.patches ? 0 : params.jitter;
   for (const LightPool& pool : from.pools) {
     params.even = from.reduced && pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints ? 1 : 0;
     params.firstLight = pool.firstLight;
@@ -175,6 +192,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   }
   if (!from.reflected) co_return;
   params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
+  params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;
   params.even = 0;
   params.apart *= 2;
   params.firstPoint = 0;
@@ -182,16 +200,35 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   co_await look(from, {params, shadows.reflected->lightTexels, true}, pacing);
 }
 
-GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
-                           Pacing pacing) {
-  const auto bind = [&patches, &emitters] {
+GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const EmitterBufferList& emitters,
+                                const ShadowCasters& shadows, Pacing pacing) {
+  const auto bind = [&patches, &list, &emitters] {
     emitters.view.bind(layout::kDirect);
-    patches.patches.bindStorage(layout::kPatches);
-    patches.points.bindStorage(layout::kNearFieldPoints);
+    patches.bind();
+    list.points.bindStorage(layout::kNearFieldPoints);
     patches.shadows.bindStorage(layout::kShadowPoints);
   };
-  co_await look({shadows, shadows.pools->pools, false, patches.points, double(patches.count), true, false, bind},
-                pacing);
+  const bool reflected = shadows.reflected != nullptr;
+  // Not a temporary: GCC 12 destroys it twice in co_await.
+  const Look receivers = {shadows,
+                          reflected ? std::span<const LightPool>() : shadows.pools->pools,
+                          reflected,
+                          list.points,
+                          double(list.count),
+                          true,
+                          false,
+                          bind};
+  co_await look(receivers, pacing);
+}
+
+GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
+                           Pacing pacing) {
+  for (const PatchList& list : patches.points) co_await lookFrom(patches, list, emitters, shadows, pacing);
+}
+
+GpuTask NearFieldPass::lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters,
+                                      const ShadowCasters& shadows, Pacing pacing) {
+  for (const PatchList& list : patches.piecePoints) co_await lookFrom(patches, list, emitters, shadows, pacing);
 }
 
 GpuTask NearFieldPass::filter(const Inputs& inputs, Pacing pacing) {
@@ -233,9 +270,15 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
       const double points = double(groups) * layout::kNearFieldGroup * kPointsOfBlock;
-      co_await look({*inputs.sources.shadows, inputs.lookedAt(), inputs.looksAtReflections(), inputs.buffer.points,
-                     points, false, inputs.sources.reduced, [&inputs] { inputs.bind(); }},
-                    pacing);
+      const Look receivers = {*inputs.sources.shadows,
+                              inputs.lookedAt(),
+                              inputs.looksAtReflections(),
+                              inputs.buffer.points,
+                              points,
+                              false,
+                              inputs.sources.reduced,
+                              [&inputs] { inputs.bind(); }};
+      co_await look(receivers, pacing);
       continue;
     }
     if (!weighs) {

@@ -62,6 +62,7 @@ struct ShadowCasters {
   int turns = 1;  ///< of four rays to each pool, at most; 0: nothing stands in the way
   const PatchSet* reflected = nullptr;  ///< null: nothing
   int reflectedTurns = 0;  ///< of rays to `reflected`, as `turns`
+  int foldTurns = 0;  ///< of rays all around, to pieces of folds, where `reflectedTurns` are sent
 };
 
 /// What a picture's pixels look at, and how many of them do.
@@ -93,14 +94,21 @@ class NearFieldPass {
   /// `frameParams` holds the view's FrameParams.
   GpuTask run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
               const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing);
-  /// The same for patches, which get what comes from the lights; what `shadows` has of reflections is not read.
+  /// The same for patches and pieces, which get what comes from the lights; `shadows` has no reflections.
   GpuTask run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows, Pacing pacing);
+  /// Pieces get what is reflected; `shadows` has the patches, and turns of rays to the pieces.
+  GpuTask lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
+                         Pacing pacing);
 
  private:
   struct Inputs;
   struct Pass;
   struct Look;
   struct LookAt;
+  struct LookStep;
+  GpuTask lookFrom(PatchSet& patches, const PatchList& list, const EmitterBufferList& emitters,
+                   const ShadowCasters& shadows, Pacing pacing);
+  std::vector<LookStep> stepsOf(const Look& from, const LookAt& at);
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
   GpuTask runPasses(const Inputs& inputs, Pacing pacing);
   GpuTask runPools(const Inputs& inputs, Pacing pacing);
@@ -143,6 +151,7 @@ class NearFieldPass {
   gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
   gpu::Programs<RayVariant> reflected_{{"frame/patch_light.comp"}};
   gpu::Programs<RayVariant> rays_{{"frame/shadow_rays.comp"}};
+  gpu::Programs<RayVariant> folds_{{"frame/fold_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};
   gpu::ProgramVariants addPool_{{"frame/near_field_sum.comp"}};

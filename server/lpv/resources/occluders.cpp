@@ -133,7 +133,8 @@ GpuTask GpuOccluders::store(Contents contents, std::size_t top) {
 
 void GpuOccluders::storeTop(const Inputs& inputs) {
   const Bvh bvh = bvhOf(inputs.occluders, inputs.grid.gridFromWorldMatrix());
-  Texels texels = {{std::uint32_t(1 + kTexelsOfNode * bvh.nodes.size()), 0, 0, 0}};
+  const float across = bvh.nodes.empty() ? 0.0F : glm::distance(bvh.nodes.front().lower, bvh.nodes.front().upper);
+  Texels texels = {{std::uint32_t(1 + kTexelsOfNode * bvh.nodes.size()), std::bit_cast<std::uint32_t>(across), 0, 0}};
   append(bvh.nodes, texels);
   for (const std::uint32_t i : bvh.order) {
     const Occluder& o = inputs.occluders[i];
@@ -147,6 +148,7 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
     texels.push_back(std::bit_cast<Texel>(glm::vec4(glm::vec3(c.transmission), float(c.alpha))));
     const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
     texels.emplace_back(c.map == nullptr ? 0U : maps_.at(c.map), size.x, size.y, place.uvs);
+    texels.emplace_back(std::uint32_t(o.surface + 1), 0, 0, 0);
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }

@@ -8,6 +8,7 @@
 #include "gpu/buffer_texture.h"
 #include "scene/grid.h"
 #include "scene/patches.h"
+#include "scene/scene.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -15,22 +16,36 @@ namespace lpv {
 /// Vectors of four of each point of layout::kShadowPoints (shaders/visibility/shadow_points.glsl).
 inline constexpr int kShadowPointTexels = 6;
 
+/// Some of the patches and pieces, as many as a dispatch should have.
+struct PatchList {
+  gpu::Buffer points;  ///< layout::kNearFieldPoints
+  int count = 0;
+};
+
 struct PatchSet {
-  /// Nothing arrives yet, and none sees another. `patches` is not empty. `throughPanes`: some may see others through
-  /// what lets light through.
-  PatchSet(std::vector<Patch> patches, const Grid& grid, bool throughPanes);
+  /// Nothing arrives yet, and none sees another. There are patches. `throughPanes`: some may see others through what
+  /// lets light through.
+  PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid, bool throughPanes);
 
   layout::PatchParams params() const;
+  /// For receivers.
+  void bind() const;
+  /// Whether receivers near them may look for their pieces.
+  bool folded() const { return pieces > 0; }
 
-  std::vector<Patch> source;
+  PatchedScenePtr source;
   int count;
-  gpu::Buffer patches;   ///< as shaders/visibility/patches.glsl has them
+  int pieces;
+  gpu::Buffer patches;  ///< as shaders/visibility/patches.glsl has them: all patches, then the pieces of their folds
   gpu::Buffer exchange;  ///< layout::kPatchExchange
-  gpu::Buffer shares;    ///< layout::kPatchShares; empty without panes
-  gpu::Buffer points;    ///< all patches, as a list of points to be evaluated (layout::kNearFieldPoints)
-  gpu::Buffer shadows;   ///< layout::kShadowPoints
-  gpu::Buffer lights;    ///< what they send, as shaders/visibility/light_points.glsl has points
+  gpu::Buffer shares;  ///< layout::kPatchShares; empty without panes
+  std::vector<PatchList> points;  ///< all patches and pieces
+  std::vector<PatchList> piecePoints;  ///< the pieces; empty without
+  gpu::Buffer shadows;  ///< layout::kShadowPoints of one list
+  gpu::Buffer lights;  ///< what they send, as shaders/visibility/light_points.glsl has points
   gpu::BufferTexture lightTexels;
+  gpu::Buffer pieceLights;  ///< layout::kPieceLights; empty without pieces
+  gpu::Buffer foldTriangles;  ///< layout::kFoldTriangles; empty without pieces
 };
 
 }  // namespace lpv

@@ -28,6 +28,7 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
     set.exchange.bindStorage(layout::kPatchExchange);
     set.lights.bindStorage(layout::kPatchLights);
     if (set.shares) set.shares.bindStorage(layout::kPatchShares);
+    if (set.folded()) set.pieceLights.bindStorage(layout::kPieceLights);
     if (occluders != nullptr) occluders->bind();
     step.program.dispatch(groupsFor(count));
     gpu::memoryBarrier();
@@ -59,13 +60,28 @@ GpuTask BouncePass::findLights(PatchSet& set, const GpuOccluders& occluders, Pac
   co_await dispatch(step, set, set.params(), &occluders, pacing);
 }
 
-GpuTask BouncePass::run(PatchSet& set, int bounces, Pacing pacing) {
+GpuTask BouncePass::run(PatchSet& set, int done, int bounces, Pacing pacing) {
   layout::PatchParams params = set.params();
   params.lastBounce = bounces - 1;
   params.balanced = kTurnsOfBalance & 1;
   const Step step = {bounce_.get({bool(set.shares)}), Stage::kReflect, set.count, double(set.count)};
-  for (params.bounce = 0; params.bounce < bounces; ++params.bounce)
+  for (params.bounce = done; params.bounce < bounces; ++params.bounce)
     co_await dispatch(step, set, params, nullptr, pacing);
+  if (!set.folded()) co_return;
+  const Step pieces = {pieces_.get({1}), Stage::kReflect, set.pieces, 1.0};
+  co_await dispatch(pieces, set, params, nullptr, pacing);
+}
+
+GpuTask BouncePass::takeMeans(PatchSet& set, Pacing pacing) {
+  const Step means = {pieces_.get({0}), Stage::kReflect, set.count, double(set.pieces) / set.count};
+  co_await dispatch(means, set, set.params(), nullptr, pacing);
+}
+
+GpuTask BouncePass::finishPieces(PatchSet& set, Pacing pacing) {
+  const Step pieces = {pieces_.get({2}), Stage::kReflect, set.pieces, 1.0};
+  co_await dispatch(pieces, set, set.params(), nullptr, pacing);
+  const Step means = {pieces_.get({3}), Stage::kReflect, set.count, double(set.pieces) / set.count};
+  co_await dispatch(means, set, set.params(), nullptr, pacing);
 }
 
 }  // namespace lpv

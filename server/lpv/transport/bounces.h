@@ -25,8 +25,13 @@ class BouncePass {
   /// Which of them have a light in between.
   GpuTask findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
   /// From what came to the patches from the lights to what they send after `bounces` - 1 reflections among them;
-  /// receivers see the last one themselves. `bounces` is at least 1.
-  GpuTask run(PatchSet& set, int bounces, Pacing pacing);
+  /// receivers see the last one themselves. `bounces` is at least 1; `done`: how many the last run had, which this one
+  /// goes on from.
+  GpuTask run(PatchSet& set, int done, int bounces, Pacing pacing);
+  /// Before it: what comes from the lights to patches whose folds have pieces, by these.
+  GpuTask takeMeans(PatchSet& set, Pacing pacing);
+  /// After it, once pieces have been looked from: what they send, and the patches that stand for them.
+  GpuTask finishPieces(PatchSet& set, Pacing pacing);
 
  private:
   struct Step {
@@ -35,8 +40,8 @@ class BouncePass {
     int threads;
     double units;  ///< of the stage, per thread
   };
-  struct BalanceVariant {
-    int step;  ///< of shaders/transport/patch_balance.comp
+  struct StepVariant {
+    int step;  ///< of shaders/transport/patch_balance.comp or patch_pieces.comp
     gpu::Defines defines() const { return {gpu::define("LPV_STEP", step)}; }
   };
   struct PaneVariant {
@@ -51,7 +56,8 @@ class BouncePass {
   gpu::Programs<PaneVariant> crevices_{{"transport/patch_crevices.comp"}};
   gpu::ProgramVariants lights_{{"transport/patch_lights.comp"}};
   gpu::Programs<PaneVariant> bounce_{{"transport/patch_bounce.comp"}};
-  gpu::Programs<BalanceVariant> balance_{{"transport/patch_balance.comp"}};
+  gpu::Programs<StepVariant> pieces_{{"transport/patch_pieces.comp"}};
+  gpu::Programs<StepVariant> balance_{{"transport/patch_balance.comp"}};
   gpu::Buffer params_;
 };
 

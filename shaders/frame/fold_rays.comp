@@ -1,0 +1,53 @@
+// What pieces of folds send to points that are near to them: rays all around, spread by the cosine, see the nearest of what
+// they meet, and it counts where the patch that stands for it is left out (patch_light.comp). kFoldRays a dispatch.
+// Threads per point.
+#include "layout.h"
+#include "common/sh.glsl"
+#include "visibility/occluders.glsl"
+#include "visibility/first_hit.glsl"
+#include "visibility/patches.glsl"
+#include "visibility/receivers.glsl"
+#include "visibility/folds.glsl"
+#include "visibility/shadow_points.glsl"
+
+layout(local_size_x = 4 * kNearFieldGroup) in;
+
+const vec2 kPlastic = vec2(0.7548776662, 0.5698402910);  // steps of a sequence whose points are spread evenly (Roberts 2018)
+
+/// The k-th of directions about n, another set for another pixel.
+vec3 directionAbout(vec3 n, ivec2 pixel, int k) {
+  const vec2 shift = fract(vec2(dot(vec2(pixel & 1023), kPlastic), dot(vec2((pixel.yx + 255) & 1023), kPlastic)));
+  const vec2 at = fract(shift + float(k) * kPlastic);
+  const vec3 right = normalize(cross(n, abs(n.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
+  const float turn = 2.0 * kPi * at.y;
+  return sqrt(at.x) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - at.x) * n;
+}
+
+/// From x in a direction, which is long enough to leave the scene.
+vec3 seenOfPieces(vec3 x, vec3 direction, inout int rounds) {
+  const Sight sight = firstHit(x, x + direction, rounds);
+  const vec3 place = x + sight.at * direction;
+  const int piece = pieceAt(sight, place, shadow.pointCount);
+  if (piece == kNoPiece) return vec3(0.0);
+  const int of = int(patches[shadow.pointCount + piece].of);
+  const vec3 d = patches[of].place.xyz - x;
+  if (dot(d, d) >= patches[of].corners[2].w) return vec3(0.0);
+#if LPV_TRANSPARENT
+  return pieceLights[piece].rgb * transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
+#else
+  return pieceLights[piece].rgb;
+#endif
+}
+
+void main() {
+  const uint point = gl_GlobalInvocationID.x, four = point / 4u;
+  if (four >= list.count || shadowPoints[point].asked.a == 0.0) return;
+  const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+  const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
+  const float reach = uintBitsToFloat(texelFetch(occluders, 0).y);
+  vec3 sum = vec3(0.0);
+  int rays = 0, rounds = 0;
+  for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays)
+    sum += seenOfPieces(x, reach * directionAbout(n, pixel, shadow.turn * kFoldRays + rays), rounds);
+  shadowPoints[point].known.rgb += kPi / float(rays * shadow.foldTurns) * sum;
+}

@@ -1,0 +1,51 @@
+// What a ray first meets of what stops all light: the walk of visibility/occluders.glsl, which the caller has included, up
+// to the nearest place so far.
+
+struct Sight {
+  float at;      // on the segment, 0..1; 1: nothing is met
+  int instance;  // its first texel
+  int triangle;  // of its mesh, in the order of the mesh's BVH
+  bool front;    // its corners are seen counter-clockwise
+};
+
+bool stopsAll(int instance) {
+#if LPV_TRANSPARENT
+  return uintBitsToFloat(texelFetch(occluders, instance + 4).w) == 1.0 && texelFetch(occluders, instance + 5).x == 0u;
+#else
+  return true;
+#endif
+}
+
+void lookInMesh(int instance, vec3 origin, vec3 direction, inout Sight sight, inout int rounds) {
+  const uvec4 mesh = texelFetch(occluders, instance + 3);
+  const int begin = int(mesh.x), end = int(mesh.y);
+  const float reach = max(max(abs(origin.x), abs(origin.y)), abs(origin.z)) + uintBitsToFloat(mesh.z);
+  const SegmentBox box = segmentBox(origin, direction, kBoxMargin * reach);
+  const Segment segment = segmentOf(origin, direction);
+  for (int at = begin; at < end && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, begin, end, box, sight.at, rounds);
+    const int items = int(leaf % uint(kLeafItems)), first = int(leaf / uint(kLeafItems));
+    for (int i = first; i < first + items; ++i, ++rounds) {
+      const int texel = end + kTriangleTexels * i;
+      const float where = whereMet(texel, segment);
+      if (where >= sight.at) continue;
+      const vec3 normal = uintBitsToFloat(uvec3(texelFetch(occluders, texel).w, texelFetch(occluders, texel + 1).w,
+                                                texelFetch(occluders, texel + 2).w));
+      sight = Sight(where, instance, i, dot(normal, direction) < 0.0);
+    }
+  }
+}
+
+Sight firstHit(vec3 from, vec3 to, inout int rounds) {
+  const int instances = int(texelFetch(occluders, 0).x);
+  const SegmentBox box = segmentBox(from, to - from, kTopMargin);
+  Sight sight = Sight(1.0, 0, 0, true);
+  for (int at = 1; at < instances && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, 1, instances, box, sight.at, rounds);
+    const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
+    if (leaf == 0u || !stopsAll(instance)) continue;
+    const mat4x3 object = objectFromGrid(instance);
+    lookInMesh(instance, object * vec4(from, 1.0), object * vec4(to - from, 0.0), sight, rounds);
+  }
+  return sight;
+}
