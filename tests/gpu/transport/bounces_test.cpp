@@ -2,6 +2,7 @@
 // following it, and one reflection by quadrature.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -231,6 +232,59 @@ TEST_F(BouncesTest, FoldsReflectToThemselves) {
   EXPECT_NEAR(all / first, 1.0 / (1.0 - 0.9 * 0.5), 0.1);
 }
 
+/// A ball under a lamp, and a plate that is so large that one patch stands for all of the ball.
+Scene ballUnderLamp() {
+  Scene scene = lampOverFloor();
+  scene.options.visibility = Visibility::kOn;
+  auto ball = std::make_shared<Surface>(*scene.surfaces.at("floor"));
+  ball->mesh = reference::sphereOf(48, 24);
+  ball->transform.scale = glm::dvec3(0.8);
+  ball->transform.translation = {0.0, 0.0, -0.4};
+  scene.surfaces["floor"] = ball;
+  Surface& plate = test::addSurface(scene, "plate", reference::quad());
+  plate.transform.translation.z = -1.8;
+  plate.transform.scale = glm::dvec3(40.0);
+  plate.albedo = glm::dvec3(0.0);
+  plate.twoSided = false;
+  return scene;
+}
+
+/// E of one reflection by a convex surface, triangle by triangle; what comes to each at its middle.
+glm::dvec3 reflectedBy(const Scene& scene, const Surface& surface, const reference::Receiver& receiver) {
+  const auto emitters = reference::emittersOf(scene).triangles;
+  const glm::dmat4 world = surface.transform.worldFromObject();
+  glm::dvec3 sum(0.0);
+  for (const glm::uvec3& t : surface.mesh->triangles) {
+    std::array<glm::dvec3, 3> corners;
+    for (int i = 0; i < 3; ++i)
+      corners[std::size_t(i)] = glm::dvec3(world * glm::dvec4(glm::dvec3(surface.mesh->positions[t[i]]), 1.0));
+    const glm::dvec3 cross = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    if (!(glm::length(cross) > 0.0)) continue;
+    const glm::dvec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    const double arrives = reference::triangleIrradiance(corners, receiver.position, receiver.normal);
+    if (arrives > 0.0)
+      sum += arrives / sh::kPi * surface.albedo * reference::irradianceOf(emitters, middle, glm::normalize(cross));
+  }
+  return sum;
+}
+
+// A ball of small triangles is bright above and dark below, whoever stands for it from afar.
+// Broken by: the patch instead of its pieces (a mean of .66 of the truth); pieces that share a triangle's light with
+// those that face another way.
+TEST_F(BouncesTest, WhatIsNearSmallTrianglesSeesThem) {
+  const Scene scene = ballUnderLamp();
+  std::vector<reference::Receiver> points;
+  for (const double x : {-0.7, -0.3, 0.1, 0.5, 0.9}) {
+    for (const double z : {0.15, 0.35}) points.push_back({{x, 0.05, z}, {0.0, 0.0, -1.0}});
+  }
+  const auto got = probed(scene, points);
+  ASSERT_EQ(got.size(), points.size());
+  std::vector<double> truth;
+  for (const reference::Receiver& p : points) truth.push_back(reflectedBy(scene, *scene.surfaces.at("floor"), p).x);
+  const double largest = *std::max_element(truth.begin(), truth.end());
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(got[i].x, truth[i], 0.02 * largest) << i;
+}
+
 /// By how much a pixel's radiance differs from the mean of the four beside it, as a share of the picture's mean: the
 /// root of the mean of the squares.
 double grainOf(const Frame& frame) {
@@ -377,6 +431,27 @@ TEST_F(BouncesTest, FramesAndProbesAgree) {
   std::vector<glm::dvec3> want = probed(scene, view.points);
   for (glm::dvec3& e : want) e *= scene.surfaces.at("floor")->albedo / sh::kPi;
   EXPECT_LE(coarseDifference(*frame, want), 0.03);
+}
+
+// The same beside a ball of small triangles, for which one patch stands.
+// Broken by: rays to pieces from one of both alone; the wrong first piece of a triangle.
+TEST_F(BouncesTest, FramesAndProbesAgreeBesideSmallTriangles) {
+  Scene scene = test::floorScene(Transport::kGather, reference::quad());
+  scene.options.visibility = Visibility::kOn;
+  scene.options.bounces = 2;
+  Surface& ball = test::addSurface(scene, "ball", reference::sphereOf(24, 12));
+  ball.transform.translation = {0.5, 0.2, -0.5};
+  ball.transform.scale = {0.8, -0.8, 0.8};
+  Surface& plate = test::addSurface(scene, "plate", reference::quad());
+  plate.transform.translation.z = -1.8;
+  plate.transform.scale = glm::dvec3(40.0);
+  plate.twoSided = false;
+  const test::FloorView view = test::floorView(scene, 4.0);
+  const FramePtr frame = frameOf(scene, view.frame);
+  ASSERT_NE(frame, nullptr);
+  std::vector<glm::dvec3> want = probed(scene, view.points);
+  for (glm::dvec3& e : want) e *= scene.surfaces.at("floor")->albedo / sh::kPi;
+  EXPECT_LE(coarseDifference(*frame, want), 0.04);
 }
 
 // Light that has gone, or changed, is not there in the next tick: nothing is fed back from one to another.

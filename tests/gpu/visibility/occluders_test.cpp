@@ -115,6 +115,48 @@ TEST_F(OccludersTest, AreTheSameInGlslAndCpp) {
   for (const int light : {kAllLights, 0, 1, 2}) compare(scene, occluders, light);
 }
 
+// What a ray sees first, and of which side. A float cannot tell which of two triangles has an edge.
+// Red with the last hit instead of the first, and with sides that turn with mirrored objects.
+TEST_F(OccludersTest, FirstHitsAreTheSameInGlslAndCpp) {
+  const Scene scene = fullRoom();
+  GpuOccluders occluders;
+  test::finish(occluders.update(occludersOf(scene), scene.grid));
+  const Occluders cpu(scene);
+  const Grid& grid = scene.grid;
+  const auto segments = reference::randomSegments(4000, glm::dvec3(0), glm::dvec3(grid.dims), 6);
+  std::vector<glm::vec4> inputs;
+  for (const Segment& s : segments) {
+    inputs.emplace_back(glm::vec3(s.from), 0.0F);
+    inputs.emplace_back(glm::vec3(s.to), 0.0F);
+  }
+  occluders.bind();
+  const auto out = test::evaluate(
+      "#define LPV_TRANSPARENT 0\n#include \"visibility/occluders.glsl\"\n#include \"visibility/first_hit.glsl\"",
+      "if (i % 2u == 0u) { int rounds = 0; const Sight s = firstHit(inputs[i].xyz, inputs[i + 1u].xyz, rounds); "
+      "outputs[i "
+      "/ 2u] = vec4(s.at, float(texelFetch(occluders, s.instance + 6).x), float(s.triangle), s.front ? 1.0 : 0.0); }",
+      inputs, segments.size());
+  std::size_t different = 0, hits = 0, backs = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const auto want = cpu.firstHit(grid.worldFromGrid(segments[i].from), grid.worldFromGrid(segments[i].to));
+    const bool met = out[i].x < 1.0F;
+    hits += std::size_t(want.has_value());
+    backs += std::size_t(want && !want->front);
+    if (met != want.has_value()) {
+      ++different;
+      continue;
+    }
+    if (!want) continue;
+    const glm::dvec3 at = glm::mix(segments[i].from, segments[i].to, double(out[i].x));
+    const bool same = glm::distance(grid.worldFromGrid(at), want->position) < 1e-3 &&
+                      int(out[i].y) == want->surface + 1 && (out[i].w == 1.0F) == want->front;
+    different += std::size_t(!same);
+  }
+  EXPECT_LE(different, segments.size() / 500);
+  EXPECT_GE(hits, segments.size() / 5);
+  EXPECT_GE(backs, segments.size() / 100);
+}
+
 // Red where what stands in the buffer is taken for what the scene has now.
 TEST_F(OccludersTest, FollowTheScene) {
   Scene scene = fullRoom();

@@ -170,8 +170,8 @@ ReflectedLight litWall() {
                                {{0.0, 0.0, 1.0}, rotationFromEulerDegrees({180.0, 0.0, 0.0}), glm::dvec3(2.0)});
   wall.twoSided = false;
   ReflectedLight light;
-  light.patches = patchesOf(scene, 512);
-  light.radiance.assign(light.patches.size(), glm::dvec3(1.0));
+  light.of = std::make_shared<const PatchedScene>(PatchedScene{patchesOf(scene, 512), {}});
+  light.radiance.assign(light.of->patches.size(), glm::dvec3(1.0));
   return light;
 }
 

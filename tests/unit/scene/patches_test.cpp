@@ -122,6 +122,82 @@ TEST(Patches, AreBoundedForManySurfaces) {
   EXPECT_NEAR(areaOf(few), areaOf(many), 1e-3 * areaOf(many));
 }
 
+/// A ball of small triangles on both sides, and a wall so large that few patches stand for the ball.
+Scene ballBeforeWall() {
+  Scene scene = sceneWith(reference::sphereOf(32, 16), true);
+  Surface& wall = add(scene, "wall", reference::quad());
+  wall.transform.scale = glm::dvec3(20.0);
+  wall.twoSided = false;
+  return scene;
+}
+
+// Pieces tile what folded patches stand for, each of the patch that has it. Broken by: the last piece's area; pieces of
+// the back that belong to the front's patches.
+TEST(Folds, PiecesHaveTheirPatchesArea) {
+  const PatchedScene patched = patchedScene(ballBeforeWall(), 64, 256);
+  const Folds& folds = patched.folds;
+  ASSERT_EQ(folds.patchOf.size(), folds.pieces.size());
+  EXPECT_GE(folds.pieces.size(), 200U);
+  EXPECT_LE(folds.pieces.size(), 600U);
+  std::map<std::uint32_t, double> areas;
+  for (std::size_t i = 0; i < folds.pieces.size(); ++i) areas[folds.patchOf[i]] += double(folds.pieces[i].area);
+  std::size_t folded = 0;
+  for (std::uint32_t p = 0; p < patched.patches.size(); ++p) {
+    folded += std::size_t(patched.patches[p].reach > 0.0F);
+    EXPECT_EQ(patched.patches[p].reach > 0.0F, areas.contains(p)) << p;
+    if (!areas.contains(p)) continue;
+    EXPECT_NEAR(areas[p], double(patched.patches[p].area), 1e-4 * areas[p]);
+  }
+  EXPECT_GE(folded, 2U);
+  EXPECT_LT(folded, patched.patches.size() / 4);
+}
+
+// What a ray meets has a piece there, which faces as it does; that of the back faces the other way.
+// Broken by: pieces by the order of triangles alone, which on a ball go all around.
+TEST(Folds, ATriangleHasAPieceThatFacesLikeIt) {
+  const Scene scene = ballBeforeWall();
+  const Folds folds = patchedScene(scene, 64, 256).folds;
+  ASSERT_EQ(folds.surfaces.size(), 2U);
+  EXPECT_TRUE(folds.surfaces[1].triangles.empty());
+  const Mesh& mesh = *scene.surfaces.at("it")->mesh;
+  const Folds::OfSurface& of = folds.surfaces[0];
+  ASSERT_EQ(of.triangles.size(), mesh.triangles.size());
+  EXPECT_EQ(2 * of.toBack, folds.pieces.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+    const glm::vec3 cross = glm::cross(b - a, c - a);
+    if (!(glm::length(cross) > 1e-9F)) continue;
+    ASSERT_EQ(of.triangles[i].count, 1U);
+    const Patch &front = folds.pieces[of.triangles[i].first], &back = folds.pieces[of.triangles[i].first + of.toBack];
+    EXPECT_GT(glm::dot(front.normal, glm::normalize(cross)), 0.2F) << i;
+    EXPECT_EQ(front.normal, -back.normal);
+    EXPECT_LT(glm::distance(front.position, (a + b + c) / 3.0F), 0.5F) << i;
+  }
+}
+
+// A small triangle that is larger than a piece is cut.
+TEST(Folds, LongTrianglesHaveSeveralPieces) {
+  Scene scene = ballBeforeWall();
+  auto bar = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  bar->mesh = reference::box(glm::dvec3(0.0), glm::dvec3(2.0, 0.1, 0.1), false);
+  scene.surfaces["it"] = bar;
+  const Folds folds = patchedScene(scene, 64, 256).folds;
+  std::uint32_t most = 0;
+  for (const Folds::Range& range : folds.surfaces[0].triangles) most = std::max(most, range.count);
+  EXPECT_GE(most, 4U);
+}
+
+// Panes do not end a ray, so what is behind them is not hidden by their pieces.
+TEST(Folds, WhatLetsLightThroughHasNone) {
+  Scene scene = ballBeforeWall();
+  auto pane = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  pane->opacity = 0.5;
+  pane->alphaMode = AlphaMode::kBlend;
+  scene.surfaces["it"] = pane;
+  EXPECT_TRUE(patchedScene(scene, 64, 256).folds.pieces.empty());
+}
+
 TEST(Patches, BlackSurfacesHaveNone) {
   Scene scene = sceneWith(reference::quad());
   add(scene, "black", reference::quad()).albedo = glm::dvec3(0.0);
