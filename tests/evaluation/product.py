@@ -29,6 +29,17 @@ def number_list(numbers):
     return ",".join(f"{x:.17g}" for x in numbers)
 
 
+def settings_of(shown):
+    """What decides the light, flat."""
+    out = {key: value for key, value in shown["settings"].items()
+           if not isinstance(value, (dict, list)) and key not in ("displayName", "ttl")}
+    grid = shown["grid"]
+    out["grid_dims"] = "x".join(str(grid["dims"][axis]) for axis in "xyz")
+    out["cell_size"] = grid["cellSize"]
+    out["expected_error"] = shown.get("expectedError")
+    return out
+
+
 class Server:
     """lpvd on a free port, and its command line client. Use as a context."""
 
