@@ -51,6 +51,30 @@ def irradiance(receiver, normal, polygon):
     return float(unclipped(receiver[None], normal[None], above[None])[0, 0]) if len(above) > 2 else 0.0
 
 
+def moments(receiver, polygon):
+    """Fluence and vector irradiance of a polygon that shows its front (Van Oosterom & Strackee 1983)."""
+    vector = unclipped(np.broadcast_to(receiver, (3, 3)), np.eye(3), polygon[None])[:, 0]
+    a, *others = (polygon - receiver) / np.linalg.norm(polygon - receiver, axis=1, keepdims=True)
+    fluence = sum(2 * np.arctan2(abs(a @ np.cross(b, c)), 1 + a @ b + b @ c + c @ a) for b, c in zip(others, others[1:]))
+    return float(fluence), vector
+
+
+def cap_lookup(fluence, vector, normal):
+    """What the server's lookup CAP makes of the moments (MATHS.md 4.3)."""
+    length = np.linalg.norm(vector)
+    share, along = length / fluence, vector @ normal
+    if share < 0.5:
+        return max(0.0, fluence / 4 + along / 2)
+    cos_a, sin2_a, cos_t = 2 * share - 1, 4 * share * (1 - share), along / length
+    if sin2_a < 1e-6 or cos_t ** 2 >= sin2_a:
+        return max(0.0, along)
+    sin_a = np.sqrt(sin2_a)
+    mu = abs(cos_t) / sin_a
+    q = np.sqrt(1 - mu * mu)
+    part = (np.arctan2(q * sin_a, cos_a) - q * sin_a * cos_a) / sin2_a - abs(cos_t) * np.arctan2(q, mu * cos_a)
+    return max(0.0, along) + length * part / np.pi
+
+
 def through(receiver, polygon, opening):
     """What a receiver sees of a polygon through a convex opening: the polygon cut by the planes through the receiver and
     the opening's edges. The same for what a flat convex thing between the two hides."""
