@@ -73,8 +73,14 @@ class Server:
         command = [self.build / "bin/lpvctl", "--timeout", str(self.timeout), *map(str, arguments)]
         done = subprocess.run(command, env=self.environment, input=stdin, capture_output=True, text=True)
         if done.returncode != 0:
-            raise Failed(f"lpvctl {' '.join(map(str, arguments))}: {done.stderr.strip()}")
+            raise Failed(f"lpvctl {' '.join(map(str, arguments))}: {done.stderr.strip()}{self.end()}")
         return done.stdout
+
+    def end(self):
+        """What is known of the server's end, "" while it runs."""
+        if self.process.poll() is None:
+            return ""
+        return f"; lpvd ended with {self.process.returncode}: {pathlib.Path(self.log.name).read_text(errors='replace')[-400:].strip()}"
 
     def device(self):
         """What the server's log says of driver and device, "" where it does not."""
