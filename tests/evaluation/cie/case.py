@@ -100,7 +100,7 @@ ROOM_POINTS = joined(wall_points(), floor_points())
 
 def ball(centre, radius, power):
     """A sphere that sends so many watts, and its radiance."""
-    vertices, triangles = meshes.sphere(centre, radius, 96, 48)
+    vertices, triangles = meshes.sphere(centre, radius)
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     return (vertices, triangles), power / (math.pi * area)

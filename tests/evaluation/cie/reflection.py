@@ -75,7 +75,7 @@ MOST_BOUNCES = 32  # of `lpvctl session create`
 CUBE = ((0, 0, 0), (4, 4, 4))
 
 
-OFF_CENTRE = (2.05, 1.97, 2.11)
+MIDDLE = np.array([2.0, 2, 2])
 
 
 def cube_points():
@@ -87,7 +87,7 @@ def cube_points():
 
 
 def closed_cube():
-    """5.8. The mean is that of the flux, wherever the lamp is; points are compared where it is in the middle."""
+    """5.8. The mean is that of the flux, whatever the lamp."""
     gauss = inside(CUBE, 12)
     points, normals, wall = cube_points()
     what = "a closed cube of 4 m, a sphere of 4 cm and 10 kW in its middle"
@@ -95,12 +95,12 @@ def closed_cube():
         name = f"5.8 rho {reflectance:g}"
         each = np.tile(cube.irradiances(wall, 4.0, 10000, reflectance, MOST_BOUNCES), 6)
         cases = [*means(name, gauss, reflectance), Case(name, f"E, {MOST_BOUNCES} bounces", [], points, normals, each)]
-        yield Scene(name, what + "; 12 x 12 Gauss points for means, 8 x 8 even points, on each wall", cube_with_lamp((2, 2, 2), reflectance),
+        yield Scene(name, what + "; 12 x 12 Gauss points for means, 8 x 8 even points, on each wall", cube_with_lamp(MIDDLE, reflectance),
                     cases, reflectance, MOST_BOUNCES)
-    for reflectance in (0.5, 0.8, 0.9, 0.95):
-        name = f"5.8 rho {reflectance:g} off"
-        yield Scene(name, "the same with the lamp 12 cm off the middle, at (2.05, 1.97, 2.11)", cube_with_lamp(OFF_CENTRE, reflectance),
-                    means(name, gauss, reflectance), reflectance, MOST_BOUNCES)
+    for reflectance in (0.9, 0.95):
+        name = f"5.8 rho {reflectance:g} about 0"
+        yield Scene(name, "the same with the middle at the origin, where single precision is finer", cube_with_lamp(0 * MIDDLE, reflectance),
+                    means(name, (gauss[0] - MIDDLE, *gauss[1:]), reflectance), reflectance, MOST_BOUNCES)
 
 
 def means(name, gauss, reflectance):
@@ -109,9 +109,9 @@ def means(name, gauss, reflectance):
             for says, bounces in (("mean E, all bounces", None), (f"mean E, {MOST_BOUNCES} bounces", MOST_BOUNCES))]
 
 
-def cube_with_lamp(centre, reflectance):
+def cube_with_lamp(middle, reflectance):
     def build(scene):
-        scene.surface("cube", meshes.flat(meshes.box(*CUBE, inward=True)), grey(reflectance))
-        lamp, radiance = ball(centre, 0.02, 10000)
+        scene.surface("cube", meshes.flat(meshes.box(middle - 2, middle + 2, inward=True)), grey(reflectance))
+        lamp, radiance = ball(middle, 0.02, 10000)
         scene.light("lamp", lamp, grey(radiance))
     return build
