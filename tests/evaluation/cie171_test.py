@@ -41,7 +41,7 @@ def kernel(receiver, normal, points, front):
     return np.maximum(d @ normal, 0) * np.maximum(-(d @ front), 0) / square ** 2
 
 
-def summed(receiver, normal, quad, n=1500, visible=None):
+def summed(receiver, normal, quad, n=800, visible=None):
     """Irradiance of a parallelogram of radiance 1 by its pieces' middles; `visible`: of them, true or false."""
     points, area = samples(quad, n)
     weights = kernel(receiver, normal, points, formulas.normal_of(quad))
@@ -90,7 +90,7 @@ class Polygons(unittest.TestCase):
         receiver = np.array([0.4, 0.1, 0.0])
         for normal in ((0, 0, 1), (0.6, 0, 0.8), (0, -0.8, 0.6), (1, 0, 0), (0, 1, 0), (0, 0, -1)):
             normal = np.array(normal, float)
-            self.assertAlmostEqual(formulas.irradiance(receiver, normal, quad), summed(receiver, normal, quad), 5)
+            self.assertAlmostEqual(formulas.irradiance(receiver, normal, quad), summed(receiver, normal, quad), 4)
             self.assertEqual(formulas.irradiance(receiver, normal, quad[::-1]), 0)
 
     # Broken by: planes turned to the wrong side for openings that are wound the other way.
@@ -99,7 +99,7 @@ class Polygons(unittest.TestCase):
         for opening in (case.PANEL, case.PANEL[::-1]):
             for receiver, normal in (((2, 0.25, 0), TO_Z), ((2, 0, 1.25), TO_Y), ((1.2, 3.1, 0.4), TO_Z)):
                 receiver = np.array(receiver, float)
-                brute = summed(receiver, normal, sky, 3000, lambda p: passes(receiver, p, opening))
+                brute = summed(receiver, normal, sky, 1500, lambda p: passes(receiver, p, opening))
                 self.assertAlmostEqual(formulas.seen(receiver, normal, sky, opening) / brute, 1, 2)
 
     # Through an opening that a large sky fills, the opening is what is seen. Broken by: a sky that is not cut.
@@ -116,20 +116,20 @@ class Polygons(unittest.TestCase):
         opening = openings.FACADE["4 x 3"]
         for y in (0.75, 2.25):
             receiver = np.array([2, y, 0])
-            brute = summed(receiver, TO_Z, sky, 2000, lambda p: passes(receiver, p, opening) & ~passes(receiver, p, mask))
+            brute = summed(receiver, TO_Z, sky, 1000, lambda p: passes(receiver, p, opening) & ~passes(receiver, p, mask))
             self.assertAlmostEqual(formulas.seen(receiver, TO_Z, sky, opening, mask) / brute, 1, 2)
 
     # Broken by: a triangle left out.
     def test_moments_are_integrals_over_directions(self):
         quad = case.rectangle((0.3, -0.4, 0.3), (-0.2, 1.2, 0.1), (0.9, 0.1, 0.2))
         receiver = np.array([0.5, 0.1, 0.0])
-        points, area = samples(quad, 1500)
+        points, area = samples(quad, 800)
         d = points - receiver
         r = np.linalg.norm(d, axis=1)
         solid = np.maximum(-(d @ formulas.normal_of(quad)), 0) / r ** 3 * area
         fluence, vector = formulas.moments(receiver, quad)
-        self.assertAlmostEqual(fluence, solid.sum(), 5)
-        np.testing.assert_allclose(vector, (solid / r) @ d, atol=1e-5)
+        self.assertAlmostEqual(fluence, solid.sum(), 4)
+        np.testing.assert_allclose(vector, (solid / r) @ d, atol=1e-4)
 
     # MATHS.md 8, Lookup. Broken by: the branch of broad light for all.
     def test_cap_is_that_of_the_worked_numbers(self):
@@ -182,7 +182,7 @@ class Reflection(unittest.TestCase):
         quad = case.rectangle((0, -1, 0), (4, 0, 0), (0, 5, 0))
         got = lambda p: 100 + 7 * p[:, 0] - 3 * p[:, 1]
         for receiver, normal in ((np.array([2, 0, 0.75]), TO_Y), (np.array([2, 0.25, 3]), -TO_Z)):
-            points, area = samples(quad, 2000)
+            points, area = samples(quad, 1000)
             brute = 0.3 / math.pi * area * kernel(receiver, normal, points, TO_Z) @ got(points)
             self.assertAlmostEqual(formulas.reflected(receiver, normal, quad, 0.3, got, 64) / brute, 1, 4)
 
@@ -191,7 +191,7 @@ class Reflection(unittest.TestCase):
         quad = case.rectangle((0, 4, 0), (4, 0, 0), (0, 0, 3))
         got = lambda p: 100 + 0 * p[:, 0]
         corners = case.meshes.box(*reflection.BOX)[0]
-        points, area = samples(quad, 2000)
+        points, area = samples(quad, 1000)
         for receiver, normal in ((np.array([2, 0, 1.75]), TO_Y), (np.array([1.3, 0, 0.25]), TO_Y), (np.array([2, 0.75, 0]), TO_Z)):
             clear = ~meets_box(receiver, points, *reflection.BOX)
             brute = 0.6 / math.pi * area * 100 * np.sum(kernel(receiver, normal, points, -TO_Y) * clear)
@@ -235,7 +235,7 @@ class ClosedCube(unittest.TestCase):
             total = formulas.point_source(receiver[None], TO_Z[None], (2, 2, 2), 9600 / (4 * math.pi))[0]
             for origin, along, across in cube.OTHERS:
                 quad = 4 * case.rectangle(origin, along, across)
-                points, area = samples(quad, 800)
+                points, area = samples(quad, 400)
                 normals = np.broadcast_to(formulas.normal_of(quad), points.shape)
                 got = formulas.point_source(points, normals, (2, 2, 2), 9600 / (4 * math.pi))
                 total += 0.7 / math.pi * area * kernel(receiver, TO_Z, points, normals[0]) @ got
@@ -249,7 +249,7 @@ class ClosedCube(unittest.TestCase):
     # Broken by: patches looked at from their corners instead of their middles.
     def test_the_points_at_the_walls_are_converged(self):
         wall = reflection.cube_points()[2]
-        coarse, fine = (cube.irradiances(wall, 4.0, 10000, 0.9, 32, n) for n in (16, 24))
+        coarse, fine = (cube.irradiances(wall, 4.0, 10000, 0.9, 32, n) for n in (16, 20))
         self.assertLess(np.abs(coarse / fine - 1).max(), 5e-4)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 import formulas
 import meshes
-from case import BLACK, PANEL, ROOM, ROOM_POINTS, TO_Y, Scene, black_room, case, floor_points, grey, joined, mesh, one_polygon, rectangle, wall_points
+from case import (BLACK, PANEL, ROOM, ROOM_POINTS, TO_Y, Scene, black_room, case, floor_points, grey, joined, mesh, one_polygon, rectangle,
+                  wall_points)
 
 SKY = 100 / math.pi  # a horizontal plane in the open gets 100: irradiance is the sky component in percent
 ROOF = {"1 x 1": PANEL, "4 x 4": rectangle((0, 0, 3), (0, 4, 0), (4, 0, 0))}
@@ -64,7 +65,8 @@ def skies():
     for name, what, opening, sky, mask, where in (
             ("5.9 1 x 1 sky", "a sky of 8 x 8 m 2 m over the roof's opening of 1 x 1 m", ROOF["1 x 1"], over, None, ROOM_POINTS),
             ("5.11 2 x 1 sky", "a sky of 12 x 12 m 4 m before the facade's opening of 2 x 1 m", FACADE["2 x 1"], before, None, DEEP_POINTS),
-            ("5.13 sky", "the same sky before an open facade of 4 x 3 m, a black mask of 1 m over it", FACADE["4 x 3"], before, above, DEEP_POINTS),
+            ("5.13 sky", "the same sky before an open facade of 4 x 3 m, a black mask of 1 m over it", FACADE["4 x 3"], before, above,
+             DEEP_POINTS),
             ("5.14 sky", "a sky of 16 x 12 m 8 m before an open facade, a black wall of 3 m height 6 m before it", FACADE["4 x 3"], far,
              opposite, DEEP_POINTS)):
         for lights in (1, 8):

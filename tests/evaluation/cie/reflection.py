@@ -7,7 +7,8 @@ import numpy as np
 import cube
 import formulas
 import meshes
-from case import BLACK, DEPTHS, TO_X, TO_Y, TO_Z, WALL_HEIGHTS, Case, Scene, at, ball, case, floor_points, grey, inside, joined, mesh, rectangle, wall_points
+from case import (BLACK, DEPTHS, TO_X, TO_Y, TO_Z, WALL_HEIGHTS, Case, Scene, at, ball, case, floor_points, grey, inside, joined, mesh, rectangle,
+                  wall_points)
 
 FAR = 10_000.0  # metres to the lamp that lights one surface alone
 
@@ -58,8 +59,8 @@ def obstruction():
     corners = meshes.box(*BOX)[0]
     where = joined(wall_points(), floor_points(DEPTHS[:5]))
     what = "a wall of 4 x 3 m at y = 4, lit alone; a black box of 4 x .2 x 1 m at y = 2.5; points at y = 0 and on the floor"
-    for name, more, one_sided, flags in (("5.7", "", False, ""), ("5.7 accurate", "; one-sided surfaces, --quality accurate: four times as many patches", True,
-                                                                " --quality accurate")):
+    finer = "; one-sided surfaces, --quality accurate: four times as many patches"
+    for name, more, one_sided, flags in (("5.7", "", False, ""), ("5.7 accurate", finer, True, " --quality accurate")):
         def build(scene, one_sided=one_sided):
             scene.surface("S2", mesh(quad), grey(0.6), one_sided=one_sided)
             scene.surface("box", meshes.flat(meshes.box(*BOX)), BLACK, one_sided=one_sided)
