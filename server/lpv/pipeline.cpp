@@ -246,7 +246,8 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   made.reflected.set(inputs);
 }
 
-/// Pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it on.
+/// The pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it
+/// on.
 GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& patches) {
   const StageProducts& made = *s.products;
   const bool look = patches.folded() && s.bounces > 1;

@@ -191,11 +191,11 @@ class Patches {
 
 constexpr double kMostPiecesOfTriangle = 64.0;  // half of what halving makes of it: who sees one looks for the nearest
 
-/// Pieces of small triangles: one that is larger than a piece is cut; others share one with those of their patch that
-/// face about the same way and are nearest.
-class Pieces {
+/// The pieces of small triangles: one that is larger than a piece is cut; others share one with those of their patch
+/// that face about the same way and are nearest.
+class SmallPieces {
  public:
-  explicit Pieces(double most) : most_(most) {}
+  explicit SmallPieces(double most) : most_(most) {}
 
   /// Of one surface, which one patch stands for.
   void add(std::span<const SmallTriangle> together) {
@@ -323,7 +323,7 @@ void addPatches(const NumberedSurfaces& surfaces, bool apart, double most, Sides
 }
 
 void addPieces(const Sides& of, double most, Folds& out) {
-  Pieces pieces(most);
+  SmallPieces pieces(most);
   for (std::size_t first = 0, end = 0; first < of.small.size(); first = end) {
     const auto isOther = [&](const SmallTriangle& t) {
       return t.of != of.small[first].of || t.patch != of.small[first].patch;

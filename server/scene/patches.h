@@ -51,7 +51,7 @@ using PatchedScenePtr = std::shared_ptr<const PatchedScene>;
 /// Patches of a scene's surfaces by quality, about.
 inline constexpr std::size_t kFastPatches = 1024;
 inline constexpr std::size_t kAccuratePatches = 2048;
-/// Pieces of folds, by quality.
+/// The pieces of folds, by quality.
 inline constexpr std::size_t kFastPieces = 32768;
 inline constexpr std::size_t kAccuratePieces = 65536;
 

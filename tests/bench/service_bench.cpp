@@ -133,7 +133,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seconds", load.seconds, "that are counted")->capture_default_str();
   app.add_flag("--deform", load.deform, "new vertices each time instead of a new place");
-  app.add_flag("--unshadowed", load.unshadowed, "as lpvctl's --visibility off --bounces 0 (default: as sessions have it)");
+  app.add_flag("--unshadowed", load.unshadowed,
+               "as lpvctl's --visibility off --bounces 0 (default: as sessions have it)");
   app.add_flag("--volume", load.watchVolume, "a second client watches the volume");
   app.add_option("--json", jsonFile, "also write the numbers here");
   auto* table = app.add_option("--table", tableFile, "append a row of tab-separated numbers to this file");

@@ -96,7 +96,7 @@ class NearFieldPass {
               const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing);
   /// The same for patches and pieces, which get what comes from the lights; `shadows` has no reflections.
   GpuTask run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows, Pacing pacing);
-  /// Pieces get what is reflected; `shadows` has the patches, and turns of rays to the pieces.
+  /// What pieces get of what is reflected: `shadows` has the patches, and turns of rays to the pieces.
   GpuTask lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
                          Pacing pacing);
 

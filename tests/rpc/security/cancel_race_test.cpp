@@ -234,8 +234,8 @@ class CancelRace : public ::testing::Test {
     std::map<std::string, Begin> kinds;
     addCalls(stubs_, session_, kinds);
     addStreams(stubs_, session_, kinds);
-    for (const char* kind : {"GetSession", "ApplyEdit", "UploadBlob", "Probe", "GetVolume", "GetFrame", "StreamEdits",
-                             "StreamProbe"}) {
+    for (const char* kind :
+         {"GetSession", "ApplyEdit", "UploadBlob", "Probe", "GetVolume", "GetFrame", "StreamEdits", "StreamProbe"}) {
       EXPECT_THAT(one(kinds.at(kind), std::chrono::minutes(1)), IsOk()) << kind;
     }
     pb::StreamFramesRequest request;
