@@ -22,14 +22,12 @@ double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const 
 void LightVisibility::prepare() const {
   occluders_ = std::make_unique<const Occluders>(*scene_);
   offset_ = double(layout::kShadowOffset) * scene_->grid.cell;
-  Bounds bounds;
   for (const auto& [name, surface] : scene_->surfaces) {
     const Bounds box = surface->mesh->bounds.transformed(surface->transform.worldFromObject());
-    bounds.add(box.min);
-    bounds.add(box.max);
+    bounds_.add(box.min);
+    bounds_.add(box.max);
     panes_ = panes_ || !coverageOf(*surface).isOpaque();
   }
-  reach_ = glm::length(bounds.max - bounds.min);
   for (const auto& [name, light] : scene_->lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
     const LightPoints points = lightPoints(*light->mesh, light->texture.get());
@@ -68,7 +66,8 @@ std::optional<LightVisibility::Sight> LightVisibility::sight(const glm::dvec3& a
                                                              const glm::dvec3& direction) const {
   std::call_once(once_, [this] { prepare(); });
   const glm::dvec3 from = at + offset_ * n;
-  const std::optional<OccluderHit> hit = occluders_->firstHit(from, from + reach_ * direction);
+  const double beyond = glm::length(glm::max(glm::abs(from - bounds_.min), glm::abs(from - bounds_.max)));
+  const std::optional<OccluderHit> hit = occluders_->firstHit(from, from + beyond * direction);
   if (!hit) return std::nullopt;
   const glm::dvec3 to = glm::mix(from, hit->position, double(layout::kShadowEnd));
   return Sight{*hit, panes_ ? occluders_->transmitted(from, to, kFromSurfaces) : glm::dvec3(1.0)};

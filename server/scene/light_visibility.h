@@ -49,7 +49,7 @@ class LightVisibility {
   mutable std::unique_ptr<const Occluders> occluders_;
   mutable std::vector<Emitter> emitters_;
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
-  mutable double reach_ = 0.0;  ///< metres: all of the scene is nearer to any of its points
+  mutable Bounds bounds_;  ///< of the surfaces
   mutable bool panes_ = false;  ///< something lets light through
 };
 using LightVisibilityPtr = std::shared_ptr<const LightVisibility>;

@@ -86,47 +86,40 @@ bool Occluders::blocked(const glm::dvec3& from, const glm::dvec3& to, int light)
   return transmitted(from, to, light) == glm::dvec3(0.0);
 }
 
-glm::dvec3 Occluders::transmitted(const glm::dvec3& from, const glm::dvec3& to, int light) const {
+template <typename Visit>
+void Occluders::walk(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
   const BvhSegment segment(from, to);
-  glm::dvec3 share(1.0);
   for (std::size_t at = 0; at < nodes_.size();) {
     const BvhNode& node = nodes_[at];
-    if (!segment.meets(node)) {
-      at = node.skip;
-      continue;
-    }
-    ++at;
-    if (node.items() == 0) continue;
+    const bool met = segment.meets(node);
+    at = met ? at + 1 : node.skip;
+    if (!met || node.items() == 0) continue;
     const Instance& instance = instances_[node.firstItem()];
-    if (instance.blocks != kAllLights && light != kFromSurfaces && instance.blocks != light) continue;
     const glm::dmat4& m = instance.objectFromWorld;
-    share *= instance.transmitted(glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)));
-    if (share == glm::dvec3(0.0)) break;
+    if (!visit(instance, glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)))) return;
   }
+}
+
+glm::dvec3 Occluders::transmitted(const glm::dvec3& from, const glm::dvec3& to, int light) const {
+  glm::dvec3 share(1.0);
+  walk(from, to, [&](const Instance& instance, const glm::dvec3& begin, const glm::dvec3& end) {
+    if (instance.blocks == kAllLights || light == kFromSurfaces || instance.blocks == light)
+      share *= instance.transmitted(begin, end);
+    return share != glm::dvec3(0.0);
+  });
   return share;
 }
 
 std::optional<OccluderHit> Occluders::firstHit(const glm::dvec3& from, const glm::dvec3& to) const {
-  const BvhSegment segment(from, to);
   std::optional<OccluderHit> found;
   double nearest = 1.0;
-  for (std::size_t at = 0; at < nodes_.size();) {
-    const BvhNode& node = nodes_[at];
-    if (!segment.meets(node)) {
-      at = node.skip;
-      continue;
-    }
-    ++at;
-    if (node.items() == 0) continue;
-    const Instance& instance = instances_[node.firstItem()];
-    if (!instance.opaque) continue;
-    const glm::dmat4& m = instance.objectFromWorld;
-    const auto hit =
-        lpv::firstHit(*instance.bvh, glm::dvec3(m * glm::dvec4(from, 1.0)), glm::dvec3(m * glm::dvec4(to, 1.0)));
-    if (!hit || hit->at >= nearest) continue;
+  walk(from, to, [&](const Instance& instance, const glm::dvec3& begin, const glm::dvec3& end) {
+    const auto hit = instance.opaque ? lpv::firstHit(*instance.bvh, begin, end) : std::nullopt;
+    if (!hit || hit->at >= nearest) return true;
     nearest = hit->at;
     found = {instance.surface, instance.bvh->indices[hit->triangle], hit->front, glm::mix(from, to, nearest)};
-  }
+    return true;
+  });
   return found;
 }
 

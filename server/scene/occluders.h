@@ -72,6 +72,11 @@ class Occluders {
 
     glm::dvec3 transmitted(const glm::dvec3& from, const glm::dvec3& to) const;
   };
+  /// Calls visit(instance, from, to), both in the instance's space, for those that the segment may meet, until it says
+  /// false.
+  template <typename Visit>
+  void walk(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const;
+
   std::vector<BvhNode> nodes_;
   std::vector<Instance> instances_;  ///< in the order of leaves
 };

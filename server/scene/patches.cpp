@@ -275,10 +275,6 @@ Patch turned(Patch p) {
   return p;
 }
 
-}  // namespace
-
-namespace {
-
 constexpr float kReach = 3.0F;  // of folds, in sizes of the patch that stands for them: beyond it is nearly a point
 constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
 

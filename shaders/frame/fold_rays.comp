@@ -44,10 +44,11 @@ void main() {
   if (four >= list.count || shadowPoints[point].asked.a == 0.0) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
-  const float reach = uintBitsToFloat(texelFetch(occluders, 0).y);
+  const vec3 lower = uintBitsToFloat(texelFetch(occluders, 1).xyz), upper = uintBitsToFloat(texelFetch(occluders, 2).xyz);
+  const float beyond = length(max(abs(x - lower), abs(x - upper)));  // all that there is is nearer
   vec3 sum = vec3(0.0);
   int rays = 0, rounds = 0;
   for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays)
-    sum += seenOfPieces(x, reach * directionAbout(n, pixel, shadow.turn * kFoldRays + rays), rounds);
+    sum += seenOfPieces(x, beyond * directionAbout(n, pixel, shadow.turn * kFoldRays + rays), rounds);
   shadowPoints[point].known.rgb += kPi / float(rays * shadow.foldTurns) * sum;
 }

@@ -1,6 +1,6 @@
 // Shadow rays against triangles: a BVH over instances, below each the BVH of its mesh, walked depth first without a stack
 // (server/scene/triangle_bvh.h, occluders.h). Texels:
-//   0: (texel of the first instance, as float the diagonal of the box of all, -, -), then the nodes over instances
+//   0: (texel of the first instance, -, -, -), then the nodes over instances, of which the first has the box of all
 //   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
 //   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
 //             triangles, which follow them, largest coordinate of its box, what it blocks: Occluder::blocks), then

@@ -134,19 +134,18 @@ struct NearFieldPass::LookStep {
 std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, const LookAt& at) {
   const RayVariant rays = {from.patches, from.shadows.occluders->transparent()};
   const layout::ShadowParams& params = at.params;
-  const auto units = [](const NearFieldWork& work) { return work.units(); };
   std::vector<LookStep> steps;
   if (at.reflected) {
-    steps.push_back({reflected_.get(rays), -1, units({.fromPatches = from.points * params.pointCount})});
+    steps.push_back({reflected_.get(rays), -1, NearFieldWork{.fromPatches = from.points * params.pointCount}.units()});
     for (int turn = 0; turn < params.foldTurns; ++turn)
-      steps.push_back({folds_.get(rays), turn, units({.rays = layout::kFoldRays * from.points})});
+      steps.push_back({folds_.get(rays), turn, NearFieldWork{.rays = layout::kFoldRays * from.points}.units()});
   } else {
-    steps.push_back(
-        {evaluate_.get({.shadowed = true, .patches = from.patches}), -1, units({.evaluated = from.points})});
+    steps.push_back({evaluate_.get({.shadowed = true, .patches = from.patches}), -1,
+                     NearFieldWork{.evaluated = from.points}.units()});
   }
   for (int turn = 0; turn < params.turns; ++turn)
-    steps.push_back({rays_.get(rays), turn, units({.rays = 4.0 * from.points})});
-  steps.push_back({sum_.get({from.patches}), params.turns, units({.weighed = from.points})});
+    steps.push_back({rays_.get(rays), turn, NearFieldWork{.rays = 4.0 * from.points}.units()});
+  steps.push_back({sum_.get({from.patches}), params.turns, NearFieldWork{.weighed = from.points}.units()});
   return steps;
 }
 

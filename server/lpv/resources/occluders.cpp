@@ -133,8 +133,7 @@ GpuTask GpuOccluders::store(Contents contents, std::size_t top) {
 
 void GpuOccluders::storeTop(const Inputs& inputs) {
   const Bvh bvh = bvhOf(inputs.occluders, inputs.grid.gridFromWorldMatrix());
-  const float across = bvh.nodes.empty() ? 0.0F : glm::distance(bvh.nodes.front().lower, bvh.nodes.front().upper);
-  Texels texels = {{std::uint32_t(1 + kTexelsOfNode * bvh.nodes.size()), std::bit_cast<std::uint32_t>(across), 0, 0}};
+  Texels texels = {{std::uint32_t(1 + kTexelsOfNode * bvh.nodes.size()), 0, 0, 0}};
   append(bvh.nodes, texels);
   for (const std::uint32_t i : bvh.order) {
     const Occluder& o = inputs.occluders[i];

@@ -204,21 +204,27 @@ MeshPtr foldedPanel(int folds) {
   return std::make_shared<const Mesh>(std::move(mesh));
 }
 
-/// A folded panel under a lamp, and a large black plate far below, which makes patches as large as several folds.
-Scene foldedPanelUnderLamp(int bounces) {
+/// A white thing in the place of lampOverFloor's floor, and a black plate far below that makes patches large.
+Scene underLamp(const MeshPtr& mesh, const Transform& transform, double plate) {
   Scene scene = lampOverFloor();
-  scene.options.bounces = bounces;
   scene.options.visibility = Visibility::kOn;
-  auto panel = std::make_shared<Surface>(*scene.surfaces.at("floor"));
-  panel->mesh = foldedPanel(128);
-  panel->transform.scale = glm::dvec3(1.0);
-  panel->albedo = glm::dvec3(0.9);
-  scene.surfaces["floor"] = panel;
-  Surface& plate = test::addSurface(scene, "plate", reference::quad());
-  plate.transform.translation.z = -1.8;
-  plate.transform.scale = glm::dvec3(4.0);
-  plate.albedo = glm::dvec3(0.0);
-  plate.twoSided = false;
+  auto it = std::make_shared<Surface>(*scene.surfaces.at("floor"));
+  it->mesh = mesh;
+  it->transform = transform;
+  it->albedo = glm::dvec3(0.9);
+  scene.surfaces["floor"] = it;
+  Surface& below = test::addSurface(scene, "plate", reference::quad());
+  below.transform.translation.z = -1.8;
+  below.transform.scale = glm::dvec3(plate);
+  below.albedo = glm::dvec3(0.0);
+  below.twoSided = false;
+  return scene;
+}
+
+/// A folded panel whose patches are as large as several folds.
+Scene foldedPanelUnderLamp(int bounces) {
+  Scene scene = underLamp(foldedPanel(128), {{0.0, 0.0, -1.0}, glm::dquat(1, 0, 0, 0), glm::dvec3(1.0)}, 4.0);
+  scene.options.bounces = bounces;
   return scene;
 }
 
@@ -232,21 +238,9 @@ TEST_F(BouncesTest, FoldsReflectToThemselves) {
   EXPECT_NEAR(all / first, 1.0 / (1.0 - 0.9 * 0.5), 0.1);
 }
 
-/// A ball under a lamp, and a plate that is so large that one patch stands for all of the ball.
+/// A ball of which one patch stands for all.
 Scene ballUnderLamp() {
-  Scene scene = lampOverFloor();
-  scene.options.visibility = Visibility::kOn;
-  auto ball = std::make_shared<Surface>(*scene.surfaces.at("floor"));
-  ball->mesh = reference::sphereOf(48, 24);
-  ball->transform.scale = glm::dvec3(0.8);
-  ball->transform.translation = {0.0, 0.0, -0.4};
-  scene.surfaces["floor"] = ball;
-  Surface& plate = test::addSurface(scene, "plate", reference::quad());
-  plate.transform.translation.z = -1.8;
-  plate.transform.scale = glm::dvec3(40.0);
-  plate.albedo = glm::dvec3(0.0);
-  plate.twoSided = false;
-  return scene;
+  return underLamp(reference::sphereOf(48, 24), {{0.0, 0.0, -0.4}, glm::dquat(1, 0, 0, 0), glm::dvec3(0.8)}, 40.0);
 }
 
 /// E of one reflection by a convex surface, triangle by triangle; what comes to each at its middle.
@@ -283,6 +277,31 @@ TEST_F(BouncesTest, WhatIsNearSmallTrianglesSeesThem) {
   for (const reference::Receiver& p : points) truth.push_back(reflectedBy(scene, *scene.surfaces.at("floor"), p).x);
   const double largest = *std::max_element(truth.begin(), truth.end());
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(got[i].x, truth[i], 0.02 * largest) << i;
+}
+
+// Pixels further from all that blocks light than it is wide.
+// Broken by: rays as long as its box (nothing).
+TEST_F(BouncesTest, SmallTrianglesAreSeenFromOutsideTheirBox) {
+  Scene scene = ballUnderLamp();
+  auto plate = std::make_shared<Surface>(*scene.surfaces.at("plate"));
+  plate->castsShadow = false;
+  plate->albedo = glm::dvec3(1.0);
+  scene.surfaces["plate"] = plate;
+  const glm::dvec3 at(1.6, 0.05, -1.8);
+  FrameRequest frame = test::linearFrame(test::frontCamera(), {16, 16});
+  frame.camera.eye = at + glm::dvec3(0.0, 0.0, 0.2);
+  frame.camera.target = at;
+  frame.camera.up = {0.0, 1.0, 0.0};
+  frame.camera.verticalFovDegrees = 20.0;
+  const auto mean = [&](int bounces, SessionKey session) {
+    scene.options.bounces = bounces;
+    const FramePtr picture = frameOf(scene, frame, session);
+    double sum = 0.0;
+    for (int i = 0; i < 256; ++i) sum += test::pixel(*picture, i % 16, i / 16).x / 256.0;
+    return sum;
+  };
+  const double want = reflectedBy(scene, *scene.surfaces.at("floor"), {at, {0.0, 0.0, 1.0}}).x / sh::kPi;
+  EXPECT_NEAR(mean(1, 1) - mean(0, 2), want, 0.05 * want);
 }
 
 /// By how much a pixel's radiance differs from the mean of the four beside it, as a share of the picture's mean: the
