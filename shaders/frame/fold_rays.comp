@@ -12,12 +12,14 @@
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
-const vec2 kPlastic = vec2(0.7548776662, 0.5698402910);  // steps of a sequence whose points are spread evenly (Roberts 2018)
+// Steps of sequences whose points are spread evenly (Roberts 2018): from ray to ray, and from pixel to pixel, of other
+// numbers, or a pixel would send the rays of its neighbour.
+const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
+const mat2 kPixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
 
 /// The k-th of directions about n, another set for another pixel.
 vec3 directionAbout(vec3 n, ivec2 pixel, int k) {
-  const vec2 shift = fract(vec2(dot(vec2(pixel & 1023), kPlastic), dot(vec2((pixel.yx + 255) & 1023), kPlastic)));
-  const vec2 at = fract(shift + float(k) * kPlastic);
+  const vec2 at = fract(kPixelSteps * vec2(pixel & 1023) + float(k) * kRayStep);
   const vec3 right = normalize(cross(n, abs(n.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
   const float turn = 2.0 * kPi * at.y;
   return sqrt(at.x) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - at.x) * n;
