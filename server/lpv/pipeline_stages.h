@@ -32,7 +32,7 @@ inline constexpr double kAim = 0.6;
 /// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
 inline int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
 /// Of rays all around a pixel, to pieces of folds.
-inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
+inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
 inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
 }
