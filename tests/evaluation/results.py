@@ -63,7 +63,7 @@ def write(folder, content):
 
 
 def percent(value):
-    return "-" if value is None else f"{100.0 * value:.2g}"
+    return "-" if value is None or value != value else f"{100.0 * value:.2g}"  # what is not a number was not measured
 
 
 def provenance(content):
