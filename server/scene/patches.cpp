@@ -275,7 +275,7 @@ Patch turned(Patch p) {
   return p;
 }
 
-constexpr float kReach = 3.0F;  // of folds, in sizes of the patch that stands for them: beyond it is nearly a point
+constexpr float kFoldReach = 3.0F;  // of folds, in sizes of the patch that stands for them: beyond it is nearly a point
 constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
 
 /// Whether a ray ends at whatever of the surface it meets, so that what it sees there is all that it sees.
@@ -302,7 +302,7 @@ void addPatches(const NumberedSurfaces& surfaces, bool apart, double most, Sides
   for (const SmallTriangle& t : patches.small()) {
     Patch& patch = patches.all()[t.patch];
     const float size = std::sqrt(patch.area);
-    patch.reach = std::max({patch.reach, kReach * size, size + t.of->farthest(t.of->all()[t.index], patch.position)});
+    patch.reach = std::max({patch.reach, kFoldReach * size, size + t.of->farthest(t.of->all()[t.index], patch.position)});
   }
   for (const SmallTriangle& t : patches.small()) {
     if (!stopsRays(t.of->surface())) patches.all()[t.patch].reach = 0.0F;
