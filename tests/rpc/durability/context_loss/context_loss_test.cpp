@@ -66,6 +66,8 @@ void tell(const std::string& address, Shown& shown) {
         shown.newestFrame = std::max(shown.newestFrame, std::uint64_t(result.header.result().revision()));
       },
       shown.hooks());
+  constexpr std::uint64_t kLit = 1;
+  ASSERT_TRUE(eventually([&] { return shown.sawAll(kLit); })) << "both watch before anything moves";
   for (int move = 0; move < kMoves; ++move) {
     const std::uint64_t revision = apply(stubs, session, {moveTo("Lamp", {0.02 * move, 0.01 * move, 0.0})}).revision();
     ASSERT_TRUE(eventually([&] { return shown.sawAll(revision); })) << "revision " << revision;
