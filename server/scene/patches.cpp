@@ -302,7 +302,8 @@ void addPatches(const NumberedSurfaces& surfaces, bool apart, double most, Sides
   for (const SmallTriangle& t : patches.small()) {
     Patch& patch = patches.all()[t.patch];
     const float size = std::sqrt(patch.area);
-    patch.reach = std::max({patch.reach, kFoldReach * size, size + t.of->farthest(t.of->all()[t.index], patch.position)});
+    patch.reach =
+        std::max({patch.reach, kFoldReach * size, size + t.of->farthest(t.of->all()[t.index], patch.position)});
   }
   for (const SmallTriangle& t : patches.small()) {
     if (!stopsRays(t.of->surface())) patches.all()[t.patch].reach = 0.0F;
