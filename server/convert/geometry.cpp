@@ -16,6 +16,7 @@ Expected<Camera> fromProto(const pb::Camera& in) {
   camera.target = fromProto(in.target());
   if (in.has_up()) camera.up = fromProto(in.up());
   if (in.fov_degrees() != 0.0) camera.fovDegrees = in.fov_degrees();
+  camera.setRangeByDistance();
   if (in.near() != 0.0) camera.near = in.near();
   if (in.far() != 0.0) camera.far = in.far();
   if (Status s = checkCamera(camera); !s.ok()) return s;

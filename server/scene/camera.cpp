@@ -18,6 +18,14 @@ Status checkVector(const char* field, const glm::dvec3& v) {
 
 }  // namespace
 
+void Camera::setRangeByDistance() {
+  constexpr double kShare = 0.01;
+  const Camera usual;
+  const double distance = glm::distance(eye, target);
+  near = std::min(usual.near, std::max(kShare * distance, 1e-9));
+  far = std::max(usual.far, distance / kShare);
+}
+
 glm::dmat4 Camera::viewFromWorld() const { return glm::lookAt(eye, target, up); }
 
 glm::dmat4 Camera::clipFromView(double aspect) const {

@@ -16,6 +16,10 @@ struct Camera {
   double near = 0.01;              ///< metres, > 0
   double far = 1000.0;             ///< metres, > near
 
+  /// Sets near and far for who gives none: .01 and 1,000 m, nearer and farther where the target is: a hundredth of its
+  /// distance, and a hundred times it. So a scene of millimetres and one of kilometres are seen whole.
+  void setRangeByDistance();
+
   bool operator==(const Camera&) const = default;
 
   glm::dmat4 viewFromWorld() const;

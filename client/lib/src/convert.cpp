@@ -106,6 +106,7 @@ Camera fromProto(const v1::Camera& camera) {
   out.target = fromProto(camera.target());
   if (camera.has_up()) out.up = fromProto(camera.up());
   if (camera.fov_degrees() != 0.0) out.fovDegrees = camera.fov_degrees();
+  out.setRangeByDistance();
   if (camera.near() != 0.0) out.near = camera.near();
   if (camera.far() != 0.0) out.far = camera.far();
   return out;

@@ -66,6 +66,25 @@ TEST(Camera, DepthRunsFromMinusOneToOne) {
   EXPECT_NEAR(depth(c.far), 1.0, 1e-12);
 }
 
+TEST(Camera, SeesScenesOfMillimetresAndKilometres) {
+  Camera c;
+  c.eye = {0, 0, 0.005};
+  c.setRangeByDistance();
+  EXPECT_LE(c.near, 0.0001);
+  EXPECT_EQ(c.far, 1000.0);
+  c.eye = {0, 0, 5000};
+  c.setRangeByDistance();
+  EXPECT_EQ(c.near, 0.01);
+  EXPECT_GE(c.far, 50'000.0);
+  c.eye = {0, 0, 3};
+  c.setRangeByDistance();
+  EXPECT_EQ(c.near, Camera().near);
+  EXPECT_EQ(c.far, Camera().far);
+  c.eye = c.target;
+  c.setRangeByDistance();
+  EXPECT_EQ(checkCamera(c).field(), "target");
+}
+
 TEST(CheckCamera, RefusesByField) {
   const auto refused = [](const auto& change) {
     Camera c = someCamera();
