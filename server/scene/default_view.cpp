@@ -10,12 +10,16 @@ namespace lpv {
 namespace {
 
 constexpr int kCellsOfLongestEdge = 48;
+constexpr int kMostCells = 256;             ///< ... of a long and low room, whose height takes kCellsOfHeight
+constexpr int kCellsOfHeight = 8;
 constexpr int kLeastCellsOfRoom = 3;        ///< along any edge: with fewer, walls and inside are the same cells
 constexpr double kWall = 0.8;               ///< a side counts as a wall if this share of it is covered
 constexpr double kShell = 1.0 / 3.0;        ///< ... by something in the outer part of this depth
 constexpr double kRoomFov = 60.0;           ///< degrees, vertical, of the view inside a room
 constexpr double kRoomAspect = 16.0 / 9.0;  ///< of the picture that the place inside a room is chosen for
 constexpr double kOpenFov = 40.0;           ///< degrees, vertical, through an open side
+constexpr int kMostFaces = 256;             ///< triangles of a light that are asked what they shine on
+constexpr double kEnclosed = 0.75;  ///< a face shines on the inside if this share of its directions ends there
 
 /// Share of a side that something in the outer shell covers; `upper`: the side at the axis's maximum.
 double coverage(const Occupancy& grid, int axis, bool upper) {
@@ -42,9 +46,9 @@ double coverage(const Occupancy& grid, int axis, bool upper) {
 
 /// Which sides of a scene's bounds are closed.
 struct Sides {
-  bool roofed = false;     ///< above and below
-  int walls = 0;           ///< of four
-  int openAxis = 0;        ///< the last side that is no wall
+  bool roofed = false;  ///< above and below
+  int walls = 0;  ///< of four
+  int openAxis = 0;  ///< the last side that is no wall
   bool openUpper = false;
 };
 
@@ -76,6 +80,56 @@ bool somethingInside(const Occupancy& grid) {
     }
   }
   return false;
+}
+
+/// Cells along the longest edge: more where a scene is long and low, so that a corridor has an inside.
+int cellsFor(const Bounds& content) {
+  const glm::dvec3 extent = content.extent();
+  const double ratio = std::max({extent.x, extent.y, extent.z}) / std::min({extent.x, extent.y, extent.z});
+  const double cells = std::ceil(ratio * kCellsOfHeight);
+  return cells <= kMostCells ? std::max(kCellsOfLongestEdge, int(cells)) : kCellsOfLongestEdge;
+}
+
+/// Whether what a face sees ends within the grid.
+bool shinesInside(const Occupancy& grid, const glm::dvec3& at, const glm::dvec3& normal) {
+  int blocked = 0;
+  int all = 0;
+  for (int i = 0; i < 27; ++i) {
+    const glm::dvec3 lattice(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (i == 13 || glm::dot(glm::normalize(lattice), normal) < 0.3) continue;
+    ++all;
+    blocked += grid.isBlocked(at, glm::normalize(lattice), 2.0 * grid.cell()) ? 1 : 0;
+  }
+  return blocked >= kEnclosed * all;
+}
+
+/// Whether most of the lights' area shines on the inside of the scene's sides.
+bool lightInside(const Scene& scene, const Occupancy& grid) {
+  double inside = 0.0;
+  double all = 0.0;
+  for (const auto& [name, light] : scene.lights) {
+    if (!light->enabled) continue;
+    const glm::dmat4 worldFromObject = light->transform.worldFromObject();
+    const double side = glm::determinant(glm::dmat3(worldFromObject)) < 0.0 ? -1.0 : 1.0;
+    const Mesh& mesh = *light->mesh;
+    const std::size_t step = mesh.triangles.size() / kMostFaces + 1;
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += step) {
+      glm::dvec3 v[3];
+      for (int k = 0; k < 3; ++k) {
+        v[k] = worldFromObject * glm::dvec4(glm::dvec3(mesh.positions[mesh.triangles[i][k]]), 1.0);
+      }
+      const glm::dvec3 across = glm::cross(v[1] - v[0], v[2] - v[0]) * side;
+      const double area = glm::length(across);
+      if (!(area > 0.0)) continue;
+      all += area * double(step);
+      const glm::dvec3 centre = (v[0] + v[1] + v[2]) / 3.0;
+      if (shinesInside(grid, centre, across / area) ||
+          (light->twoSided && shinesInside(grid, centre, across / -area))) {
+        inside += area * double(step);
+      }
+    }
+  }
+  return all > 0.0 && inside >= 0.5 * all;
 }
 
 Camera withRange(Camera camera, const Bounds& bounds) {
@@ -145,13 +199,13 @@ DefaultView::DefaultView(const Scene& scene) {
   const Bounds content = contentBounds(scene);
   if (content.empty() || !std::isfinite(glm::length(content.extent()))) return;
   bounds_ = content;
-  const Occupancy grid(scene, kCellsOfLongestEdge);
+  const Occupancy grid(scene, cellsFor(content));
   const Sides sides = sidesOf(grid);
   if (sides.roofed && sides.walls == 3) {
     kind_ = Kind::kThroughOpening;
     openAxis_ = sides.openAxis;
     openUpper_ = sides.openUpper;
-  } else if (sides.roofed && sides.walls == 4 && somethingInside(grid)) {
+  } else if (sides.roofed && sides.walls == 4 && (somethingInside(grid) || lightInside(scene, grid))) {
     kind_ = Kind::kInside;
     inside_ = insideRoom(grid);
   }

@@ -7,8 +7,9 @@ namespace lpv {
 
 /// Chooses a view of a scene for subscribers that give no camera.
 ///
-/// Inside a closed room with something in it: from near one end along its longest horizontal axis, at half its height,
-/// where the view is widest. A room with one open side: through that side, from outside. Anything else: defaultCamera.
+/// Inside a closed room with something in it, or lit from inside: from near one end along its longest horizontal axis,
+/// at half its height, where the view is widest. A room with one open side: through that side, from outside. Anything
+/// else: defaultCamera.
 class DefaultView {
  public:
   /// The view of an empty scene.

@@ -32,6 +32,14 @@ double Occupancy::freeDistance(const glm::dvec3& eye, const glm::dvec3& directio
   }
 }
 
+bool Occupancy::isBlocked(const glm::dvec3& eye, const glm::dvec3& direction, double from) const {
+  for (double t = from;; t += cell_ * 0.5) {
+    const glm::ivec3 c = cellOf(eye + direction * t);
+    if (!inside(c)) return false;
+    if (at(c)) return true;
+  }
+}
+
 template <typename Visit>
 void Occupancy::forEachTriangle(const Scene& scene, Visit visit) {
   const auto visitMesh = [&visit](const Mesh& mesh, const glm::dmat4& worldFromObject) {

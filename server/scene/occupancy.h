@@ -20,6 +20,10 @@ class Occupancy {
 
   /// Metres from `eye` along unit `direction` to the first occupied cell, or out of the grid.
   double freeDistance(const glm::dvec3& eye, const glm::dvec3& direction) const;
+  /// Whether the ray meets an occupied cell at least `from` metres away.
+  bool isBlocked(const glm::dvec3& eye, const glm::dvec3& direction, double from) const;
+  /// Edge of a cell, metres.
+  double cell() const { return cell_; }
 
  private:
   /// Calls `visit` with each triangle's corners in world space.

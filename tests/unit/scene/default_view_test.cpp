@@ -33,6 +33,13 @@ struct Room {
   bool content = true;  ///< something in the middle
 };
 
+/// A square of .4 m that shines along `down`, or against it.
+void putLamp(Scene& scene, const glm::dvec3& at, double down) {
+  auto light = std::make_shared<Light>();
+  light->mesh = wall(at, {0.4 * down, 0, 0}, {0, 0, 0.4});
+  scene.lights["l" + std::to_string(scene.lights.size())] = light;
+}
+
 /// A box from the origin to `size`.
 Scene box(const glm::dvec3& size, const Room& room) {
   Scene scene;
@@ -80,6 +87,17 @@ TEST(DefaultView, LooksAtThingsFromOutside) {
   Scene ball;
   put(ball, reference::sphere());
   EXPECT_EQ(DefaultView(ball).camera(1.0), defaultCamera(contentBounds(ball)));
+}
+
+TEST(DefaultView, IsWhereTheLightIs) {
+  for (const glm::dvec3& size : {glm::dvec3(4, 3, 5), glm::dvec3(60, 2.5, 2)}) {
+    Scene lit = box(size, {.content = false});
+    putLamp(lit, {0.5 * size.x, size.y - 0.01, 0.4 * size.z}, 1.0);
+    EXPECT_TRUE(within(DefaultView(lit).camera(kWide).eye, {{0, 0, 0}, size})) << size.x;
+    Scene outside = box(size, {.content = false});
+    putLamp(outside, {0.5 * size.x, size.y, 0.4 * size.z}, -1.0);
+    EXPECT_EQ(DefaultView(outside).camera(kWide), defaultCamera(contentBounds(outside))) << "it shines upwards";
+  }
 }
 
 // Every side of something flat is "covered", and so is its inside.
