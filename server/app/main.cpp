@@ -43,7 +43,7 @@ constexpr int kBackgroundNice = 10;
 constexpr int kMappedFrom = 1024 * 1024;
 /// Smaller ones that were freed glibc keeps: 500 MB after headers that did not end. Where they are as many as this,
 /// they are given back every so often.
-constexpr std::size_t kTrimFrom = 32 * 1024 * 1024;
+constexpr std::size_t kTrimFrom = 16 * 1024 * 1024;
 constexpr std::chrono::seconds kTrimEvery{5};
 
 /// Written beside and renamed, so that a reader never sees half a number.

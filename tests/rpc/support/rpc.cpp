@@ -20,10 +20,20 @@ void PrintTo(const Status& status, std::ostream* out) {
 
 namespace lpv::rpc {
 
-Stubs::Stubs(const std::string& address, grpc::ChannelArguments arguments) {
+namespace {
+
+std::shared_ptr<grpc::Channel> ownChannel(const std::string& address, grpc::ChannelArguments arguments) {
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a connection of its own, not one that tests share
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+}  // namespace
+
+Stubs::Stubs(const std::string& address, grpc::ChannelArguments arguments)
+    : Stubs(ownChannel(address, std::move(arguments))) {}
+
+Stubs::Stubs(std::shared_ptr<grpc::Channel> existing) : channel(std::move(existing)) {
   server = pb::ServerService::NewStub(channel);
   session = pb::SessionService::NewStub(channel);
   blob = pb::BlobService::NewStub(channel);

@@ -32,6 +32,7 @@ using grpc::StatusCode;
 /// The services over one connection of their own.
 struct Stubs {
   explicit Stubs(const std::string& address, grpc::ChannelArguments arguments = {});
+  explicit Stubs(std::shared_ptr<grpc::Channel> existing);
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<pb::ServerService::Stub> server;
   std::unique_ptr<pb::SessionService::Stub> session;
