@@ -3,8 +3,10 @@
 import faulthandler
 import os
 import pathlib
+import random
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import time
@@ -17,6 +19,19 @@ LPVD = os.environ.get("LPVD_PATH", "lpvd")
 PATIENCE = 60.0  # ends a hang; nothing is measured with it
 
 
+def lasting_port():
+    """A free port outside of the range from which the system gives ports to whoever asks: nobody gets it while its
+    server is dead, neither another test's server nor a client that tries to reach the dead one."""
+    while True:
+        port = random.randrange(12000, 32000)
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+        return port
+
+
 class Server:
     """Started by the constructor. `state`: keeps sessions, also through kill()."""
 
@@ -25,7 +40,7 @@ class Server:
         self.arguments = [LPVD, "--log-level", "warn", "--max-edits-per-second", "100000", *arguments]
         if state:
             self.arguments += ["--state-dir", str(self.folder / "state")]
-        self.port, self.process = 0, None
+        self.port, self.process = lasting_port() if state else 0, None
         self.start()
 
     def start(self):
