@@ -1,5 +1,5 @@
 // How much of a pool of lights is seen from the points of a list: rays to points of the lights, four
-// a dispatch (MATHS.md 3d). A point goes on after the first four only if these, or those of the three points beside it,
+// a dispatch (MATHS.md 3d). A point goes on after the first four only if these, or those of the points beside it,
 // disagree: elsewhere it is in the light or in the dark, or behind an even pane. Threads per point.
 #include "layout.h"
 #include "visibility/patch_weight.glsl"
@@ -13,6 +13,7 @@ layout(local_size_x = 4 * kNearFieldGroup) in;
 
 const float kMixed = -2.0;  // for the rays of a point that arrived (ShadowPoint): each with another share
 const float kSameShare = 1e-3;
+const uint kFoursBeside = 2u;  // on either side: the other half of a row of eight, and the rows above and below
 
 /// What first rays met, as ShadowPoint::light.a: `shares` of the `sent` ones, -1 for the others.
 float firstMet(vec4 shares, float sent) {
@@ -27,15 +28,26 @@ float firstMet(vec4 shares, float sent) {
   return few || most - least > kSameShare ? kMixed : 4.0 * most;
 }
 
+ivec2 blockOf(uint four) { return unpackedPixel(points[four].x) / ivec2(kNearFieldBlockX, kNearFieldBlockY); }
+
+/// Whether another four decides with a four: in single frames those beside it in its block of pixels, which were listed
+/// one after the other, since 16 rays miss a light of which little is seen once in a while.
+bool decidesWith(uint other, uint four) {
+  return other == four || (shadow.apart > 0 && blockOf(other) == blockOf(four));
+}
+
 /// Whether the first rays of a point and of those beside it all met the same: the light, or what stands before it.
 bool agreed(uint four) {
   float least = 8.0, most = -1.0;
-  for (uint i = 4u * four; i < 4u * four + 4u; ++i) {
-    const float met = shadowPoints[i].light.a;
-    if (met == kMixed) return false;
-    if (met < 0.0) continue;
-    least = min(least, met);
-    most = max(most, met);
+  for (uint i = four - min(four, kFoursBeside); i <= min(four + kFoursBeside, list.count - 1u); ++i) {
+    if (!decidesWith(i, four)) continue;
+    for (uint point = 4u * i; point < 4u * i + 4u; ++point) {
+      const float met = shadowPoints[point].light.a;
+      if (met == kMixed) return false;
+      if (met < 0.0) continue;
+      least = min(least, met);
+      most = max(most, met);
+    }
   }
   return most - least <= 4.0 * kSameShare;
 }
