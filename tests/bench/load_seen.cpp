@@ -45,6 +45,7 @@ void LoadSeen::frame(const client::FrameResult& frame) {
 }
 
 void LoadSeen::volume() {
+  anyVolume_ = true;
   if (counting_) ++volumes_;
 }
 

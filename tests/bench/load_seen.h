@@ -16,7 +16,8 @@ namespace lpv::bench {
 class LoadSeen {
  public:
   void start() { counting_ = true; }
-  bool anyFrame() const { return anyFrame_; }
+  /// A frame or a volume has come.
+  bool any() const { return anyFrame_ || anyVolume_; }
   void acknowledged(std::uint64_t revision);
   void frame(const client::FrameResult& frame);
   void volume();
@@ -26,6 +27,7 @@ class LoadSeen {
  private:
   std::atomic<bool> counting_{false};
   std::atomic<bool> anyFrame_{false};
+  std::atomic<bool> anyVolume_{false};
   std::atomic<std::uint64_t> newest_{0};
   std::atomic<std::int64_t> volumes_{0};
   std::mutex mutex_;

@@ -37,10 +37,10 @@ Status LoadSession::prepare() {
                                             : load_.transport == "direct" ? v1::TRANSPORT_DIRECT
                                                                           : v1::TRANSPORT_GATHER);
   if (propagate) request.mutable_settings()->set_iterations(load_.iterations);
-  if (load_.unshadowed) {
-    request.mutable_settings()->set_visibility(v1::VISIBILITY_OFF);
-    request.mutable_settings()->set_bounces(0);
+  if (load_.visibility != "auto") {
+    request.mutable_settings()->set_visibility(load_.visibility == "on" ? v1::VISIBILITY_ON : v1::VISIBILITY_OFF);
   }
+  if (load_.bounces != "auto") request.mutable_settings()->set_bounces(std::stoi(load_.bounces));
   const auto created = client_.createSession(request);
   if (!created) return created.status();
   id_ = client::sessionId(created->session().name());
@@ -48,11 +48,13 @@ Status LoadSession::prepare() {
   if (Status s = addLight(); !s.ok()) return s;
   if (Status s = readLight(); !s.ok()) return s;
   measureLight();
-  return placeLight();
+  if (Status s = placeLight(); !s.ok() || !load_.orbit) return s;
+  return client_.applyEdit(id_, orbited(0.0)).status();
 }
 
 v1::Edit LoadSession::step(int i) const {
   const double phase = 0.15 * i;
+  if (load_.orbit) return orbited(phase);
   return load_.deform ? deformed(phase) : moved(0.4 * std::cos(phase), 0.4 * std::sin(phase));
 }
 
@@ -63,6 +65,20 @@ v1::Edit LoadSession::moved(double dx, double dz) const {
   update->mutable_light()->set_name(light_);
   setVec(update->mutable_light()->mutable_transform()->mutable_translation(), base_[0] + dx, base_[1], base_[2] + dz);
   update->mutable_update_mask()->add_paths("transform.translation");
+  return edit;
+}
+
+/// The camera a little to the side, looking where it looked: 10 cm, or a twentieth of its distance where that is less.
+v1::Edit LoadSession::orbited(double phase) const {
+  const std::vector<double>& at = load_.camera;
+  const double distance = std::hypot(at[3] - at[0], at[4] - at[1], at[5] - at[2]);
+  const double aside = std::min(0.1, 0.05 * distance);
+  v1::Edit edit;
+  v1::Camera* camera = edit.add_operations()->mutable_put_camera();
+  camera->set_name(kCamera);
+  setVec(camera->mutable_eye(), at[0] + aside * std::cos(phase), at[1], at[2] + aside * std::sin(phase));
+  setVec(camera->mutable_target(), at[3], at[4], at[5]);
+  camera->set_fov_degrees(kFov);
   return edit;
 }
 

@@ -9,6 +9,9 @@
 
 namespace lpv::bench {
 
+inline constexpr const char* kCamera = "bench";  ///< of the session, where it moves
+inline constexpr double kFov = 60.0;              ///< degrees
+
 void setVec(v1::Vec3* out, double x, double y, double z);
 
 /// A session of the load's kind: scene, light, and the light's vertices for deforming. Deleted with this.
@@ -23,7 +26,7 @@ class LoadSession {
   /// Creates the session with everything in it.
   Status prepare();
 
-  /// The edit of step `i`: the light on a circle, or breathing in place.
+  /// The edit of step `i`: the light on a circle, or breathing in place; or the camera on a circle.
   v1::Edit step(int i) const;
 
   const std::string& id() const { return id_; }
@@ -38,6 +41,7 @@ class LoadSession {
   void measureLight();
   Status placeLight();
   v1::Edit moved(double dx, double dz) const;
+  v1::Edit orbited(double phase) const;
   v1::Edit deformed(double phase) const;
 
   const Load& load_;

@@ -112,6 +112,7 @@ int main(int argc, char** argv) {
   std::string samplesFile;
   std::string tableFile;
   std::string rowName;
+  bool volumeOnly = false;
   CLI::App app("Measures a running session over the loopback; starts an lpvd of its own unless --server names one");
   app.add_option("--server", load.server, "HOST:PORT of a running lpvd");
   app.add_option("--scene", load.sceneFile, "scene to load (default: a small procedural room)");
@@ -120,7 +121,7 @@ int main(int argc, char** argv) {
   app.add_option("--light-triangles", load.lightTriangles, "of the procedural light")->capture_default_str();
   app.add_option("--place", load.place, "x y z: where the light's base stands")->expected(3);
   app.add_option("--radiance", load.radiance, "of the light, each colour")->capture_default_str();
-  app.add_option("--camera", load.camera, "eye x y z target x y z")->expected(6);
+  auto* camera = app.add_option("--camera", load.camera, "eye x y z target x y z")->expected(6);
   app.add_option("--grid", load.grid, "cells along the longest edge")->capture_default_str();
   app.add_option("--transport", load.transport)
       ->check(CLI::IsMember({"gather", "propagate", "direct"}))
@@ -133,15 +134,23 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seconds", load.seconds, "that are counted")->capture_default_str();
   app.add_flag("--deform", load.deform, "new vertices each time instead of a new place");
-  app.add_flag("--unshadowed", load.unshadowed,
-               "as lpvctl's --visibility off --bounces 0 (default: as sessions have it)");
+  app.add_option("--visibility", load.visibility, "as lpvctl's")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  app.add_option("--bounces", load.bounces, "as lpvctl's: auto or a number")
+      ->check(CLI::IsMember({"auto"}) | CLI::Range(0, 32))
+      ->capture_default_str();
   app.add_flag("--volume", load.watchVolume, "a second client watches the volume");
+  app.add_flag("--volume-only", volumeOnly, "it alone: nobody watches frames");
+  app.add_flag("--orbit", load.orbit, "the camera moves instead of the light")->needs(camera);
   app.add_option("--json", jsonFile, "also write the numbers here");
   auto* table = app.add_option("--table", tableFile, "append a row of tab-separated numbers to this file");
   app.add_option("--row", rowName, "name of that row")->needs(table);
   app.add_option("--samples", samplesFile, "write the time from edit to frame of every edit here, as CSV");
   CLI11_PARSE(app, argc, argv);
 
+  if (volumeOnly) load.watchVolume = true;
+  load.watchFrames = !volumeOnly;
   const lpv::Expected<Measured> measured = lpv::bench::run(load);
   if (!measured) {
     std::cerr << "service_bench: " << measured.status().message() << "\n";

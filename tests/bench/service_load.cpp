@@ -20,7 +20,7 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-constexpr double kMoreWarmUp = 0.2;  // seconds at a time, until a frame has come
+constexpr double kMoreWarmUp = 0.2;  // seconds at a time, until a result has come
 constexpr std::chrono::minutes kWarmUpPatience{2};
 
 v1::FrameSubscription frameSubscription(const Load& load, const client::Editor& editor) {
@@ -29,11 +29,13 @@ v1::FrameSubscription frameSubscription(const Load& load, const client::Editor& 
   *subscription.mutable_client() = editor.identity();
   subscription.set_width(load.width);
   subscription.set_height(load.height);
-  if (load.camera.size() == 6) {
+  if (load.orbit) {
+    subscription.set_camera_name(kCamera);
+  } else if (load.camera.size() == 6) {
     v1::Camera* camera = subscription.mutable_camera()->mutable_camera();
     setVec(camera->mutable_eye(), load.camera[0], load.camera[1], load.camera[2]);
     setVec(camera->mutable_target(), load.camera[3], load.camera[4], load.camera[5]);
-    camera->set_fov_degrees(60.0);
+    camera->set_fov_degrees(kFov);
   }
   return subscription;
 }
@@ -44,11 +46,13 @@ class Run {
   Run(const Load& load, LoadSession& session, const client::Editor& editor)
       : load_(load),
         session_(session),
-        frames_(
-            session.client(), frameSubscription(load, editor),
-            [this](const client::FrameResult& frame) { seen_.frame(frame); }, hooks()),
         edits_(
             editor, [this](const v1::EditAck& ack) { seen_.acknowledged(ack.revision()); }, {}, latency_) {
+    if (load.watchFrames) {
+      frames_.emplace(
+          session.client(), frameSubscription(load, editor),
+          [this](const client::FrameResult& frame) { seen_.frame(frame); }, hooks());
+    }
     if (!load.watchVolume) return;
     v1::VolumeSubscription subscription;
     subscription.set_session("sessions/" + session.id());
@@ -73,9 +77,9 @@ class Run {
   Status warmUp() {
     const auto end = Steady::now() + kWarmUpPatience;
     Expected<int> sent = drive(load_.warmUpSeconds);
-    while (sent && !seen_.anyFrame() && Steady::now() < end) sent = drive(kMoreWarmUp);
+    while (sent && !seen_.any() && Steady::now() < end) sent = drive(kMoreWarmUp);
     if (!sent) return sent.status();
-    return seen_.anyFrame() ? Status() : Status(Code::kDeadlineExceeded, "no frame came");
+    return seen_.any() ? Status() : Status(Code::kDeadlineExceeded, "nothing came");
   }
 
   Expected<Measured> measure() {
@@ -118,9 +122,9 @@ class Run {
   LoadSeen seen_;
   std::shared_ptr<client::LatencyLog> latency_ = std::make_shared<client::LatencyLog>();
   int step_ = 0;
-  client::FrameWatcher frames_;
-  std::optional<client::VolumeWatcher> volumes_;
   client::EditStream edits_;
+  std::optional<client::FrameWatcher> frames_;
+  std::optional<client::VolumeWatcher> volumes_;
 };
 
 Expected<Measured> measure(const Load& load, const std::string& address) {

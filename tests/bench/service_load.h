@@ -30,8 +30,11 @@ struct Load {
   double warmUpSeconds = 3.0;  ///< of the same load before anything is counted, and until a frame has come
   double seconds = 20.0;
   bool deform = false;
+  bool orbit = false;                          ///< the light stands still; the camera that is watched goes round
+  bool watchFrames = true;
   bool watchVolume = false;
-  bool unshadowed = false;                     ///< direct light with nothing in its way, instead of the default
+  std::string visibility = "auto";             ///< or "on", "off"
+  std::string bounces = "auto";                ///< or a number
 };
 
 /// What was seen.

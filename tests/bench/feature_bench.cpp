@@ -1,0 +1,135 @@
+// What each feature adds to a tick, to a frame and to memory: one lamp that moves in a room of walls, and in the same
+// room with two boxes, each feature alone or on top of those before it. Writes a table, as Markdown.
+//   feature_bench [--ticks N] [--grid N]
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "core_scene.h"
+#include "reference/room.h"
+
+namespace {
+
+using namespace lpv;
+
+constexpr glm::ivec2 kSize{320, 180};
+
+/// A row of the table: a session, and what is asked of its ticks.
+struct Feature {
+  const char* name;
+  Visibility visibility;
+  int bounces;
+  bool frame;
+  bool guarded = false;
+  bool reduced = true;
+  int samples = 1;
+};
+
+constexpr Feature kFeatures[] = {
+    {"volume", Visibility::kOff, 0, false},
+    {"volume, guard cells", Visibility::kOff, 0, false, true},
+    {"volume, visibility auto", Visibility::kAuto, 0, false},
+    {"volume, shadows", Visibility::kOn, 0, false},
+    {"volume, shadows, 1 bounce", Visibility::kOn, 1, false},
+    {"volume, shadows, all bounces", Visibility::kOn, kAutoBounces, false},
+    {"stream's frame", Visibility::kOff, 0, true},
+    {"stream's frame, visibility auto", Visibility::kAuto, 0, true},
+    {"stream's frame, shadows", Visibility::kOn, 0, true},
+    {"stream's frame, shadows, 1 bounce", Visibility::kOn, 1, true},
+    {"stream's frame, shadows, all bounces", Visibility::kOn, kAutoBounces, true},
+    {"single frame", Visibility::kOff, 0, true, false, false},
+    {"single frame, 8 samples", Visibility::kOff, 0, true, false, false, 8},
+    {"single frame, 8 samples, shadows", Visibility::kOn, 0, true, false, false, 8},
+    {"single frame, 8 samples, shadows, all bounces", Visibility::kOn, kAutoBounces, true, false, false, 8},
+};
+
+/// What a row came to.
+struct Cost {
+  double milliseconds = 0.0;
+  MemoryUse memory;
+};
+
+Scene roomOf(bool boxes, int grid) {
+  Scene scene = reference::smallRoom(grid);
+  if (!boxes) {
+    scene.surfaces.erase("tall");
+    scene.surfaces.erase("short");
+  }
+  scene.options.transport = Transport::kGather;
+  scene.options.followTransport();
+  return scene;
+}
+
+TickRequest requestOf(const Scene& scene, const Feature& feature, SessionKey session, int step) {
+  TickRequest request;
+  request.session = session;
+  const Light& lamp = *scene.lights.begin()->second;
+  request.scene = bench::movedTo(scene, lamp.transform.translation + glm::dvec3(0.1 * (step % 2), 0.0, 0.0));
+  request.transported = !feature.frame;
+  request.guarded = feature.guarded;
+  if (!feature.frame) return request;
+  FrameRequest frame;
+  frame.view = feature.reduced ? session : 0;
+  frame.camera = reference::roomCamera();
+  frame.size = kSize;
+  frame.reduced = feature.reduced;
+  frame.samples = feature.samples;
+  request.frames = {frame};
+  return request;
+}
+
+Cost measure(Scene scene, const Feature& feature, int ticks) {
+  static SessionKey session = 0;
+  ++session;
+  scene.options.visibility = feature.visibility;
+  scene.options.bounces = feature.bounces;
+  Cost cost;
+  std::vector<double> took;
+  for (int step = -2; step < ticks; ++step) {  // the first two make what is kept
+    const TickRequest request = requestOf(scene, feature, session, step + 2);
+    const auto begun = std::chrono::steady_clock::now();
+    cost.memory = bench::tick(request).report.memory;
+    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - begun;
+    if (step >= 0) took.push_back(ms.count());
+  }
+  bench::engine().forget(session);
+  std::nth_element(took.begin(), took.begin() + std::ptrdiff_t(took.size() / 2), took.end());
+  cost.milliseconds = took[took.size() / 2];
+  return cost;
+}
+
+void table(bool boxes, int grid, int ticks) {
+  std::printf("\n| %s | ms | times the volume's tick | light MiB | frames MiB |\n|---|---|---|---|---|\n",
+              boxes ? "room with two boxes" : "empty room");
+  const Scene scene = roomOf(boxes, grid);
+  double first = 0.0;
+  for (const Feature& feature : kFeatures) {
+    const Cost cost = measure(scene, feature, ticks);
+    if (first == 0.0) first = cost.milliseconds;
+    std::printf("| %s | %.1f | %.1f | %.2f | %.2f |\n", feature.name, cost.milliseconds, cost.milliseconds / first,
+                double(cost.memory.light) / (1 << 20), double(cost.memory.frames) / (1 << 20));
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int ticks = 9;
+  int grid = 32;
+  CLI::App app("What each feature adds to a tick, to a frame of 320x180 and to memory");
+  app.add_option("--ticks", ticks, "of each row, whose median is told")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--grid", grid, "cells along the longest edge")->check(CLI::Range(1, 128))->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  std::printf("%s, %d cells, frames of %dx%d, medians of %d ticks in which the lamp moves\n",
+              bench::engine().device().name.c_str(), grid, kSize.x, kSize.y, ticks);
+  table(false, grid, ticks);
+  table(true, grid, ticks);
+  return 0;
+}
