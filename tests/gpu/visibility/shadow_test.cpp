@@ -97,8 +97,8 @@ TEST_F(ShadowTest, ReducedFramesHaveTheSameShadow) {
   EXPECT_LE(test::relativeErrors(floorOf(scene, view, true), want).raw, 0.1);
 }
 
-// The first rays of four pixels beside one another may all miss the part of the light that is seen; those above and below
-// then say so. Broken by: fours that decide alone (.34 in four pixels).
+// The first rays of four pixels beside one another may all miss the part of the light that is seen; those above and
+// below then say so. Broken by: fours that decide alone (.34 in four pixels).
 TEST_F(ShadowTest, NoPixelOfAPenumbraIsTakenForDark) {
   double most = 0.0;
   for (int step = 0; step < 24; ++step) {
