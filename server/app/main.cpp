@@ -40,7 +40,8 @@ constexpr std::chrono::seconds kShutdownPatience{5};
 constexpr int kBackgroundNice = 10;
 /// Buffers of at least this many bytes go back to the system when they are freed. Left to itself glibc raises this
 /// threshold with the first large one and keeps what the later ones held: 24 MB after a few uploads that broke off.
-constexpr int kMappedFrom = 1024 * 1024;
+/// Not those that every tick needs anew: their pages would have to be made each time.
+constexpr int kMappedFrom = 16 * 1024 * 1024;
 /// Smaller ones that were freed glibc keeps: 500 MB after headers that did not end. Where they are as many as this,
 /// they are given back every so often.
 constexpr std::size_t kTrimFrom = 16 * 1024 * 1024;

@@ -1,7 +1,6 @@
 #include "scene/emitter_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/gtx/component_wise.hpp>
 #include <map>
@@ -17,7 +16,7 @@ namespace lpv {
 namespace {
 
 constexpr std::uint32_t kTrianglesOfLeaf = 4;
-constexpr std::size_t kBins = layout::kNormalBins;
+static_assert(layout::kNormalBins == 54);  // of binOf
 constexpr double kOpenedEarlier = 1.15;  ///< than cubes of cells: boxes of triangles are filled to their edges
 constexpr double kNextLevel = 0.7;       ///< of a node's size: children that are larger are left out
 constexpr double kShapeSteps = 1e6;      ///< shapes that differ by less are one
@@ -40,7 +39,13 @@ struct Moments {
     second += more.second;
   }
 };
-using Bins = std::array<Moments, kBins>;
+/// Those that hold something, in order: a node's few triangles look in few directions.
+using Bins = std::vector<std::pair<std::size_t, Moments>>;
+
+Moments& momentsIn(Bins& bins, std::size_t bin) {
+  const auto at = std::ranges::lower_bound(bins, bin, {}, [](const auto& b) { return b.first; });
+  return at != bins.end() && at->first == bin ? at->second : bins.insert(at, {bin, Moments()})->second;
+}
 
 /// 3 x 3 on each face of a cube, as in shaders/voxelize/normal_bins.glsl.
 std::size_t binOf(const glm::dvec3& normal) {
@@ -60,7 +65,7 @@ void add(const Triangle& t, Bins& bins) {
   m.second = m.area / 12.0 *
              (glm::outerProduct(a, a) + glm::outerProduct(b, b) + glm::outerProduct(c, c) +
               9.0 * glm::outerProduct(middle, middle));
-  bins[binOf(m.areaNormal)].add(m);
+  momentsIn(bins, binOf(m.areaNormal)).add(m);
 }
 
 /// As in shaders/transport/vpls.glsl.
@@ -108,7 +113,7 @@ std::vector<Bins> momentsOf(const Bvh& bvh, const std::vector<Triangle>& triangl
     const BvhNode& node = bvh.nodes[i];
     for (std::uint32_t k = 0; k < node.items(); ++k) add(triangles[bvh.order[node.firstItem() + k]], out[i]);
     for (std::size_t child = i + 1; node.leaf == 0 && child < node.skip; child = bvh.nodes[child].skip) {
-      for (std::size_t bin = 0; bin < kBins; ++bin) out[i][bin].add(out[child][bin]);
+      for (const auto& [bin, moments] : out[child]) momentsIn(out[i], bin).add(moments);
     }
   }
   return out;
@@ -122,11 +127,11 @@ class Entries {
     const double size = sizeOf(node);
     if (!open_.empty() && node.leaf == 0 && size > kNextLevel * open_.back().size) return;
     open_.push_back({node.skip, count_, size});
-    const auto vpls = std::ranges::count_if(bins, [](const Moments& m) { return m.area > 0.0; });
+    const auto vpls = std::ranges::count_if(bins, [](const auto& bin) { return bin.second.area > 0.0; });
     texels.emplace_back(0.5F * (node.lower + node.upper), float(kOpenedEarlier * size));
     texels.emplace_back(float(vpls), 0.0F, float(node.items()), float(node.firstItem()));
     texels.resize(texels.size() + 2, glm::vec4(0.0F));
-    for (const Moments& m : bins) {
+    for (const auto& [bin, m] : bins) {
       if (m.area > 0.0) addVpl(m, texels);
     }
     count_ += 1 + std::size_t(vpls);
