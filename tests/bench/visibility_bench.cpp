@@ -27,6 +27,7 @@ using namespace lpv::bench;
 
 constexpr std::array<int, 2> kGrids = {32, 64};
 constexpr int kSide = 8;  ///< 64 rays from a receiver
+constexpr double kFlat = 0.0005;  ///< metres: depth of a bar of sheet metal
 constexpr double kFeet[] = {0.02, 0.05, 0.1, 0.2};   ///< metres from the foot of a box
 constexpr double kBehind[] = {0.05, 0.25, 1.0, 2.0};  ///< cells of the volume behind a wall
 
@@ -65,17 +66,15 @@ VisibilityError together(const std::vector<VisibilityError>& errors) {
   return out;
 }
 
-/// Along the grid's axes, and askew.
-Tasks behindWalls(double cells, int grid) {
-  const double metres = cells * kTaskEdge / grid;
-  return {behindWall(metres, 0.0), behindWall(metres, 20.0)};
-}
+constexpr double kAskew[] = {0.0, 20.0};  ///< degrees from the grid's axes, of walls
+
+Tasks behindWallOf(double cells, int grid, double degrees) { return {behindWall(cells * kTaskEdge / grid, degrees)}; }
 Tasks atFeet(double metres) { return {atFoot(metres, 0.0), atFoot(metres, 17.0)}; }
 
 class Comparison {
  public:
   Comparison(int repeats, std::ostream& out) : repeats_(repeats), out_(out) {
-    lit_ = {penumbra(), bars(1.0), bars(0.05)};
+    lit_ = {penumbra(), bars(1.0), bars(0.05), bars(1.0, kFlat)};
     for (const double metres : kFeet) feet_.push_back(atFeet(metres));
   }
 
@@ -126,8 +125,8 @@ class Comparison {
     out_ << "| shares by; rays begin | penumbra | bars, lamp 1 m | bars, lamp 5 cm | behind a wall | foot of a box "
             "| sum | ns a ray |\n|---|---|---|---|---|---|---|---|\n";
     Tasks walls, feet;
-    for (const double cells : kBehind)
-      for (VisibilityTask& task : behindWalls(cells, kGrids[0])) walls.push_back(std::move(task));
+    for (const double degrees : kAskew)
+      for (const double cells : kBehind) walls.push_back(behindWallOf(cells, kGrids[0], degrees)[0]);
     for (const Tasks& tasks : feet_) feet.insert(feet.end(), tasks.begin(), tasks.end());
     const Scene room = reference::smallRoom(kGrids[0]);
     double least = std::numeric_limits<double>::infinity();
@@ -161,10 +160,13 @@ class Comparison {
   }
 
   void wallRows() {
-    for (const double cells : kBehind) {
-      row("seen " + text("%g", cells) + (cells == 1.0 ? " cell" : " cells") + " behind a closed wall, mean (largest) %",
-          "0", all([&](int grid) { return behindWalls(cells, grid); }, kSide),
-          [](const VisibilityError& e) { return percent(e.mean) + " (" + percent(e.largestSeen) + ")"; });
+    for (const double degrees : kAskew) {
+      for (const double cells : kBehind) {
+        const std::string wall = degrees == 0.0 ? " behind a closed wall along the axes" : " behind one that is askew";
+        row("seen " + text("%g", cells) + (cells == 1.0 ? " cell" : " cells") + wall + ", mean (largest) %", "0",
+            all([&](int grid) { return behindWallOf(cells, grid, degrees); }, kSide),
+            [](const VisibilityError& e) { return percent(e.mean) + " (" + percent(e.largestSeen) + ")"; });
+      }
     }
   }
 

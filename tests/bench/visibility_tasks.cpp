@@ -78,12 +78,15 @@ VisibilityTask penumbra() {
   return withTruth(std::move(task));
 }
 
-VisibilityTask bars(double lamp) {
+VisibilityTask bars(double lamp, double depth) {
   const std::string size = lamp < 1.0 ? std::to_string(int(std::lround(100.0 * lamp))) + " cm" : "1 m";
-  VisibilityTask task = {.name = "5 cm bars, lamp of " + size, .scene = {}, .receivers = {}, .truth = {}};
+  VisibilityTask task = {.name = (depth < 0.05 ? "flat 5 cm bars, lamp of " : "5 cm bars, lamp of ") + size,
+                         .scene = {},
+                         .receivers = {},
+                         .truth = {}};
   add(task.scene, "wall", reference::quad(), {{0, 1.5, -1}, glm::dquat(1, 0, 0, 0), {3.8, 2.8, 1}});
   for (int i = 0; i < 24; ++i) {
-    const Transform pose = {{0.1 * i - 1.17, 1.5, 0}, glm::dquat(1, 0, 0, 0), {0.05, 2.8, 0.05}};
+    const Transform pose = {{0.1 * i - 1.17, 1.5, 0}, glm::dquat(1, 0, 0, 0), {0.05, 2.8, depth}};
     add(task.scene, "bar " + std::to_string(i), unitBox(), pose);
   }
   addLamp(task.scene, {0, 1.5, 1.5}, about(kUp, 180), lamp);

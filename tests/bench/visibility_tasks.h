@@ -18,8 +18,8 @@ struct VisibilityTask {
 
 /// A lamp of 1 m, 2.4 m over a floor, and a turned box in the air between: receivers in full light, penumbra and umbra.
 VisibilityTask penumbra();
-/// Bars of 5 x 5 cm with gaps of 5 cm, 1 m before a wall, and a lamp of `lamp` m 1.5 m behind them.
-VisibilityTask bars(double lamp);
+/// Bars 5 cm wide and `depth` m deep with gaps of 5 cm, 1 m before a wall, and a lamp of `lamp` m 1.5 m behind them.
+VisibilityTask bars(double lamp, double depth = 0.05);
 /// Points of a floor so far behind a wall that is one polygon, which stands askew by `degrees` between them and the
 /// lamp: all see nothing.
 VisibilityTask behindWall(double metres, double degrees);
