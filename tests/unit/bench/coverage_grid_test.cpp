@@ -74,6 +74,7 @@ TEST(CoverageGridTest, WhatLiesBehindOneAnotherInACellCoversOnce) {
 }
 
 // A ball of triangles that are smaller than cells: every line through it meets its near side and its far side.
+// Red with triangles that are taken from one side alone.
 TEST(CoverageGridTest, TrianglesThatShareEdgesLeaveNoGap) {
   const glm::dmat4 m = glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(2.53, 2.47, 2.51)), glm::dvec3(3.6));
   const MeshCoverage ball(*reference::bumpySphere(20000), m, glm::ivec3(5));
