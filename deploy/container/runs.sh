@@ -12,6 +12,8 @@ prepare_runs() {
   local folder
   CONTAINER=$(in_storage buildah from --pull-never localhost/lpvd)
   IMAGE=$(in_storage buildah mount "$CONTAINER")
+  # Where an image has a volume and a run mounts something there, buildah takes either; an engine takes what is mounted.
+  in_storage buildah config --volume /var/lib/lpvd- "$CONTAINER"
   for folder in "$IMAGE"/*; do
     case ${folder##*/} in run | tmp | dev | proc | sys) continue ;; esac
     [ -d "$folder" ] && [ ! -L "$folder" ] || continue
@@ -66,10 +68,16 @@ start() {
 
 serves_or_ended() { [ -s "$WORK/$1/port" ] || ! kill -0 "$RUN" 2>/dev/null; }
 
+# process_of NAME: the server's, which the first line of its lock names.
+process_of() { head -n 1 "$WORK/$1/sessions/lock"; }
+
+# parent_of NAME: what started the server.
+parent_of() { tr '\0' ' ' <"/proc/$(awk '$1 == "PPid:" { print $2 }' "/proc/$(process_of "$1")/status")/cmdline"; }
+
 # stop NAME: SIGTERM to the server, as an engine does; it must drain and end with 0.
 stop() {
   local status=0
-  kill -TERM "$(cat "$WORK/$1/sessions/lock")"
+  kill -TERM "$(process_of "$1")" || complaint "it cannot be told to end" || return
   wait "$RUN" || status=$?
   cat "$WORK/$1.log"
   [ "$status" -eq 0 ] || complaint "it ended with $status" || return
@@ -118,14 +126,16 @@ frame() {
 # --- what is promised -------------------------------------------------------------------------------------------------
 
 run_with_own_secrets() {
-  local secrets=$WORK/own/secrets server
+  local secrets=$WORK/own/secrets server arguments
   start own || return
   server=localhost:$(cat "$WORK/own/port")
   grep -q '/var/lib/lpvd/secrets/server.pem' "$WORK/own.log" || complaint "it does not say where its certificate is" || return
   grep -q '/var/lib/lpvd/secrets/admin.token' "$WORK/own.log" || complaint "it does not say where its token is" || return
   [ "$(stat -c %a "$secrets/admin.token" "$secrets/server.key" | uniq)" = 600 ] || complaint "secrets that others can read" || return
   grep -q 'reads health and metrics, without a token' "$WORK/own.log" || complaint "no warning about the ops port" || return
-  ! tr '\0' ' ' <"/proc/$(cat "$WORK/own/sessions/lock")/cmdline" | grep -e --insecure || complaint "--insecure" || return
+  arguments=$(tr '\0' ' ' <"/proc/$(process_of own)/cmdline")
+  [[ $arguments == lpvd\ * && $arguments != *--insecure* ]] || complaint "it runs as: $arguments" || return
+  [[ $(parent_of own) == buildah* ]] || complaint "an engine's signals do not reach it, but $(parent_of own)" || return
   health own || complaint "the health check fails" || return
   frame "$server" "$secrets/server.pem" "$secrets/admin.token" || return
   echo wrong >"$WORK/wrong.token"
@@ -149,6 +159,7 @@ run_again() {
 
 run_with_mounted_secrets() {
   mkdir "$WORK/mounted" && "$ROOT/deploy/container/make-secrets" "$WORK/secrets" || return
+  [ "$(stat -c %a "$WORK"/secrets/{*.key,admin.token,proxy.pem} | sort -u)" = 600 ] || complaint "secrets that others can read" || return
   cp -p "$WORK"/secrets/{server.pem,server.key,admin.token} "$WORK/mounted" && cp "$WORK/secrets/authority.pem" "$WORK/mounted"
   chmod 644 "$WORK/mounted/authority.pem"
   start given -v "$WORK/mounted:/etc/lpvd:ro" || return
