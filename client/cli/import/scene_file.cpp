@@ -54,12 +54,18 @@ const aiScene* parse(const PreparedFile& file, unsigned flags, Assimp::Importer&
   }
 }
 
+/// What a file without normals gets. Triangles of glTF share vertices, each of which would get the normal of one of
+/// them: such meshes go without, and the server shades each triangle by its own.
+unsigned normalsFor(const std::string& extension) {
+  if (extension == "gltf" || extension == "glb") return 0;
+  return extension == "ply" ? aiProcess_GenSmoothNormals : aiProcess_GenNormals;
+}
+
 Status readFile(const std::string& path, const PreparedFile& file, const ImportOptions& options,
                 Assimp::Importer& importer) {
   unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs | aiProcess_ValidateDataStructure;
   if (!options.keepVertices) {  // flat normals would duplicate vertices too
-    flags |= aiProcess_JoinIdenticalVertices;
-    flags |= extensionOf(path) == "ply" ? aiProcess_GenSmoothNormals : aiProcess_GenNormals;
+    flags |= aiProcess_JoinIdenticalVertices | normalsFor(extensionOf(path));
   }
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = parse(file, flags, importer);

@@ -31,8 +31,8 @@ struct ImportedScene {
 /// Reads glb, gltf, obj, ply or stl, by extension. One light or surface per node and material, named after the node. A
 /// matrix with shear, which a Transform cannot hold, is baked into the vertices. Radiance of emissive materials: glTF
 /// emissiveFactor x KHR_materials_emissive_strength x texture, OBJ Ke, taken 1:1 as W/(sr m^2). Files without normals
-/// get flat ones, as glTF and OBJ demand; PLY scans smooth ones. INVALID_ARGUMENT if the file cannot be read, is cut
-/// short, or has no triangle.
+/// are shaded flat, as glTF and OBJ demand; PLY scans get smooth ones. INVALID_ARGUMENT if the file cannot be read, is
+/// cut short, or has no triangle.
 Expected<ImportedScene> importScene(const std::string& path, const ImportOptions& options);
 
 /// All triangles of a file as one mesh, in the file's space scaled and turned as `options` say.

@@ -142,6 +142,17 @@ TEST_F(Import, GltfNormals) {
   EXPECT_EQ(floor.albedoTexture->format, TexelFormat::kRgb8Srgb) << "the same file";
 }
 
+// Triangles share vertices, none of which has the normal of all of them. Broken by: the normal of the last triangle.
+TEST_F(Import, GltfWithoutNormalsIsFlat) {
+  std::string json = gltfJson();
+  const std::string normal = R"("NORMAL":1,)";
+  for (std::size_t at = 0; (at = json.find(normal)) != std::string::npos;) json.erase(at, normal.size());
+  const ImportedScene scene = load(folder_.write("room.glb", glb(json, gltfBuffer())));
+  const Surface& floor = named(scene.surfaces, "Floor_1");
+  EXPECT_THAT(floor.mesh->positions, SizeIs(4));
+  EXPECT_THAT(floor.mesh->normals, IsEmpty());
+}
+
 TEST_F(Import, GltfTransmission) {
   folder_.write("leaf.png", halfClearPng());
   const std::string glass = R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.8}},)";
