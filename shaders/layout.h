@@ -405,7 +405,7 @@ struct FrameParams {
   int pixels;  // of the picture
   vec2 pixelSize;  // as a share of the picture's width and height
   int samples;  // of each pixel, that say what is in it: 1 or more
-  int pad0;
+  float openingShare;  // of k: what points of the picture take whole (shaders/transport/emitter_list_four.glsl)
   LPV_VEC3 ExposureParams exposure;
 };
 

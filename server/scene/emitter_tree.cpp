@@ -184,6 +184,40 @@ class KnownTrees {
   std::map<std::weak_ptr<const Mesh>, std::map<Shape, EmitterTreePtr>, std::owner_less<>> trees_ LPV_GUARDED_BY(mutex_);
 };
 
+KnownTrees& knownTrees() {
+  static KnownTrees known;
+  return known;
+}
+
+/// An affine map without shear in parts.
+struct Placing {
+  explicit Placing(const glm::dmat4& gridFromObject);
+
+  glm::dvec3 scale, steps;  ///< along the mesh's axes; in units of kShapeSteps, the largest 1
+  double largest;
+  glm::dmat3 rotation;
+  glm::dvec3 translation;
+
+  KnownTrees::Shape shape() const { return {std::int64_t(steps.x), std::int64_t(steps.y), std::int64_t(steps.z)}; }
+  PlacedEmitterTree place(EmitterTreePtr tree) const;
+};
+
+Placing::Placing(const glm::dmat4& gridFromObject) : translation(gridFromObject[3]) {
+  const glm::dmat3 linear(gridFromObject);
+  scale = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
+  if (glm::determinant(linear) < 0.0) scale.x = -scale.x;
+  largest = glm::compMax(glm::abs(scale));
+  steps = glm::round(scale / largest * kShapeSteps);
+  rotation = glm::dmat3(linear[0] / scale.x, linear[1] / scale.y, linear[2] / scale.z);
+}
+
+PlacedEmitterTree Placing::place(EmitterTreePtr tree) const {
+  const glm::dmat3 turn = tree->unit / largest * glm::transpose(rotation);
+  glm::dmat4 placed(turn);
+  placed[3] = glm::dvec4(-(turn * translation), 1.0);
+  return {std::move(tree), placed};
+}
+
 }  // namespace
 
 EmitterTree::EmitterTree(const Mesh& mesh, const glm::dvec3& shapeOfIt) : shape(shapeOfIt) {
@@ -210,23 +244,19 @@ EmitterTree::EmitterTree(const Mesh& mesh, const glm::dvec3& shapeOfIt) : shape(
 }
 
 PlacedEmitterTree emitterTreeOf(const MeshPtr& mesh, const glm::dmat4& gridFromObject) {
-  static KnownTrees known;
-  const glm::dmat3 linear(gridFromObject);
-  glm::dvec3 scale(glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]));
-  if (glm::determinant(linear) < 0.0) scale.x = -scale.x;
-  const double largest = glm::compMax(glm::abs(scale));
-  const glm::dvec3 steps = glm::round(scale / largest * kShapeSteps);
-  const KnownTrees::Shape shape(std::int64_t(steps.x), std::int64_t(steps.y), std::int64_t(steps.z));
-  EmitterTreePtr tree = known.find(mesh, shape);
+  const Placing placing(gridFromObject);
+  EmitterTreePtr tree = knownTrees().find(mesh, placing.shape());
   if (tree == nullptr) {
-    const glm::dvec3 rounded = glm::max(glm::abs(steps), 1.0) * glm::sign(scale) / kShapeSteps;
-    tree = known.keep(mesh, shape, std::make_shared<const EmitterTree>(*mesh, rounded));
+    const glm::dvec3 rounded = glm::max(glm::abs(placing.steps), 1.0) * glm::sign(placing.scale) / kShapeSteps;
+    tree = knownTrees().keep(mesh, placing.shape(), std::make_shared<const EmitterTree>(*mesh, rounded));
   }
-  const glm::dmat3 rotation(linear[0] / scale.x, linear[1] / scale.y, linear[2] / scale.z);
-  const glm::dmat3 turn = tree->unit / largest * glm::transpose(rotation);
-  glm::dmat4 placed(turn);
-  placed[3] = glm::dvec4(-(turn * glm::dvec3(gridFromObject[3])), 1.0);
-  return {std::move(tree), placed};
+  return placing.place(std::move(tree));
+}
+
+PlacedEmitterTree knownEmitterTreeOf(const MeshPtr& mesh, const glm::dmat4& gridFromObject) {
+  const Placing placing(gridFromObject);
+  EmitterTreePtr tree = knownTrees().find(mesh, placing.shape());
+  return tree == nullptr ? PlacedEmitterTree() : placing.place(std::move(tree));
 }
 
 }  // namespace lpv

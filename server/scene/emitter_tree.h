@@ -37,4 +37,7 @@ struct PlacedEmitterTree {
 /// triangles, and kept while the mesh is there. Thread-safe.
 PlacedEmitterTree emitterTreeOf(const MeshPtr& mesh, const glm::dmat4& gridFromObject);
 
+/// The same at once, where the tree is there already; else none.
+PlacedEmitterTree knownEmitterTreeOf(const MeshPtr& mesh, const glm::dmat4& gridFromObject);
+
 }  // namespace lpv

@@ -44,6 +44,24 @@ vec4 polygonIrradiance(int first, int triangles, FourReceivers r, float sides) {
   return sum;
 }
 
+/// Whether the VPL at texel `at` faces away from all four, so that nothing arrives.
+bool facesAway(int at, FourReceivers r, float sides) {
+  const vec4 place = texelFetch(direct, at), emission = texelFetch(direct, at + 1);
+  const vec4 dx = place.x - r.x, dy = place.y - r.y, dz = place.z - r.z;
+  const vec4 away = emission.x * dx + emission.y * dy + emission.z * dz;
+  const vec4 within = emission.w * emission.w * (dx * dx + dy * dy + dz * dz);
+  return sides < 1.5 && all(greaterThan(away * abs(away), within));
+}
+
+/// The first VPL after entry i of those up to `last` that does not face away; last + 1: none. About half of a closed mesh
+/// does, and is passed over by a loop of its own: llvmpipe walks through both sides of branches.
+int nextFacing(int i, int last, int first, int stride, FourReceivers r, float sides) {
+  for (++i; i <= last; ++i) {
+    if (!facesAway(first + i * stride, r, sides)) break;
+  }
+  return i;
+}
+
 /// Of the VPL at texel `at`.
 vec4 vplIrradiance(int at, FourReceivers r, float sides) {
   const VplEntry v = vplEntry(texelFetch(direct, at), texelFetch(direct, at + 1), texelFetch(direct, at + 2),
@@ -63,7 +81,9 @@ void addTree(inout FourIrradiances sum, vec3 radiance, vec4 where, FourReceivers
     const bool far = all(greaterThan(dx * dx + dy * dy + dz * dz, vec4(k * k * node.w * node.w)));
     const bool whole = leaf || far || rounds > most;
     const int last = whole ? at + vpls : at;
-    for (int i = at + 1; i <= last; ++i) {
+    for (int i = nextFacing(at, last, first, stride, r, where.z); i <= last;
+         i = nextFacing(i, last, first, stride, r, where.z)) {
+      ++rounds;
       const int texel = first + i * stride;
       const vec3 colour = stride == kTexturedEntryTexels ? texelFetch(direct, texel + 4).rgb : vec3(1.0);
       add(sum, radiance * colour, vplIrradiance(texel, r, where.z));
@@ -95,7 +115,11 @@ void addEmitterTree(inout FourIrradiances sum, vec3 radiance, int first, int ent
     const vec4 dx = node.x - r.x, dy = node.y - r.y, dz = node.z - r.z;
     const bool far = all(greaterThan(dx * dx + dy * dy + dz * dz, vec4(k * k * node.w * node.w))) || rounds > most;
     const int last = far ? at + vpls : at, triangles = far ? 0 : int(next.z);
-    for (int i = at + 1; i <= last; ++i) e += vplIrradiance(begin + i * kPlainEntryTexels, r, sides);
+    for (int i = nextFacing(at, last, begin, kPlainEntryTexels, r, sides); i <= last;
+         i = nextFacing(i, last, begin, kPlainEntryTexels, r, sides)) {
+      ++rounds;
+      e += vplIrradiance(begin + i * kPlainEntryTexels, r, sides);
+    }
     e += polygonIrradiance(first + int(next.w), triangles, r, sides);
     rounds += 1 + last - at + 4 * triangles;
     at = far ? after : at + 1 + vpls;
@@ -105,11 +129,10 @@ void addEmitterTree(inout FourIrradiances sum, vec3 radiance, int first, int ent
 
 int lightsInList() { return int(texelFetch(direct, 0).x); }
 
-/// As directIrradiance, of lights [begin, end).
-FourIrradiances directIrradiances(FourReceivers r, int begin, int end) {
-  const float k = texelFetch(direct, 0).y;
+/// As directIrradiance, of lights [begin, end), with so much of k. `rounds` of the thread's kMaxRounds are through.
+FourIrradiances directIrradiances(FourReceivers r, int begin, int end, float openingShare, inout int rounds) {
+  const float k = openingShare * texelFetch(direct, 0).y;
   FourIrradiances sum = FourIrradiances(vec4(0.0), vec4(0.0), vec4(0.0));
-  int rounds = 0;
   for (int i = begin; i < end; ++i) {
     const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
     const int most = rounds + (kMaxRounds - rounds) / (end - i);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <future>
+#include <optional>
 #include <utility>
 
 #include "gpu/gl.h"
@@ -33,11 +34,25 @@ float sidesOf(const EmittingLight& light) { return light.twoSided ? 2.0F : 1.0F;
 
 constexpr std::size_t kTexel = sizeof(glm::vec4);
 
-/// Of the lights that are looked at as trees over their triangles, the others' empty. Takes as long as new trees do.
-std::vector<PlacedEmitterTree> placedTrees(const std::vector<std::pair<MeshPtr, glm::dmat4>>& placed) {
+/// Those of the lights that are looked at as trees over their triangles; no mesh: others.
+using TreeLights = std::vector<std::pair<MeshPtr, glm::dmat4>>;
+
+/// The others' are empty. Takes as long as new trees do.
+std::vector<PlacedEmitterTree> placedTrees(const TreeLights& lights) {
   std::vector<PlacedEmitterTree> out;
-  for (const auto& [mesh, gridFromObject] : placed)
+  for (const auto& [mesh, gridFromObject] : lights)
     out.push_back(mesh == nullptr ? PlacedEmitterTree() : emitterTreeOf(mesh, gridFromObject));
+  return out;
+}
+
+/// The same at once; none where a tree has to be made.
+std::optional<std::vector<PlacedEmitterTree>> knownTrees(const TreeLights& lights) {
+  std::vector<PlacedEmitterTree> out(lights.size());
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (lights[i].first == nullptr) continue;
+    out[i] = knownEmitterTreeOf(lights[i].first, lights[i].second);
+    if (out[i].tree == nullptr) return std::nullopt;
+  }
   return out;
 }
 
@@ -75,15 +90,18 @@ void EmitterBufferList::keepTrees(const std::vector<PlacedEmitterTree>& placed) 
 
 GpuTask EmitterBufferList::make(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
                                 const EmitterListInputs& inputs) {
-  std::vector<std::pair<MeshPtr, glm::dmat4>> shapes;
+  TreeLights shapes;
   for (const EmittingLight& light : lights)
     shapes.emplace_back(light.tree ? light.mesh : MeshPtr(), light.gridFromObject);
-  auto trees = std::async(std::launch::async, placedTrees, std::move(shapes));
-  while (trees.wait_for(std::chrono::microseconds(100)) != std::future_status::ready) co_yield yield();
-  const std::vector<PlacedEmitterTree> placed = trees.get();
-  keepTrees(placed);
+  std::optional<std::vector<PlacedEmitterTree>> placed = knownTrees(shapes);
+  if (!placed) {
+    auto made = std::async(std::launch::async, placedTrees, std::move(shapes));
+    while (made.wait_for(std::chrono::microseconds(100)) != std::future_status::ready) co_yield yield();
+    placed = made.get();
+  }
+  keepTrees(*placed);
   everywhere = inputs.everywhere;
-  fill(lights, voxels, placed, inputs.openingRatio);
+  fill(lights, voxels, *placed, inputs.openingRatio);
 }
 
 void EmitterBufferList::fill(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
@@ -113,14 +131,21 @@ void EmitterBufferList::fill(const std::vector<EmittingLight>& lights, const std
   }
   makeRoom();
   texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(head)));
-  std::size_t at = head.size();
+  put(parts, head.size());
+}
+
+void EmitterBufferList::put(const std::vector<Part>& parts, std::size_t at) {
+  const std::map<std::size_t, EmitterTreePtr> before = std::exchange(lying_, {});
   for (const Part& part : parts) {
     if (!part.before.empty()) texels.update(at * kTexel, gpu::bytesOf(std::span<const glm::vec4>(part.before)));
     at += part.before.size();
-    if (part.texels > 0) {
+    const auto there = before.find(at);
+    const bool lies = part.tree != nullptr && there != before.end() && there->second == part.tree;
+    if (part.texels > 0 && !lies) {
       glCopyNamedBufferSubData(part.from->id(), texels.id(), 0, GLintptr(at * kTexel),
                                GLsizeiptr(part.texels * kTexel));
     }
+    if (part.tree != nullptr) lying_[at] = part.tree;
     at += part.texels;
   }
 }
@@ -129,23 +154,21 @@ void EmitterBufferList::makeRoom() {
   if (texels.size() >= count * kTexel) return;
   view = {};
   texels = {};  // first the old memory, then the new
+  lying_.clear();
   texels = gpu::Buffer("direct lights", std::bit_ceil(count * kTexel), gpu::BufferUse::kDynamic);
   view = gpu::BufferTexture("direct lights", texels);
 }
 
 EmitterBufferList::Part EmitterBufferList::partOf(const PlacedEmitterTree& placed) const {
   const glm::mat4 rows(glm::transpose(placed.treeFromGrid));
-  return {{rows[0], rows[1], rows[2]},
-          &trees_.at(placed.tree),
-          placed.tree->texels.size(),
-          placed.tree->entries,
-          layout::kPlainEntryTexels};
+  return {{rows[0], rows[1], rows[2]}, &trees_.at(placed.tree), placed.tree,
+          placed.tree->texels.size(),  placed.tree->entries,    layout::kPlainEntryTexels};
 }
 
 EmitterBufferList::Part EmitterBufferList::partOf(const LightVoxels& voxels) const {
   const int ofEntry = voxels.momentsPerCell > 1 ? layout::kTexturedEntryTexels : layout::kPlainEntryTexels;
   const std::size_t entries = voxels.tree->entryCount;
-  return {{}, &voxels.tree->entries, entries * std::size_t(ofEntry), entries, ofEntry};
+  return {{}, &voxels.tree->entries, nullptr, entries * std::size_t(ofEntry), entries, ofEntry};
 }
 
 }  // namespace lpv

@@ -43,6 +43,7 @@ struct EmitterBufferList {
   struct Part {
     std::vector<glm::vec4> before;
     const gpu::Buffer* from = nullptr;
+    EmitterTreePtr tree;  ///< where that is a tree's
     std::size_t texels = 0;
     std::size_t entries = 0;
     int texelsOfEntry = 0;
@@ -52,9 +53,12 @@ struct EmitterBufferList {
   void fill(const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
             const std::vector<PlacedEmitterTree>& placed, double k);
   void makeRoom();
+  void put(const std::vector<Part>& parts, std::size_t at);
   void keepTrees(const std::vector<PlacedEmitterTree>& placed);
 
   std::map<EmitterTreePtr, gpu::Buffer> trees_;  ///< of the lights that are there
+  std::map<std::size_t, EmitterTreePtr>
+      lying_;  ///< by first texel: trees that stay there while nothing before them changes
 };
 
 }  // namespace lpv
