@@ -115,6 +115,27 @@ TEST_F(BouncesTest, TheMeanInAClosedCubeIsTheEnergyBalance) {
   }
 }
 
+// A small lamp some centimetres before a wall lights a spot that is smaller than a patch: what the walls reflect is
+// still all that it sends, wherever in a patch the spot is. Broken by: E of a patch's middle (20 % less to 7 % more),
+// parts by one halving (5 % less to 9 % more).
+TEST_F(BouncesTest, ASpotOnAWallIsReflectedAsAWhole) {
+  constexpr double kAlbedo = 0.5;
+  for (const glm::dvec2& place : {glm::dvec2(0.3, -0.7), glm::dvec2(0.42, 0.11), glm::dvec2(-1.13, 0.9)}) {
+    Scene scene = closedRoom(2.0, kAlbedo, 1);
+    Light& light = test::lightOf(scene);
+    light.radiance = glm::dvec3(100.0);
+    light.transform.scale = glm::dvec3(0.05);
+    light.transform.translation = {1.9, place.x, place.y};
+    const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
+    const auto points = walls(2.0, 12);
+    const double once = meanOf(probed(scene, points));
+    scene.options.bounces = 0;
+    const double reflected = once - meanOf(probed(scene, points, 2));
+    const double want = kAlbedo * power / (6.0 * 16.0);
+    EXPECT_NEAR(reflected, want, 0.04 * want) << place.x << ", " << place.y;
+  }
+}
+
 // A large lamp in the middle swallows what walls send to it: A_lamp / A_walls of it, since all that leaves the lamp
 // comes to the walls; E is taken to be even. Broken by: patches that see each other through the lamp, AUTO without
 // lights (2).
