@@ -2,6 +2,7 @@
 
 #include <grpcpp/security/credentials.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -10,6 +11,8 @@
 
 namespace lpv::client {
 namespace {
+
+constexpr std::chrono::milliseconds kFirstAttempts(500);  // three or so, by the backoff below
 
 Expected<std::string> readText(const std::string& path, const std::string& what) {
   std::ifstream file(path, std::ios::binary);
@@ -81,12 +84,22 @@ bool Connection::cancelled() const {
   return cancelled_;
 }
 
+void Connection::reach() {
+  std::call_once(reached_, [this] {
+    channel->WaitForConnected(std::chrono::system_clock::now() + std::min(kFirstAttempts, options.timeout));
+  });
+}
+
 Call::Call(Connection& connection, std::chrono::milliseconds extra) : connection_(connection) {
+  connection.reach();
   context.set_deadline(std::chrono::system_clock::now() + connection.options.timeout + extra);
   enter();
 }
 
-Call::Call(Connection& connection, Stream) : connection_(connection) { enter(); }
+Call::Call(Connection& connection, Stream) : connection_(connection) {
+  connection.reach();
+  enter();
+}
 
 void Call::enter() {
   if (!connection_.options.token.empty()) context.AddMetadata("authorization", "Bearer " + connection_.options.token);

@@ -26,6 +26,9 @@ class Connection {
   /// Cancels all Calls, those in flight and later ones.
   void cancel();
   bool cancelled() const;
+  /// Lets the first attempts to connect be more than one: gRPC 1.51 may take one that is under way for one that failed
+  /// (grpc/grpc pull request 35064), and a server may be about to listen. Once; returns with or without a connection.
+  void reach();
 
   const ConnectOptions options;
   const std::shared_ptr<grpc::Channel> channel;
@@ -40,6 +43,7 @@ class Connection {
   mutable std::mutex mutex_;
   std::set<grpc::ClientContext*> calls_;
   bool cancelled_ = false;
+  std::once_flag reached_;
 };
 
 /// The context of one call, with authorization and deadline set. Connection::cancel cancels it while it lives.

@@ -3,12 +3,29 @@
 import asyncio
 import unittest
 
+import grpc
+import grpc.aio
 import numpy as np
 
 import lpv
 from lpv import aio, scene
 from lpv.v1 import scene_pb2
-from server import PATIENCE, Server, end_a_hang, lamp_at, room
+from server import PATIENCE, Server, end_a_hang, lamp_at, lasting_port, room
+
+
+class Connections(unittest.IsolatedAsyncioTestCase):
+    async def test_a_server_that_is_about_to_listen_is_reached(self):
+        address = f"127.0.0.1:{lasting_port()}"
+        async with aio.connect(address) as client:
+            answer = asyncio.ensure_future(client.info())
+            await asyncio.sleep(0.05)
+            server = grpc.aio.server()
+            server.add_insecure_port(address)
+            await server.start()
+            with self.assertRaises(lpv.Error) as refused:
+                await answer
+            await server.stop(None)
+        self.assertEqual(refused.exception.code, grpc.StatusCode.UNIMPLEMENTED)
 
 
 class Coroutines(unittest.IsolatedAsyncioTestCase):

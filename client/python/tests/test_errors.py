@@ -1,15 +1,31 @@
 """Refusals carry code, field and reason; access tokens; sessions as files."""
 
+import concurrent.futures
 import subprocess
 import tempfile
+import threading
 import unittest
 
+import grpc
 import lpv
 from lpv import scene
 from lpv.v1 import session_pb2
-from server import PATIENCE, OnServer, Server, room
+from server import PATIENCE, OnServer, Server, lasting_port, room
 
 ADMIN = "the admin's token, for a test"
+
+
+class Connections(unittest.TestCase):
+    def test_a_server_that_is_about_to_listen_is_reached(self):
+        """The first attempt is refused; what answers then has none of lpvd's calls."""
+        address = f"127.0.0.1:{lasting_port()}"
+        server = grpc.server(concurrent.futures.ThreadPoolExecutor())
+        with lpv.connect(address) as client:
+            threading.Timer(0.05, lambda: server.add_insecure_port(address) and server.start()).start()
+            with self.assertRaises(lpv.Error) as refused:
+                client.info()
+        server.stop(None)
+        self.assertEqual(refused.exception.code, grpc.StatusCode.UNIMPLEMENTED)
 
 
 class Refusals(OnServer):

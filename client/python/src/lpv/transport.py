@@ -26,6 +26,7 @@ OPTIONS = [
     ("grpc.initial_reconnect_backoff_ms", 100),
     ("grpc.max_reconnect_backoff_ms", 2000),
 ]
+FIRST_ATTEMPTS = 0.5  # s, three or so by the backoff above: gRPC 1.51 may take one that is under way for one that failed
 QUEUED = 64  # messages read ahead of a slow reader; gRPC stops the server beyond
 
 
@@ -65,6 +66,7 @@ class Transport(abc.ABC):
     def __init__(self, channel: Any, token: str, timeout: float) -> None:
         self.channel = channel
         self.timeout = timeout
+        self.reached = False
         self.metadata: tuple[tuple[str, str], ...] = (("authorization", f"Bearer {token}"),) if token else ()
         self.server: Any = server_pb2_grpc.ServerServiceStub(channel)
         self.sessions: Any = session_pb2_grpc.SessionServiceStub(channel)
@@ -97,7 +99,19 @@ class Transport(abc.ABC):
 
 
 class Blocking(Transport):
+    def _reach(self) -> None:
+        """Before the first call: with or without a connection."""
+        if self.reached:
+            return
+        self.reached = True
+        ready = grpc.channel_ready_future(self.channel)
+        try:
+            ready.result(timeout=min(FIRST_ATTEMPTS, self.timeout))
+        except grpc.FutureTimeoutError:
+            ready.cancel()
+
     async def unary(self, method: Any, request: Any, timeout: float | None = None) -> Any:
+        self._reach()
         sent = iter(request) if isinstance(request, list) else request
         try:
             return method(sent, timeout=timeout or self.timeout, metadata=self.metadata)
@@ -105,6 +119,7 @@ class Blocking(Transport):
             raise errors.from_call(error) from None
 
     async def parts(self, method: Any, request: Any, timeout: float | None = None) -> AsyncIterator[Any]:
+        self._reach()
         try:
             for part in method(request, timeout=timeout or self.timeout, metadata=self.metadata):
                 yield part
@@ -112,6 +127,7 @@ class Blocking(Transport):
             raise errors.from_call(error) from None
 
     def open(self, method: Any, request: Any = None) -> Stream:
+        self._reach()
         return _BlockingStream(method, request, self.metadata)
 
     async def sleep(self, seconds: float) -> None:
@@ -183,7 +199,18 @@ class Async(Transport):
         super().__init__(channel, token, timeout)
         self._tasks: set[asyncio.Task[None]] = set()
 
+    async def _reach(self) -> None:
+        """Before the first call: with or without a connection."""
+        if self.reached:
+            return
+        self.reached = True
+        try:
+            await asyncio.wait_for(self.channel.channel_ready(), min(FIRST_ATTEMPTS, self.timeout))
+        except asyncio.TimeoutError:
+            pass
+
     async def unary(self, method: Any, request: Any, timeout: float | None = None) -> Any:
+        await self._reach()
         sent = iter(request) if isinstance(request, list) else request
         try:
             return await method(sent, timeout=timeout or self.timeout, metadata=self.metadata)
@@ -191,6 +218,7 @@ class Async(Transport):
             raise errors.from_call(error) from None
 
     async def parts(self, method: Any, request: Any, timeout: float | None = None) -> AsyncIterator[Any]:
+        await self._reach()
         try:
             async for part in method(request, timeout=timeout or self.timeout, metadata=self.metadata):
                 yield part
