@@ -20,23 +20,23 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
     if (hasEnded()) return;
     if (Status s = take(request); !s.ok()) {
       bytes_ = std::string();
-      end(s);
+      leave(s);
       return;
     }
-    idle_.restart(
-        context_.limits.uploadIdle, whileAlive([seconds = context_.limits.uploadIdle.count()](Upload& self) {
-          self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
-                          "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
-        }));
+    idle_.restart(context_.limits.uploadIdle, whileAlive([seconds = context_.limits.uploadIdle.count()](Upload& self) {
+                    self.leave(Status(
+                        Code::kDeadlineExceeded, Reason::kUploadIdle,
+                        "upload_idle: nothing arrived for " + std::to_string(seconds) + " s; upload again", "data"));
+                  }));
   }
 
   void halfClosed() override {
     idle_.stop();
     if (hasEnded()) return;
-    if (!session_) return end(invalid("header", "the stream ended without a header"));
+    if (!session_) return leave(invalid("header", "the stream ended without a header"));
     if (std::int64_t(bytes_.size()) != size_) {
-      return end(invalid("data", "data has " + std::to_string(bytes_.size()) + " bytes, the header announced " +
-                                     std::to_string(size_)));
+      return leave(invalid("data", "data has " + std::to_string(bytes_.size()) + " bytes, the header announced " +
+                                       std::to_string(size_)));
     }
     context_.pool->post([self = me()] { self->finish(); });
   }
@@ -52,6 +52,12 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
   void release() override { idle_.stop(); }
 
  private:
+  /// The place is free before the client hears of the end, and may ask for the next.
+  void leave(Status status) {
+    slot_.leave();
+    end(std::move(status));
+  }
+
   Status take(pb::UploadBlobRequest& request) {
     if (!session_) {
       if (!request.has_header()) return invalid("header", "the first message has no header");
@@ -88,18 +94,18 @@ class Upload final : public StreamOf<Upload, pb::UploadBlobRequest, pb::UploadBl
 
   void finish() {
     const Expected<BlobPtr> blob = blobFromBytes(kind_, std::move(bytes_));
-    if (!blob) return end(blob.status());
+    if (!blob) return leave(blob.status());
     const Expected<bool> existed = session_->addBlob(*blob);
-    if (!existed) return end(existed.status());
+    if (!existed) return leave(existed.status());
     session_->whenDurable([self = me(), hash = (*blob)->hash, existed = *existed](const Status& kept) {
-      if (!kept.ok()) return self->end(kept);
+      if (!kept.ok()) return self->leave(kept);
       {
         const MutexLock lock(self->mutex_);
         self->answer_.emplace();
         self->answer_->set_hash(hash);
         self->answer_->set_existed(existed);
       }
-      self->end(Status());
+      self->leave(Status());
     });
   }
 

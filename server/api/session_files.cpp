@@ -176,12 +176,12 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
     begun_ = true;
     if (bytes_.size() + request.data().size() > kMaxFileBytes) {
       bytes_ = std::string();
-      return end(tooLarge(kMaxFileBytes + 1));
+      return leave(tooLarge(kMaxFileBytes + 1));
     }
     bytes_ += request.data();
     idle_.restart(context_.limits.uploadIdle, whileAlive([](Import& self) {
-                    self.end(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
-                                    "upload_idle: nothing arrived in time", "data"));
+                    self.leave(Status(Code::kDeadlineExceeded, Reason::kUploadIdle,
+                                      "upload_idle: nothing arrived in time", "data"));
                   }));
   }
 
@@ -202,25 +202,31 @@ class Import final : public StreamOf<Import, pb::ImportSessionRequest, pb::Impor
   void release() override { idle_.stop(); }
 
  private:
+  /// The place is free before the client hears of the end, and may ask for the next.
+  void leave(Status status) {
+    slot_.leave();
+    end(std::move(status));
+  }
+
   void finish() {
     Expected<SavedSession> state = stateOf(bytes_, context_.limits);
     bytes_ = std::string();
-    if (!state) return end(state.status());
+    if (!state) return leave(state.status());
     const Expected<SessionPtr> session = context_.registry->create(wantedId_, std::move(*state));
-    if (!session) return end(session.status());
+    if (!session) return leave(session.status());
     const Expected<MintedToken> token = ownerToken(context_, (*session)->id());
-    if (!token) return end(token.status());
+    if (!token) return leave(token.status());
     (*session)->updateForecast();
     whenBothKept(context_, *session, *token,
                  [self = me(), session = *session, token = token->token](const Status& kept) {
-                   if (!kept.ok()) return self->end(kept);
+                   if (!kept.ok()) return self->leave(kept);
                    {
                      const MutexLock lock(self->mutex_);
                      self->answer_.emplace();
                      toProto(session->summary(), self->answer_->mutable_session());
                      self->answer_->set_owner_token(token);
                    }
-                   self->end(Status());
+                   self->leave(Status());
                  });
   }
 
