@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtx/component_wise.hpp>
+#include <limits>
 #include <vector>
 
 #include "scene/patches.h"
@@ -16,6 +18,9 @@ constexpr std::size_t kMostVertices = 256;  ///< of a mesh that are looked at on
 constexpr std::size_t kMostComparisons = 4'000'000;
 constexpr double kLeastSwallowed = 0.01;  ///< of what surfaces exchange: a third of the error that is wanted
 constexpr double kFlat = 1e-6;  ///< of the extent of all: as far from a plane vertices may be and lie in it
+
+constexpr double kMostUneven =
+    1e-3;  ///< the same where a triangle's plane is known worse, since it is thin or far away
 
 using Points = std::vector<glm::dvec3>;
 
@@ -45,6 +50,17 @@ bool divides(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, cons
   return lowest < -within && highest > within;
 }
 
+/// How far off the plane of a triangle its mesh's vertices may be, since positions are rounded to single precision:
+/// what a corner is off by grows with the distance from the triangle, the more the thinner that is.
+double unevenness(const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+  const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  const double width = glm::length(glm::cross(b - a, c - a)) / longest, extent = glm::length(mesh.bounds.extent());
+  const glm::vec3 farthest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
+  const double rounding = glm::compMax(farthest) * double(std::numeric_limits<float>::epsilon());
+  return std::clamp(rounding * (1.0 + extent / width), kFlat * extent, kMostUneven * extent);
+}
+
 bool canStandBetween(const Surface& surface, const Points& points, double within) {
   if (!canStop(surface)) return false;
   const std::vector<glm::uvec3>& triangles = surface.mesh->evenTriangles();
@@ -62,10 +78,9 @@ bool canStandBetween(const Surface& surface, const Points& points, double within
 bool isConvex(const Mesh& mesh) {
   const std::vector<glm::uvec3>& triangles = mesh.evenTriangles();
   if (triangles.size() * mesh.positions.size() > kMostComparisons) return false;
-  const double within = kFlat * glm::length(mesh.bounds.extent());
   return std::ranges::none_of(triangles, [&](const glm::uvec3& t) {
     const std::vector<glm::vec3>& p = mesh.positions;
-    return divides(p[t.x], p[t.y], p[t.z], p, within);
+    return divides(p[t.x], p[t.y], p[t.z], p, unevenness(mesh, t));
   });
 }
 

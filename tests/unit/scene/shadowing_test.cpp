@@ -103,6 +103,22 @@ TEST(IsShadowed, NeverWithPropagate) {
   EXPECT_FALSE(isShadowed(room));
 }
 
+/// Far from the origin positions are rounded more.
+Mesh moved(Mesh mesh, float by) {
+  for (glm::vec3& p : mesh.positions) p.x += by;
+  EXPECT_TRUE(finishMesh(mesh).ok());
+  return mesh;
+}
+
+// Broken by: a share of the extent alone for how far off a plane a vertex may be.
+TEST(IsConvex, RoundedPositionsFoldNothing) {
+  for (const float by : {10.0F, 100.0F, 300.0F}) {
+    EXPECT_TRUE(isConvex(moved(*reference::sphere(), by))) << by;
+    EXPECT_TRUE(isConvex(moved(*reference::pyramid(), by))) << by;
+    EXPECT_FALSE(isConvex(moved(*reference::bumpySphere(400), by))) << by;
+  }
+}
+
 TEST(IsConvex, TellsFoldedMeshesFromOthers) {
   EXPECT_TRUE(isConvex(*reference::quad()));
   EXPECT_TRUE(isConvex(*reference::sphere()));
