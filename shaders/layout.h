@@ -440,6 +440,10 @@ struct ShadowParams {
   int even;  // 1: rays go to points that are spread evenly over the pool; 0: to those that are worth most to the
              // receiver
   int foldTurns;  // of rays all around to the pieces of folds; 0: none
+  int firstRow;  // of the pixels, in the picture that they are some rows of
+  int pad0;
+  int pad1;
+  int pad2;
 };
 
 struct DrawParams {
@@ -488,7 +492,7 @@ static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
-static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 48 && sizeof(SubpixelParams) == 32);
+static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 192);
 }  // namespace lpv::layout

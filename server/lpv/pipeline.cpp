@@ -88,8 +88,15 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   co_await stages.makeVolumes(s, request, light, copies);
   TickViews views(s, request);
   s.charge(s.frameMemory);
-  for (std::size_t i = 0; i < request.frames.size(); ++i)
-    co_await stages.drawFrame(s, scene, request.frames[i], *views.of[i]);
+  for (std::size_t i = 0; i < request.frames.size(); ++i) {
+    if (drawnInBands(request.frames[i])) {
+      View bands;
+      co_await stages.drawBands(s, scene, request.frames[i], bands, views.taken[i]);
+    } else {
+      const FrameRows whole(request.frames[i]);
+      co_await stages.drawFrame(s, scene, whole, *views.of[i]);
+    }
+  }
 
   s.charge(s.lightMemory);
   const CountInputs counted = {propagates ? made.injected.stamp() : made.counting.stamp(), made.textured.stamp()};
@@ -98,8 +105,10 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
   if (counters || !views.of.empty()) co_await stages.finishCopies(s, views);
   if (counters) made.counts.set(counted, takeCounters(made.readbacks));
   co_await stages.takeVolumes(s, request.scene, copies);
-  for (std::size_t i = 0; i < request.frames.size(); ++i)
-    co_await takeFrame(*views.of[i], request.frames[i], result.frames.emplace_back());
+  for (std::size_t i = 0; i < request.frames.size(); ++i) {
+    if (!views.taken[i]) co_await takeFrame(*views.of[i], request.frames[i], views.taken[i]);
+  }
+  result.frames = std::move(views.taken);
   gpu::throwOnError("tick");
 
   result.revision = scene.revision;
@@ -299,7 +308,9 @@ GpuTask Pipeline::Stages::finishCopies(SessionState& s, const TickViews& views) 
   if (!views.of.empty()) {
     const gpu::Fence drawn = gpu::Fence::insert();
     co_yield waitFor(drawn);
-    for (View* view : views.of) co_await copyFrame(*view, pacing(s));
+    for (std::size_t i = 0; i < views.of.size(); ++i) {
+      if (!views.taken[i]) co_await copyFrame(*views.of[i], pacing(s));
+    }
   }
   const gpu::Fence copied = gpu::Fence::insert();
   co_yield submitted(Stage::kReadback, 0.0);

@@ -33,9 +33,29 @@ std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& 
   return out;
 }
 
+/// Pixels that are made at a time: some 100 bytes each, and 50 more with shadows.
+constexpr int kBandPixels = 1 << 21;
+/// Rows of a band and beside it, which pixels look at: whole blocks of those that decide together
+/// (frame/shadow_rays.comp), so that each has the light that it would have in one go.
+constexpr int kBesideBand = layout::kNearFieldTile;
+static_assert(kBesideBand % layout::kNearFieldBlockY == 0 && kBesideBand > 4);
+
+/// The rows from `row` on, with those beside them.
+FrameRows bandOf(const FrameRequest& frame, int row, int rows) {
+  FrameRows band(frame);
+  band.firstRow = std::max(0, row - kBesideBand);
+  band.size.y = std::min(frame.size.y, row + rows + kBesideBand) - band.firstRow;
+  return band;
+}
+
 }  // namespace
 
-GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+bool drawnInBands(const FrameRequest& frame) {
+  const bool exposedAsAWhole = frame.format == PixelFormat::kRgb8 && frame.exposure.automatic;
+  return frame.view == 0 && !frame.reduced && !exposedAsAWhole && frame.size.x * frame.size.y > kBandPixels;
+}
+
+GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
   if (view.nearField == nullptr || view.nearField->size != frame.size) {
     view.nearField = nullptr;
     view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
@@ -52,12 +72,13 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
                                     inTheWay ? &shadows : nullptr,
                                     frame.reduced,
+                                    frame.firstRow,
                                     inTheWay ? poolPictures(s, scene, frame, view) : std::vector<PoolPictureInputs>()};
   co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                              pacing(s));
 }
 
-GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
   if (frame.samples > 1 || !PaneRenderer::needed(frame, scene)) {
     view.panes = nullptr;
     co_return;
@@ -70,7 +91,7 @@ GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const F
                             view.targets->frameParams, pacing(s));
 }
 
-GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
   if (frame.samples == 1) {
     view.subpixels = nullptr;
     co_return;
@@ -87,7 +108,7 @@ GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, con
   view.subpixels->shown.set(std::move(inputs));
 }
 
-GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view) {
+GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
   if (view.targets == nullptr || !view.targets->fits(frame)) {
     view.targets = nullptr;
     view.targets = std::make_unique<FrameTargets>(frame.size, frame.format, frame.exposure.automatic);
@@ -96,7 +117,7 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
     view.gbuffer = nullptr;
     view.gbuffer = std::make_unique<Gbuffer>(frame.size);
   }
-  layout::FrameParams params = FrameView(frame.camera, frame.size).params(s.field().grid);
+  layout::FrameParams params = FrameView(frame).params(s.field().grid);
   params.palette = glm::vec3(s.palette().radiance[0]);
   params.samples = frame.samples;
   params.openingShare = frame.reduced ? kOpeningShareOfStreams : 1.0F;
@@ -125,6 +146,24 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
                                  view.panes != nullptr ? &view.panes->share : nullptr,
                                  view.subpixels.get()};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
+}
+
+GpuTask Pipeline::Stages::drawBands(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view,
+                                    FramePtr& out) {
+  const int step = std::max(kBandPixels / frame.size.x / kBesideBand, 1) * kBesideBand;
+  const std::shared_ptr<Frame> picture = emptyFrame(frame);
+  for (int row = 0; row < frame.size.y; row += step) {
+    const FrameRows band = bandOf(frame, row, step);
+    co_await drawFrame(s, scene, band, view);
+    const gpu::Fence drawn = gpu::Fence::insert();
+    co_yield waitFor(drawn);
+    co_await copyFrame(view, pacing(s));
+    const gpu::Fence copied = gpu::Fence::insert();
+    co_yield submitted(Stage::kReadback, 0.0);
+    co_yield waitFor(copied);
+    co_await takeRows(view, row - band.firstRow, std::min(step, frame.size.y - row), *picture);
+  }
+  out = picture;
 }
 
 }  // namespace lpv

@@ -91,6 +91,9 @@ struct VolumeCopies {
   bool any() const { return transported || injected; }
 };
 
+/// Large pictures that nobody asks for again are made some rows at a time.
+bool drawnInBands(const FrameRequest& frame);
+
 /// Where each frame of a tick is made: kept views in the session, others here for the tick.
 struct TickViews {
   TickViews(SessionState& session, const TickRequest& request) {
@@ -100,8 +103,10 @@ struct TickViews {
         view = unkept.emplace_back(std::make_unique<View>()).get();
       of.push_back(view);
     }
+    taken.resize(of.size());
   }
-  std::vector<View*> of;  ///< per frame
+  std::vector<View*> of;        ///< per frame
+  std::vector<FramePtr> taken;  ///< per frame, once it was read back
   std::vector<std::unique_ptr<View>> unkept;
 };
 
@@ -167,10 +172,12 @@ struct Pipeline::Stages {
   GpuTask takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies);
 
   // Of frames (pipeline_frames.cpp).
-  GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
-  GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
-  GpuTask drawSubpixels(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
-  GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view);
+  GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
+  GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
+  GpuTask drawSubpixels(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
+  GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
+  /// A large picture some rows at a time, in the memory of these, read back as well.
+  GpuTask drawBands(SessionState& s, const Scene& scene, const FrameRequest& frame, View& view, FramePtr& out);
 };
 
 }  // namespace lpv

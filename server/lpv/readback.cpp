@@ -210,33 +210,43 @@ GpuTask copyFrame(View& view, Pacing pacing) {
   }
 }
 
-GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out) {
+std::shared_ptr<Frame> emptyFrame(const FrameRequest& request) {
   auto frame = std::make_shared<Frame>();
   frame->size = request.size;
   frame->format = request.format;
   frame->exposureEv = request.exposure.ev;
   const std::size_t values = std::size_t(request.size.x) * std::size_t(request.size.y) * 3;
-  const std::byte* pixels = view.readback.bytes().data();
-  const bool linear = request.format == PixelFormat::kRgb32F;
-  if (linear) {
+  if (request.format == PixelFormat::kRgb32F) {
     frame->rgb32f.reserve(values);
   } else {
     frame->rgb8.reserve(values);
   }
-  for (const Chunk& part : chunksOf(linear ? values * sizeof(float) : values)) {
+  return frame;
+}
+
+GpuTask takeRows(const View& view, int first, int rows, Frame& out) {
+  const bool linear = out.format == PixelFormat::kRgb32F;
+  const std::size_t rowBytes = std::size_t(out.size.x) * 3 * (linear ? sizeof(float) : 1);
+  const std::byte* pixels = view.readback.bytes().data() + std::size_t(first) * rowBytes;
+  for (const Chunk& part : chunksOf(std::size_t(rows) * rowBytes)) {
     if (linear) {
-      append(frame->rgb32f, pixels, part);
+      append(out.rgb32f, pixels, part);
     } else {
-      append(frame->rgb8, pixels, part);
+      append(out.rgb8, pixels, part);
     }
     co_yield yield();
   }
+}
+
+GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out) {
+  const std::shared_ptr<Frame> frame = emptyFrame(request);
+  co_await takeRows(view, 0, request.size.y, *frame);
   if (view.targets->exposure) {
     glm::vec4 found(0.0F);
-    std::memcpy(&found, pixels + exposureOffset(values), sizeof found);
+    std::memcpy(&found, view.readback.bytes().data() + exposureOffset(frame->rgb8.size()), sizeof found);
     frame->exposureEv = double(found.y);
   }
-  out = std::move(frame);
+  out = frame;
 }
 
 }  // namespace lpv

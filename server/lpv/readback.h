@@ -39,6 +39,10 @@ layout::Counters takeCounters(const Readbacks& readbacks);
 
 /// The finished picture of a view; call it once drawing is known to have ended (gpu::Readback::copyPixels).
 GpuTask copyFrame(View& view, Pacing pacing);
+/// A picture that has room for all its pixels, and none of them.
+std::shared_ptr<Frame> emptyFrame(const FrameRequest& request);
+/// After the fence: some of the view's rows, appended to the picture.
+GpuTask takeRows(const View& view, int first, int rows, Frame& out);
 /// After the fence: the picture, into `out`.
 GpuTask takeFrame(const View& view, const FrameRequest& request, FramePtr& out);
 

@@ -51,6 +51,6 @@ void main() {
   vec3 sum = vec3(0.0);
   int rays = 0, rounds = 0;
   for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays)
-    sum += seenOfPieces(x, beyond * directionAbout(n, pixel, shadow.turn * kFoldRays + rays), rounds);
+    sum += seenOfPieces(x, beyond * directionAbout(n, inPicture(pixel), shadow.turn * kFoldRays + rays), rounds);
   shadowPoints[point].known.rgb += kPi / float(rays * shadow.foldTurns) * sum;
 }

@@ -93,7 +93,7 @@ void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 asked, out 
     asked += asks ? e : vec3(0.0);
     if (asks && shadow.turns == 0) known += e;
     if (asks && shadow.turns > 0 && e != vec3(0.0))
-      known += e * transmitted(x, mix(x, placeOn(i, x, n, pixel), kShadowEnd), kFromSurfaces, rounds);
+      known += e * transmitted(x, mix(x, placeOn(i, x, n, inPicture(pixel)), kShadowEnd), kFromSurfaces, rounds);
     ++i;
   }
 }

@@ -81,7 +81,7 @@ ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
 void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
   vec4 weights;
-  const ivec4 chosen = raysTo(x, n, pixel, weights);
+  const ivec4 chosen = raysTo(x, n, inPicture(pixel), weights);
   vec4 all = vec4(0.0), seen = vec4(0.0), shares = vec4(-1.0);
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;

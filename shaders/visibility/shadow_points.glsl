@@ -13,6 +13,9 @@ struct ShadowPoint {
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
 layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadowPoints[]; };
 
+/// A pixel's place in the picture, whose rows are made some at a time: each sends rays of its own.
+ivec2 inPicture(ivec2 pixel) { return pixel + ivec2(0, shadow.firstRow); }
+
 /// Whether pieces of a patch are looked for instead of it, by the square of its distance and what its texel of the list
 /// has in the place of a light (visibility/light_points.glsl).
 bool isFolded(float r2, float from) { return shadow.foldTurns > 0 && from <= kFromFolds && r2 < kFromFolds - from; }

@@ -32,10 +32,10 @@ EmitterBuffer::EmitterBuffer(const glm::ivec2& size)
       depth(gpu::Texture::make2d("emitter depth", size, GL_DEPTH_COMPONENT32F, gpu::Sampling::kNearestClamp)),
       target("emitters", {&emission}, &depth) {}
 
-GpuTask EmitterRenderer::run(const EmitterBuffer& buffer, const FrameRequest& request, const Scene& scene,
+GpuTask EmitterRenderer::run(const EmitterBuffer& buffer, const FrameRows& request, const Scene& scene,
                              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
                              Pacing pacing) {
-  const std::vector<DrawItem> items = visibleLights(FrameView(request.camera, request.size), scene, resources);
+  const std::vector<DrawItem> items = visibleLights(FrameView(request), scene, resources);
   const auto programOf = [this](const DrawItem& item) -> gpu::Program& {
     return programs_.get({{"LPV_TEXTURE", item.texture != nullptr ? "1" : "0"}});
   };

@@ -2,10 +2,10 @@
 // Stage: the lights themselves as one camera sees them, apart from the surfaces, so that a moving light does not redraw
 // the room.
 
-#include "engine/engine.h"
 #include "gpu/framebuffer.h"
 #include "gpu/texture.h"
 #include "lpv/frame/draw.h"
+#include "lpv/frame/frame_view.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 
@@ -22,7 +22,7 @@ struct EmitterBuffer {
 
 class EmitterRenderer {
  public:
-  GpuTask run(const EmitterBuffer& buffer, const FrameRequest& request, const Scene& scene,
+  GpuTask run(const EmitterBuffer& buffer, const FrameRows& request, const Scene& scene,
               const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:

@@ -16,39 +16,47 @@ glm::dmat4 reversedFromClip() {
 
 }  // namespace
 
-FrameView::FrameView(const Camera& camera, const glm::ivec2& size)
-    : camera_(camera),
-      size_(size),
-      viewFromEye_(glm::dmat3(camera.viewFromWorld())),
-      clipFromView_(reversedFromClip() * camera.clipFromView(double(size.x) / double(size.y))) {}
+FrameView::FrameView(const FrameRows& frame)
+    : camera_(frame.camera),
+      size_(frame.size.x, frame.pictureHeight),
+      firstRow_(frame.firstRow),
+      rows_(frame.size.y),
+      viewFromEye_(glm::dmat3(camera_.viewFromWorld())),
+      clipFromView_(reversedFromClip() * camera_.clipFromView(double(size_.x) / double(size_.y))) {}
 
 layout::FrameParams FrameView::params(const Grid& grid) const {
   const glm::dmat3 eyeFromView = glm::transpose(glm::dmat3(viewFromEye_));
   const glm::dvec3 right = eyeFromView[0] / clipFromView_[0][0], up = eyeFromView[1] / clipFromView_[1][1];
   const glm::dvec3 forward = -eyeFromView[2];
+  const double above = double(firstRow_) / size_.y, share = double(rows_) / size_.y;
   layout::FrameParams params{};
-  params.clipFromEye = glm::mat4(clipFromView_ * viewFromEye_);
-  params.rayOrigin = glm::vec3((forward - right + up) / grid.cell);
+  params.clipFromEye = clipFromEye(glm::dvec2(0.0), 0, rows_);
+  params.rayOrigin = glm::vec3((forward - right + (1.0 - 2.0 * above) * up) / grid.cell);
   params.rayRight = glm::vec3(2.0 * right / grid.cell);
-  params.rayDown = glm::vec3(-2.0 * up / grid.cell);
+  params.rayDown = glm::vec3(-2.0 * share * up / grid.cell);
   params.eye = glm::vec3(grid.gridFromWorld(camera_.eye));
   // depth d = (A z + B) / -z with z = -view depth
   params.depthScale = float(clipFromView_[3][2]);
   params.depthOffset = float(clipFromView_[2][2]);
-  params.pixelSize = glm::vec2(1.0 / glm::dvec2(size_));
+  params.pixelSize = glm::vec2(1.0 / glm::dvec2(size_.x, rows_));
   params.dims = grid.dims;
-  params.pixels = size_.x * size_.y;
+  params.pixels = size_.x * rows_;
   return params;
 }
 
 glm::mat4 FrameView::clipFromEye(const glm::dvec2& offset, int firstRow, int rows) const {
+  return glm::mat4(clipFromEyeOf(offset, firstRow_ + firstRow, rows));
+}
+
+/// Of rows of the whole picture.
+glm::dmat4 FrameView::clipFromEyeOf(const glm::dvec2& offset, int firstRow, int rows) const {
   const glm::dvec2 size(size_), to = 2.0 * offset / size;
   const double share = size.y / double(rows);
   glm::dmat4 moved(1.0);  // clip space: y points up, and row 0 is the top one
   moved[3][0] = -to.x;
   moved[1][1] = share;
   moved[3][1] = to.y * share + 1.0 - share + 2.0 * firstRow / double(rows);
-  return glm::mat4(moved * clipFromView_ * viewFromEye_);
+  return moved * clipFromView_ * viewFromEye_;
 }
 
 glm::dmat4 FrameView::eyeFromObject(const glm::dmat4& worldFromObject) const {
@@ -58,7 +66,7 @@ glm::dmat4 FrameView::eyeFromObject(const glm::dmat4& worldFromObject) const {
 }
 
 bool FrameView::sees(const Bounds& box, const glm::dmat4& worldFromObject) const {
-  const glm::dmat4 clipFromObject = clipFromView_ * viewFromEye_ * eyeFromObject(worldFromObject);
+  const glm::dmat4 clipFromObject = clipFromEyeOf(glm::dvec2(0.0), firstRow_, rows_) * eyeFromObject(worldFromObject);
   std::array<int, 6> outside{};
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec4 p =

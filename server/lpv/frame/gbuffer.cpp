@@ -56,17 +56,18 @@ Gbuffer::Gbuffer(const glm::ivec2& size)
       depth(gpu::Texture::make2d("surface depth", size, GL_DEPTH_COMPONENT32F, gpu::Sampling::kNearestClamp)),
       target("G-buffer", {&albedo, &normal}, &depth) {}
 
-GbufferInputs gbufferInputs(const FrameRequest& request, const Scene& scene) {
+GbufferInputs gbufferInputs(const FrameRows& request, const Scene& scene) {
   GbufferInputs inputs;
   inputs.camera = request.camera;
+  inputs.firstRow = request.firstRow;
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   return inputs;
 }
 
-GpuTask GbufferRenderer::run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene,
+GpuTask GbufferRenderer::run(Gbuffer& gbuffer, const FrameRows& request, const Scene& scene,
                              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
                              Pacing pacing) {
-  const std::vector<DrawItem> items = visibleSurfaces(FrameView(request.camera, request.size), scene, resources);
+  const std::vector<DrawItem> items = visibleSurfaces(FrameView(request), scene, resources);
   const auto programOf = [this](const DrawItem& item) -> gpu::Program& { return programs_.get(variantOf(item)); };
   co_await drawer.run(Stage::kGbuffer, gbuffer.target, frameParams, items, programOf, pacing);
 }

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "engine/engine.h"
 #include "gpu/framebuffer.h"
 #include "gpu/texture.h"
 #include "lpv/cached.h"
 #include "lpv/frame/draw.h"
+#include "lpv/frame/frame_view.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 
@@ -16,11 +16,12 @@ namespace lpv {
 /// What a G-buffer shows.
 struct GbufferInputs {
   Camera camera;
+  int firstRow = 0;
   std::vector<SurfacePtr> surfaces;
 
   bool operator==(const GbufferInputs&) const = default;
 };
-GbufferInputs gbufferInputs(const FrameRequest& request, const Scene& scene);
+GbufferInputs gbufferInputs(const FrameRows& request, const Scene& scene);
 
 /// A surface to be drawn, alpha and all; nothing of it may be in the picture.
 DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneResources& resources);
@@ -39,7 +40,7 @@ struct Gbuffer {
 class GbufferRenderer {
  public:
   /// Draws the scene's surfaces, some triangles at a time. `frameParams` holds the view's FrameParams.
-  GpuTask run(Gbuffer& gbuffer, const FrameRequest& request, const Scene& scene, const SceneResources& resources,
+  GpuTask run(Gbuffer& gbuffer, const FrameRows& request, const Scene& scene, const SceneResources& resources,
               const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:

@@ -91,6 +91,7 @@ struct NearFieldPass::Look {
   double points;  ///< on it, at most
   bool patches;   ///< not pixels
   bool reduced;   ///< rays go to the same places from every pixel, which are spread evenly
+  int firstRow;   ///< of the pixels, in their picture
   std::function<void()> bind;
 };
 
@@ -178,6 +179,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   layout::ShadowParams params = {};
   params.turns = shadows.turns;
   params.pools = int(from.pools.size()) + (from.reflected ? 1 : 0);
+  params.firstRow = from.firstRow;
   params.jitter = from.reduced || (from.patches && !from.reflected) ? 0 : 1;
   params.apart = from.patches ? 0 : params.jitter;
   for (const LightPool& pool : from.pools) {
@@ -216,6 +218,7 @@ GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const 
                           double(list.count),
                           true,
                           false,
+                          0,
                           bind};
   co_await look(receivers, pacing);
 }
@@ -276,6 +279,7 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
                               points,
                               false,
                               inputs.sources.reduced,
+                              inputs.sources.firstRow,
                               [&inputs] { inputs.bind(); }};
       co_await look(receivers, pacing);
       continue;

@@ -70,6 +70,7 @@ struct NearFieldSources {
   NearLights lights;
   const ShadowCasters* shadows = nullptr;  ///< null: nothing stands in the way
   bool reduced = true;  ///< some pixels look, others lie between; else each does
+  int firstRow = 0;  ///< of the pixels, in the picture that they are some rows of
   /// Of a reduced picture with shadows or bounces: what each pool's part of it is made from, last what surfaces
   /// reflect. Empty: all pools are looked at together.
   std::vector<PoolPictureInputs> pools;

@@ -26,8 +26,8 @@ PaneBuffer::PaneBuffer(const glm::ivec2& size)
     : share(gpu::Texture::make2d("panes", size, GL_RGBA16F, gpu::Sampling::kNearestClamp)),
       target("panes", {&share}, nullptr) {}
 
-bool PaneRenderer::needed(const FrameRequest& request, const Scene& scene) {
-  const FrameView view(request.camera, request.size);
+bool PaneRenderer::needed(const FrameRows& request, const Scene& scene) {
+  const FrameView view(request);
   for (const auto& [name, surface] : scene.surfaces) {
     if (isInPicture(view, *surface)) return true;
   }
@@ -35,9 +35,9 @@ bool PaneRenderer::needed(const FrameRequest& request, const Scene& scene) {
 }
 
 GpuTask PaneRenderer::run(const PaneBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& emitters,
-                          const FrameRequest& request, const Scene& scene, const SceneResources& resources,
+                          const FrameRows& request, const Scene& scene, const SceneResources& resources,
                           const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing) {
-  const FrameView view(request.camera, request.size);
+  const FrameView view(request);
   std::vector<DrawItem> items;
   for (const auto& [name, surface] : scene.surfaces) {
     if (isInPicture(view, *surface)) items.push_back(drawItemOf(view, *surface, resources));

@@ -2,11 +2,11 @@
 // Stage: what cameras see through, panes and the holes of masks (scene/transparency.h): how much of its radiance what
 // lies behind keeps.
 
-#include "engine/engine.h"
 #include "gpu/framebuffer.h"
 #include "gpu/texture.h"
 #include "lpv/frame/draw.h"
 #include "lpv/frame/emitters.h"
+#include "lpv/frame/frame_view.h"
 #include "lpv/frame/gbuffer.h"
 #include "lpv/pacing/gpu_task.h"
 
@@ -22,11 +22,11 @@ struct PaneBuffer {
 class PaneRenderer {
  public:
   /// Whether a scene has panes in the picture of a camera, about.
-  static bool needed(const FrameRequest& request, const Scene& scene);
+  static bool needed(const FrameRows& request, const Scene& scene);
   /// After the G-buffer and the lights of the same picture.
-  GpuTask run(const PaneBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& emitters,
-              const FrameRequest& request, const Scene& scene, const SceneResources& resources,
-              const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+  GpuTask run(const PaneBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& emitters, const FrameRows& request,
+              const Scene& scene, const SceneResources& resources, const MeshDrawer& drawer,
+              const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   gpu::ProgramVariants programs_{{"frame/gbuffer.vert", "frame/panes.frag"}};

@@ -58,12 +58,12 @@ SubpixelBuffer::SubpixelBuffer(const glm::ivec2& size)
       second(texture("second subpixels", size, GL_RGBA16F)) {}
 
 GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights,
-                          const FrameRequest& request, const Scene& scene, const SceneResources& resources,
+                          const FrameRows& request, const Scene& scene, const SceneResources& resources,
                           const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing) {
   const glm::ivec2 size = request.size;
   const int height = std::clamp(kSampledPixels / size.x, 1, size.y);
   Rows rows({size.x, height}, PaneRenderer::needed(request, scene));
-  const FrameView view(request.camera, size);
+  const FrameView view(request);
   gpu::Buffer sampleParams("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic);
   gpu::Buffer subpixelParams("subpixel params", sizeof(layout::SubpixelParams), gpu::BufferUse::kDynamic);
   gpu::Program& add = add_.get({.panes = rows.panes.has_value()});

@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "engine/engine.h"
 #include "gpu/buffer.h"
 #include "gpu/program.h"
 #include "gpu/texture.h"
 #include "lpv/cached.h"
 #include "lpv/frame/emitters.h"
+#include "lpv/frame/frame_view.h"
 #include "lpv/frame/gbuffer.h"
 #include "lpv/frame/panes.h"
 #include "lpv/pacing/gpu_task.h"
@@ -44,9 +44,9 @@ class SubpixelPass {
 
   /// After the G-buffer and the lights of the same picture, whose middles they are. Large pictures are sampled some
   /// rows at a time.
-  GpuTask run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights,
-              const FrameRequest& request, const Scene& scene, const SceneResources& resources,
-              const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+  GpuTask run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights, const FrameRows& request,
+              const Scene& scene, const SceneResources& resources, const MeshDrawer& drawer,
+              const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   struct Rows;
