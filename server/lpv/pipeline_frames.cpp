@@ -33,8 +33,9 @@ std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& 
   return out;
 }
 
-/// Pixels that are made at a time: some 100 bytes each, and 50 more with shadows.
-constexpr int kBandPixels = 1 << 21;
+/// Larger pictures are made in bands of so many pixels: some 100 bytes each, and 50 more with shadows.
+constexpr int kMostPixelsAtOnce = 1 << 21;
+constexpr int kBandPixels = 1 << 20;
 /// Rows of a band and beside it, which pixels look at: whole blocks of those that decide together
 /// (frame/shadow_rays.comp), so that each has the light that it would have in one go.
 constexpr int kBesideBand = layout::kNearFieldTile;
@@ -52,7 +53,7 @@ FrameRows bandOf(const FrameRequest& frame, int row, int rows) {
 
 bool drawnInBands(const FrameRequest& frame) {
   const bool exposedAsAWhole = frame.format == PixelFormat::kRgb8 && frame.exposure.automatic;
-  return frame.view == 0 && !frame.reduced && !exposedAsAWhole && frame.size.x * frame.size.y > kBandPixels;
+  return frame.view == 0 && !frame.reduced && !exposedAsAWhole && frame.size.x * frame.size.y > kMostPixelsAtOnce;
 }
 
 GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {

@@ -115,7 +115,7 @@ double shareThatDiffers(const Frame& a, const Frame& b, int first, int end) {
 
 // Single pictures of more than two megapixels are made some rows at a time; those of a view, which keeps them, in one
 // go. Light, its shadows and edges are the same: positions differ by rounding, which decides a pixel in a thousand
-// otherwise. Rows 504 to 519 are on both sides of where the second part begins.
+// otherwise. Rows 504 to 519 are on both sides of where the third part begins.
 // Broken by: no rows beside those that are taken; rays that begin anew with each part.
 TEST_F(PictureTest, LargePicturesAreTheSameInParts) {
   Scene scene = reference::smallRoom();
