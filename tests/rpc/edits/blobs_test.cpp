@@ -221,18 +221,19 @@ TEST_F(Blobs, OnlySoManyAreOnTheirWayAtOnce) {
     pb::UploadBlobRequest begun = opening(std::int64_t(bytes.size()), bytes.substr(0, 10));
     begun.mutable_header()->set_session(session);
     for (Upload* upload : {&one, &other}) upload->writer->Write(begun);
-    std::vector<grpc::Status> ends;
-    for (Upload* upload : {&other, &one}) {
-      upload->writer->Write(more(bytes.substr(10)));
-      ends.push_back(upload->finish());
-    }
-    // The first to arrive is taken, whichever that is.
-    EXPECT_NE(ends[0].ok(), ends[1].ok());
-    EXPECT_THAT(ends[0].ok() ? ends[1] : ends[0],
-                Refused(StatusCode::RESOURCE_EXHAUSTED, "max_uploads", "allowed at once are 1"));
+    // Both stay open until the server has ended one of them: the first to arrive is taken, whichever that is.
+    Upload* refused = nullptr;
+    const auto hasEnded = [&](Upload& upload) { return !upload.writer->Write(more("")); };
+    ASSERT_TRUE(eventually([&] {
+      refused = hasEnded(one) ? &one : hasEnded(other) ? &other : nullptr;
+      return refused != nullptr;
+    }));
+    Upload& taken = refused == &one ? other : one;
+    EXPECT_THAT(refused->finish(), Refused(StatusCode::RESOURCE_EXHAUSTED, "max_uploads", "allowed at once are 1"));
+    taken.writer->Write(more(bytes.substr(10)));
+    EXPECT_THAT(taken.finish(), IsOk());
   }
   // A place is free when the answer is there. Broken by: places that are given up when the call is destroyed.
-  EXPECT_TRUE(eventually([&] { return upload(stubs, session, pb::BLOB_KIND_MESH, bytes).ok(); }));
   for (int i = 0; i < 200; ++i) ASSERT_THAT(upload(stubs, session, pb::BLOB_KIND_MESH, bytes), IsOk()) << i;
 }
 
