@@ -1,7 +1,7 @@
 // The lights themselves at the points of a picture that near_field.comp has listed, four to a thread. These are close
 // together, and the same ones in every run, so results are the same, too, whatever the order of the list. LPV_SHADOWED:
-// E of one pool of lights, which is not put into the picture yet (shadow_rays.comp). LPV_PATCHES: the mean over each patch, which
-// may be as large as a light is far.
+// E of one pool of lights, which is not put into the picture yet (shadow_rays.comp). LPV_PATCHES: the mean over each
+// patch, which may be as large as a light is far.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/receivers.glsl"

@@ -18,29 +18,41 @@
 namespace lpv::rpc {
 namespace {
 
-/// A port of the loopback on which nobody listens.
-int freePort() {
-  const int s = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  EXPECT_EQ(bind(s, reinterpret_cast<const sockaddr*>(&address), size), 0);
-  EXPECT_EQ(getsockname(s, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  close(s);
-  return ntohs(address.sin_port);
-}
+/// A port of the loopback on which nobody listens: bound, so that the system gives it to nobody else, but to a server
+/// that shares it, as gRPC's do.
+class QuietPort {
+ public:
+  QuietPort() : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    const int yes = 1;
+    sockaddr_in bound{};
+    bound.sin_family = AF_INET;
+    bound.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof bound;
+    EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_REUSEPORT, &yes, sizeof yes), 0);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&bound), size), 0);
+    EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&bound), &size), 0);
+    address = "127.0.0.1:" + std::to_string(ntohs(bound.sin_port));
+  }
+  ~QuietPort() { close(socket_); }
+  QuietPort(const QuietPort&) = delete;
+  QuietPort& operator=(const QuietPort&) = delete;
+
+  std::string address;
+
+ private:
+  int socket_;
+};
 
 // The first attempt is refused, a later one is not; what answers has none of lpvd's calls. Broken by: calls that end
 // with the first attempt to connect.
 TEST(Connection, ServersThatAreAboutToListenAreReached) {
-  const std::string address = "127.0.0.1:" + std::to_string(freePort());
-  client::Client client = clientOf(address);
+  const QuietPort port;
+  client::Client client = clientOf(port.address);
   auto answer = std::async(std::launch::async, [&client] { return client.serverInfo().status().code(); });
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   pb::ResultService::Service service;
   const std::unique_ptr<grpc::Server> server = grpc::ServerBuilder()
-                                                   .AddListeningPort(address, grpc::InsecureServerCredentials())
+                                                   .AddListeningPort(port.address, grpc::InsecureServerCredentials())
                                                    .RegisterService(&service)
                                                    .BuildAndStart();
   ASSERT_NE(server, nullptr);
@@ -48,7 +60,8 @@ TEST(Connection, ServersThatAreAboutToListenAreReached) {
 }
 
 TEST(Connection, NobodyListens) {
-  EXPECT_EQ(clientOf("127.0.0.1:" + std::to_string(freePort())).serverInfo().status().code(), Code::kUnavailable);
+  const QuietPort port;
+  EXPECT_EQ(clientOf(port.address).serverInfo().status().code(), Code::kUnavailable);
 }
 
 }  // namespace
