@@ -58,6 +58,22 @@ bool sameBits(const std::string& a, const std::string& b, int bits) {
   return ((std::uint8_t(a[whole]) ^ std::uint8_t(b[whole])) & mask) == 0;
 }
 
+Status refusal(const std::string& why) {
+  constexpr const char* kField = "max_calls_per_second_per_address";
+  return exhausted(Reason::kMaxCallsPerSecondPerAddress, kField, std::string(kField) + ": " + why)
+      .retriedAfter(std::chrono::seconds(1));
+}
+
+Status tooMany(double perSecond) {
+  return refusal("allowed are " + std::to_string(int(perSecond)) +
+                 " from one address; slow down, or name the proxy that many clients come through in --trusted-proxy");
+}
+
+Status pilingUp() {
+  return refusal("more than " + std::to_string(AddressLimit::kMostUnfinished) +
+                 " calls of one connection were given up and have not ended yet; slow down");
+}
+
 }  // namespace
 
 Expected<AddressList> AddressList::read(const std::string& flag, const std::string& text) {
@@ -110,14 +126,17 @@ std::string networkOf(std::string address) {
   return address;
 }
 
-AddressLimit::Verdict AddressLimit::refuse(Caller& caller, Status refusal, Clock::time_point now) {
+/// Counts a refusal.
+bool AddressLimit::floods(Caller& caller, Clock::time_point now) {
   if (now - caller.window > kWindow) {
     caller.window = now;
     caller.refusals = 0;
   }
-  if (++caller.refusals < kRefusalsOfFlood || now < caller.bannedUntil - kBan + kBanAgain) {
-    return {std::move(refusal)};
-  }
+  return ++caller.refusals >= kRefusalsOfFlood;
+}
+
+AddressLimit::Verdict AddressLimit::ban(Caller& caller, Status refusal, Clock::time_point now) {
+  if (now < caller.bannedUntil - kBan + kBanAgain) return {std::move(refusal)};
   const bool news = now >= caller.bannedUntil;
   caller.bannedUntil = now + kBan;
   return {std::move(refusal), true, news};
@@ -130,13 +149,15 @@ AddressLimit::Verdict AddressLimit::begin(const std::string& peer, double perSec
   if (callers_.size() >= kMostCallers) forgetSilent(now);
   Caller& caller = callers_.try_emplace(networkOf(address), Caller{TokenBucket(perSecond, now), now}).first->second;
   caller.last = now;
+  if (++unfinished_[peer] > kMostUnfinished) return ban(caller, pilingUp(), now);
   if (caller.bucket.take(perSecond, now)) return {};
-  Status refusal = exhausted(Reason::kMaxCallsPerSecondPerAddress, "max_calls_per_second_per_address",
-                             "max_calls_per_second_per_address: allowed are " + std::to_string(int(perSecond)) +
-                                 " from one address; slow down, or name the proxy that many clients come through in "
-                                 "--trusted-proxy")
-                       .retriedAfter(std::chrono::seconds(1));
-  return refuse(caller, std::move(refusal), now);
+  return floods(caller, now) ? ban(caller, tooMany(perSecond), now) : Verdict{tooMany(perSecond)};
+}
+
+void AddressLimit::ended(const std::string& peer) {
+  const MutexLock lock(mutex_);
+  const auto found = unfinished_.find(peer);
+  if (found != unfinished_.end() && --found->second == 0) unfinished_.erase(found);
 }
 
 bool AddressLimit::banned(const std::string& address, Clock::time_point now) const {

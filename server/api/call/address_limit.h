@@ -54,11 +54,17 @@ class AddressLimit {
   };
   /// RESOURCE_EXHAUSTED, max_calls_per_second_per_address, where the peer has begun too many. Who goes on all the same
   /// floods, and is banned for kBan.
+  /// So does a connection whose calls pile up unfinished: it gives them up faster than they can end, however slow that
+  /// is. Each call that began, refused or not, ends by ended().
   Verdict begin(const std::string& peer, double perSecond, Clock::time_point now);
+  void ended(const std::string& peer);
   /// No connections are taken from the address (of addressOf()) now.
   bool banned(const std::string& address, Clock::time_point now) const;
 
   static constexpr std::chrono::seconds kBan{10};
+  /// Five times as many as a connection may have open. Calls that were given up leave the connection room for others
+  /// before they have ended here.
+  static constexpr int kMostUnfinished = 500;
 
  private:
   struct Caller {
@@ -68,12 +74,14 @@ class AddressLimit {
     int refusals = 0;
     Clock::time_point bannedUntil{};
   };
-  static Verdict refuse(Caller& caller, Status refusal, Clock::time_point now);
+  static bool floods(Caller& caller, Clock::time_point now);
+  static Verdict ban(Caller& caller, Status refusal, Clock::time_point now);
   void forgetSilent(Clock::time_point now) LPV_REQUIRES(mutex_);
 
   const AddressList exempt_;
   mutable Mutex mutex_;
   std::map<std::string, Caller> callers_ LPV_GUARDED_BY(mutex_);  ///< by networkOf()
+  std::map<std::string, int> unfinished_ LPV_GUARDED_BY(mutex_);     ///< calls, by peer
 };
 
 }  // namespace lpv::api

@@ -24,11 +24,12 @@ CallDriver::CallDriver(const Context& server, const Method& method, CallOrigin o
       clientStreams_(method.descriptor().client_streaming()),
       serverStreams_(method.descriptor().server_streaming()),
       token_(std::move(origin.token)),
+      peer_(std::move(origin.peer)),
       transport_(transport),
       first_(*server.timers),
       request_(method.handler.request->New()),
       response_(method.handler.response->New()),
-      who_{{}, ops::traceIdOf(origin.traceparent), std::move(origin.peer)} {
+      who_{{}, ops::traceIdOf(origin.traceparent), peer_} {
   context_.hasDeadline = origin.hasDeadline;
 }
 
@@ -36,7 +37,7 @@ CallDriver::CallDriver(const Context& server, const Method& method, CallOrigin o
 Status CallDriver::checkAddress() {
   if (!context_.addresses) return {};
   const double most = context_.registry->limits().maxCallsPerSecondPerAddress;
-  const AddressLimit::Verdict verdict = context_.addresses->begin(who_.peer, most, Clock::now());
+  const AddressLimit::Verdict verdict = context_.addresses->begin(peer_, most, Clock::now());
   if (verdict.flood) transport_.dropPeer();
   if (verdict.news) ++context_.counters->addressBans;
   return verdict.status;
@@ -161,6 +162,7 @@ void CallDriver::cutOff(const Status& why) {
 void CallDriver::onDone() {
   first_.stop();
   if (stream_) stream_->cancelled();
+  if (context_.addresses) context_.addresses->ended(peer_);
 }
 
 /// Starts whatever can be started now.

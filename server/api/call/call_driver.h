@@ -109,6 +109,7 @@ class CallDriver : public std::enable_shared_from_this<CallDriver> {
   const bool clientStreams_;
   const bool serverStreams_;
   const Expected<std::string> token_;
+  const std::string peer_;
   Transport& transport_;
   Deadline first_;
   std::shared_ptr<AnyStream> stream_;

@@ -54,7 +54,13 @@ class AddressLimitTest : public ::testing::Test {
  protected:
   int begun(const std::string& peer, int calls, double perSecond = 10.0) {
     int out = 0;
-    for (int i = 0; i < calls; ++i) out += limit_.begin(peer, perSecond, now_).status.ok() ? 1 : 0;
+    for (int i = 0; i < calls; ++i) out += call(peer, perSecond).status.ok() ? 1 : 0;
+    return out;
+  }
+  /// Begins and ends.
+  AddressLimit::Verdict call(const std::string& peer, double perSecond = 10.0) {
+    const AddressLimit::Verdict out = limit_.begin(peer, perSecond, now_);
+    limit_.ended(peer);
     return out;
   }
   Clock::time_point now_ = Clock::now();
@@ -67,7 +73,7 @@ TEST_F(AddressLimitTest, EachAddressHasItsOwn) {
   EXPECT_EQ(begun("ipv4:10.0.0.2:1", 15), 10);
   now_ += std::chrono::milliseconds(500);
   EXPECT_EQ(begun("ipv4:10.0.0.1:1", 15), 5);
-  const Status refused = limit_.begin("ipv4:10.0.0.1:1", 10.0, now_).status;
+  const Status refused = call("ipv4:10.0.0.1:1").status;
   EXPECT_EQ(refused.code(), Code::kResourceExhausted);
   EXPECT_EQ(refused.reason(), Reason::kMaxCallsPerSecondPerAddress);
   EXPECT_GT(refused.retryAfter().count(), 0);
@@ -89,7 +95,7 @@ TEST_F(AddressLimitTest, ProxiesAndSocketsHaveNone) {
 TEST_F(AddressLimitTest, WhoGoesOnAfterManyRefusalsIsBanned) {
   const auto floods = [this](const std::string& peer, int calls) {
     int out = 0;
-    for (int i = 0; i < calls; ++i) out += limit_.begin(peer, 10.0, now_).flood ? 1 : 0;
+    for (int i = 0; i < calls; ++i) out += call(peer).flood ? 1 : 0;
     return out;
   };
   const std::string flooding = addressOf("ipv4:10.0.0.1:1");
@@ -110,15 +116,34 @@ TEST_F(AddressLimitTest, WhoGoesOnAfterManyRefusalsIsBanned) {
 TEST_F(AddressLimitTest, ABanIsNewsOnce) {
   int news = 0;
   for (int i = 0; i < 100; ++i, now_ += std::chrono::milliseconds(50)) {
-    for (int call = 0; call < 100; ++call) news += limit_.begin("ipv4:10.0.0.1:1", 10.0, now_).news ? 1 : 0;
+    for (int k = 0; k < 100; ++k) news += call("ipv4:10.0.0.1:1").news ? 1 : 0;
   }
   EXPECT_EQ(news, 1);
 }
 
 TEST_F(AddressLimitTest, ManyWhoAreRefusedNowAndThenAreNoFlood) {
   for (int i = 0; i < 3000; ++i, now_ += std::chrono::milliseconds(10)) {
-    EXPECT_FALSE(limit_.begin("ipv4:10.0.0.1:1", 10.0, now_).flood);
+    EXPECT_FALSE(call("ipv4:10.0.0.1:1").flood);
   }
+}
+
+/// However slowly: a busy server ends few calls a second, fewer than the limit counts.
+TEST_F(AddressLimitTest, WhoseCallsPileUpIsBanned) {
+  const auto begin = [this](const std::string& peer) {
+    now_ += std::chrono::milliseconds(200);  // always allowed, by the second
+    return limit_.begin(peer, 10.0, now_);
+  };
+  for (int i = 0; i < AddressLimit::kMostUnfinished; ++i) {
+    EXPECT_TRUE(begin("ipv4:10.0.0.1:1").status.ok());
+    EXPECT_TRUE(begin("ipv4:10.0.0.1:2").status.ok()) << "each connection has its own";
+  }
+  limit_.ended("ipv4:10.0.0.1:1");
+  EXPECT_TRUE(begin("ipv4:10.0.0.1:1").status.ok());
+  EXPECT_FALSE(limit_.banned(addressOf("ipv4:10.0.0.1:1"), now_));
+  const AddressLimit::Verdict verdict = begin("ipv4:10.0.0.1:1");
+  EXPECT_EQ(verdict.status.code(), Code::kResourceExhausted);
+  EXPECT_TRUE(verdict.flood);
+  EXPECT_TRUE(limit_.banned(addressOf("ipv4:10.0.0.1:2"), now_));
 }
 
 /// An attacker with many addresses does not fill memory.
@@ -126,7 +151,7 @@ TEST_F(AddressLimitTest, SilentCallersAreForgotten) {
   for (int i = 0; i < 300'000; ++i) {
     const std::string address =
         "10." + std::to_string(i >> 16) + "." + std::to_string((i >> 8) & 255) + "." + std::to_string(i & 255);
-    ASSERT_TRUE(limit_.begin("ipv4:" + address + ":1", 10.0, now_).status.ok());
+    ASSERT_TRUE(call("ipv4:" + address + ":1").status.ok());
   }
   EXPECT_EQ(begun("ipv4:10.0.0.1:1", 15), 10);
 }
