@@ -20,7 +20,7 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
     if (!asked_) {
       if (Status s = ask(request.request()); !s.ok()) return end(s.within("request"));
     }
-    Expected<ProbePoints> points = probePoints(request.request().points(), context_.limits);
+    Expected<ProbePoints> points = probePoints(request.request().points(), wish_, context_.limits);
     if (!points) return end(points.status().within("request"));
     const MutexLock lock(mutex_);
     if (points->empty()) return;
@@ -66,10 +66,10 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
     if (!session) return session.status();
     session_ = *session;
     asked_ = true;
-    volumeOnly_ = request.volume_only();
+    wish_ = ProbeWish::of(request);
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
-    call.probed = !volumeOnly_;
+    call.probed = !wish_.volumeOnly;
     call.minRevision = request.has_min_revision() ? request.min_revision() : session_->revision();
     wait_.start(whileAlive([](ProbeStream& self, const Status& why) { self.end(why); }));
     call.done = whileAlive([](ProbeStream& self, Expected<Result> result) {
@@ -90,18 +90,17 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
   void startNext() LPV_REQUIRES(mutex_) {
     if (working_ || !result_ || waiting_.empty()) return;
     working_ = true;
-    context_.pool->post(
-        [self = me(), points = std::move(waiting_.front()), result = *result_, volumeOnly = volumeOnly_] {
-          pb::ProbeResponse answer;
-          answerPoints(result, points, volumeOnly, &answer);
-          {
-            const MutexLock lock(self->mutex_);
-            self->answers_.push_back(std::move(answer));
-            self->working_ = false;
-            self->startNext();
-          }
-          self->wake();
-        });
+    context_.pool->post([self = me(), points = std::move(waiting_.front()), result = *result_, wish = wish_] {
+      pb::ProbeResponse answer;
+      answerPoints(result, points, wish, &answer);
+      {
+        const MutexLock lock(self->mutex_);
+        self->answers_.push_back(std::move(answer));
+        self->working_ = false;
+        self->startNext();
+      }
+      self->wake();
+    });
     waiting_.pop_front();
   }
 
@@ -109,7 +108,7 @@ class ProbeStream final : public StreamOf<ProbeStream, pb::StreamProbeRequest, p
   LongestWait wait_;
   SessionPtr session_;
   bool asked_ = false;
-  bool volumeOnly_ = false;
+  ProbeWish wish_;
   std::shared_ptr<WaitingCall> call_;
   Mutex mutex_;
   std::optional<Result> result_ LPV_GUARDED_BY(mutex_);

@@ -182,18 +182,18 @@ class ProbeResultStream final : public SingleResultStream<pb::ProbeRequest, pb::
 
  protected:
   Expected<WaitingCall> prepare(pb::ProbeRequest& request) override {
-    Expected<ProbePoints> points = probePoints(request.points(), context_.limits);
+    wish_ = ProbeWish::of(request);
+    Expected<ProbePoints> points = probePoints(request.points(), wish_, context_.limits);
     if (!points) return points.status();
     points_ = std::move(*points);
-    volumeOnly_ = request.volume_only();
     WaitingCall call;
     call.volume = VolumeStage::kTransported;
-    call.probed = !volumeOnly_;
+    call.probed = !wish_.volumeOnly;
     return call;
   }
   Expected<Parts> parts(Result result) override {
     auto response = std::make_shared<pb::ProbeResponse>();
-    answerPoints(result, points_, volumeOnly_, response.get());
+    answerPoints(result, points_, wish_, response.get());
     return Parts([response, done = false](pb::ProbeResponse* out) mutable {
       if (done) return false;
       out->Swap(response.get());
@@ -203,7 +203,7 @@ class ProbeResultStream final : public SingleResultStream<pb::ProbeRequest, pb::
 
  private:
   ProbePoints points_;
-  bool volumeOnly_ = false;
+  ProbeWish wish_;
 };
 
 }  // namespace

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "scene/emitter_tree.h"
-#include "shaders/layout.h"
+#include "scene/emitter_walk.h"
 
 namespace lpv {
 namespace {
@@ -35,64 +34,19 @@ double edgeIrradiance(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3
   return size > 0.0 ? std::atan2(size, glm::dot(p, q)) * glm::dot(normal, n) / size : 0.0;
 }
 
-/// One light's texels.
-struct Part {
-  const glm::vec4* first = nullptr;
-  int count = 0;   ///< triangles or records
-  int sides = 1;
-  int stride = 4;  ///< texels of a record
+/// Adds up what falls on a surface with unit normal n.
+struct Irradiated {
+  glm::dvec3 n;
+  glm::dvec3 sum{0.0};
+
+  void turned(const glm::dmat3& turn) { n = glm::normalize(turn * n); }
+  void triangle(const glm::dvec3 (&corners)[3], int sides) { sum += triangleIrradiance(corners, n, sides); }
+  void vpl(const SeenVpl& seen) {
+    const glm::vec4* record = seen.record;
+    const kernel::VplEntry vpl = kernel::vplEntry(record[0], record[1], record[2], record[3]);
+    sum += kernel::irradianceFrom(vpl, vpl.position - seen.from, n, seen.sides > 1) * seen.colour;
+  }
 };
-
-double polygonIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n) {
-  double sum = 0.0;
-  for (int i = 0; i < part.count; ++i) {
-    const glm::vec4* corner = part.first + 3 * i;
-    const glm::dvec3 corners[3] = {glm::dvec3(corner[0]) - x, glm::dvec3(corner[1]) - x, glm::dvec3(corner[2]) - x};
-    sum += triangleIrradiance(corners, n, part.sides);
-  }
-  return sum;
-}
-
-constexpr int kColouredRecord = 5;  ///< texels; others have 4
-
-glm::dvec3 vplIrradiance(const Part& part, int at, const glm::dvec3& x, const glm::dvec3& n) {
-  const glm::vec4* record = part.first + at * part.stride;
-  const kernel::VplEntry vpl = kernel::vplEntry(record[0], record[1], record[2], record[3]);
-  const double e = kernel::irradianceFrom(vpl, vpl.position - x, n, part.sides > 1);
-  return part.stride == kColouredRecord ? e * glm::dvec3(record[4]) : glm::dvec3(e);
-}
-
-glm::dvec3 treeIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n, double k) {
-  glm::dvec3 sum(0.0);
-  for (int at = 0; at < part.count;) {
-    const glm::dvec4 node(part.first[at * part.stride]), next(part.first[at * part.stride + 1]);
-    const int vpls = int(next.x), after = int(next.y);
-    const glm::dvec3 d = glm::dvec3(node) - x;
-    const bool whole = after == at + 1 + vpls || glm::dot(d, d) > k * k * node.w * node.w;
-    for (int i = at + 1; whole && i <= at + vpls; ++i) sum += vplIrradiance(part, i, x, n);
-    at = whole ? after : at + 1 + vpls;
-  }
-  return sum;
-}
-
-/// `part` begins with the matrix to the tree's space.
-double emitterTreeIrradiance(const Part& part, const glm::dvec3& x, const glm::dvec3& n, double k) {
-  const auto row = [&part](int i) { return glm::dvec4(part.first[i]); };
-  const glm::dmat3 turn = glm::transpose(glm::dmat3(glm::dvec3(row(0)), glm::dvec3(row(1)), glm::dvec3(row(2))));
-  const glm::dvec3 at = turn * x + glm::dvec3(row(0).w, row(1).w, row(2).w), normal = glm::normalize(turn * n);
-  const Part tree = {part.first + layout::kTreeSpaceTexels, part.count, part.sides, layout::kPlainEntryTexels};
-  double sum = 0.0;
-  for (int i = 0; i < tree.count;) {
-    const glm::dvec4 node(tree.first[i * tree.stride]), next(tree.first[i * tree.stride + 1]);
-    const int vpls = int(next.x), after = int(next.y);
-    const glm::dvec3 d = glm::dvec3(node) - at;
-    const bool far = glm::dot(d, d) > k * k * node.w * node.w;
-    for (int v = i + 1; far && v <= i + vpls; ++v) sum += vplIrradiance(tree, v, at, normal).x;
-    if (!far) sum += polygonIrradiance({part.first + int(next.w), int(next.z), part.sides, 0}, at, normal);
-    i = far ? after : i + 1 + vpls;
-  }
-  return sum;
-}
 
 }  // namespace
 
@@ -161,13 +115,9 @@ glm::dvec3 EmitterList::irradiance(const glm::dvec3& world, const glm::dvec3& n)
 }
 
 glm::dvec3 EmitterList::fromLight(std::size_t light, const glm::dvec3& x, const glm::dvec3& n) const {
-  const glm::vec4 radiance = texels[1 + 2 * light], where = texels[2 + 2 * light];
-  const Part part = {&texels[std::size_t(where.x)], int(where.y), int(where.z), int(where.w)};
-  const glm::dvec3 e = radiance.w == layout::kAsPolygons ? glm::dvec3(polygonIrradiance(part, x, n))
-                       : radiance.w == layout::kAsEmitterTree
-                           ? glm::dvec3(emitterTreeIrradiance(part, x, n, double(texels[0].y)))
-                           : treeIrradiance(part, x, n, double(texels[0].y));
-  return glm::dvec3(radiance) * e;
+  Irradiated on{n};
+  seeLight(*this, light, x, on);
+  return emitterRadiance(*this, light) * on.sum;
 }
 
 glm::dvec3 EmitterList::lookedAt(const glm::dvec3& world, const glm::dvec3& n) const {

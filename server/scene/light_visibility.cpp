@@ -56,6 +56,23 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
   return out;
 }
 
+std::vector<LightVisibility::PointSeen> LightVisibility::pointsSeen(const glm::dvec3& at, std::size_t light) const {
+  std::vector<PointSeen> out;
+  if (!ofLights_) return out;
+  std::call_once(once_, [this] { prepare(); });
+  const Emitter& emitter = emitters_[light];
+  for (const LightPoint& p : emitter.points) {
+    const glm::dvec3 d = glm::dvec3(p.position) - at;
+    const double r = glm::length(d), along = -glm::dot(glm::dvec3(p.direction), d);
+    const double towards = emitter.twoSided ? std::abs(along) : along;
+    if (!(r > 0.0 && towards > 0.0)) continue;
+    const glm::dvec3 to = glm::mix(at, glm::dvec3(p.position), double(layout::kShadowEnd));
+    out.push_back({d / r, double(p.area) * towards / (r * r * r) * glm::dvec3(p.factor),
+                   occluders_->transmitted(at, to, int(light))});
+  }
+  return out;
+}
+
 glm::dvec3 LightVisibility::seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const {
   std::call_once(once_, [this] { prepare(); });
   const glm::dvec3 from = at + offset_ * n;

@@ -26,10 +26,19 @@ class LightVisibility {
   /// Per colour, the share of what `light` would send that arrives: 1 where nothing lies between. `light` counts those
   /// that emit, in the order of names. World space; n is a unit vector.
   glm::dvec3 share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const;
-  /// Per colour, the share of light from a place on a surface that gets to a point with unit normal n.
+  /// A point of a light as a place sees it that is on no surface.
+  struct PointSeen {
+    glm::dvec3 direction{0.0};  ///< unit, towards it
+    glm::dvec3 fluence{0.0};  ///< per colour, of unit radiance, with nothing in the way
+    glm::dvec3 share{1.0};  ///< of it, what arrives
+  };
+  /// Those that shine on the place; none where nothing may be in the way of lights.
+  std::vector<PointSeen> pointsSeen(const glm::dvec3& at, std::size_t light) const;
+  /// Per colour, the share of light from a place on a surface that gets to a point with unit normal n; n is 0 for a
+  /// point that is on no surface.
   glm::dvec3 seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const;
-  /// What a point with unit normal n first sees in a direction, a unit vector, of what stops all light; and per colour
-  /// what gets here from there.
+  /// What a point with unit normal n, or none, first sees in a direction, a unit vector, of what stops all light; and
+  /// per colour what gets here from there.
   struct Sight {
     OccluderHit hit;
     glm::dvec3 share{1.0};

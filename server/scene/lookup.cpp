@@ -75,23 +75,38 @@ double irradianceCap(const sh::Coefficients& incident, const glm::dvec3& n) {
 
 namespace {
 
+/// Calls use(coefficients) for each layer; false where the volume has no answer.
+template <typename Use>
+bool lookUp(const Volume& volume, const std::vector<VolumeLayer>& layers, Lookup lookup, const glm::dvec3& p,
+            const Use& use) {
+  const glm::dvec3 g = volume.grid.gridFromWorld(p);
+  const glm::dvec3 far(volume.grid.dims);
+  if (!glm::all(glm::greaterThanEqual(g, glm::dvec3(-0.5))) || !glm::all(glm::lessThanEqual(g, far + 0.5)))
+    return false;
+  const glm::ivec3 nearest = glm::clamp(glm::ivec3(glm::floor(g)), glm::ivec3(0), volume.grid.dims - 1);
+  for (const VolumeLayer& layer : layers)
+    use(lookup == Lookup::kNearest ? cellAt(layer, volume.grid, nearest) : trilinear(layer, volume.grid, g));
+  return true;
+}
+
 Irradiance lookedUp(const Volume& volume, const std::vector<VolumeLayer>& layers, Lookup lookup, const glm::dvec3& p,
                     const glm::dvec3& n) {
   Irradiance out;
-  const glm::dvec3 g = volume.grid.gridFromWorld(p);
-  const glm::dvec3 far(volume.grid.dims);
-  out.valid = glm::all(glm::greaterThanEqual(g, glm::dvec3(-0.5))) && glm::all(glm::lessThanEqual(g, far + 0.5));
-  if (!out.valid) return out;
-  const glm::ivec3 nearest = glm::clamp(glm::ivec3(glm::floor(g)), glm::ivec3(0), volume.grid.dims - 1);
-  for (const VolumeLayer& layer : layers) {
-    const ColourCoefficients c =
-        lookup == Lookup::kNearest ? cellAt(layer, volume.grid, nearest) : trilinear(layer, volume.grid, g);
+  out.valid = lookUp(volume, layers, lookup, p, [&](const ColourCoefficients& c) {
     for (int colour = 0; colour < 3; ++colour) out.rgb[colour] += irradiance(lookup, c[std::size_t(colour)], n);
-  }
+  });
   return out;
 }
 
 }  // namespace
+
+std::optional<std::array<sh::Coefficients, 3>> incidentAt(const Volume& volume, Lookup lookup, const glm::dvec3& p) {
+  ColourCoefficients sum{};
+  const bool valid = lookUp(volume, volume.layers, lookup, p, [&](const ColourCoefficients& c) {
+    for (std::size_t colour = 0; colour < 3; ++colour) sum[colour] += c[colour];
+  });
+  return valid ? std::optional(sum) : std::nullopt;
+}
 
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n) {
   return lookedUp(volume, volume.layers, lookup, p, n);

@@ -1,7 +1,9 @@
 #pragma once
 // Irradiance looked up in volumes. The GLSL twin is shaders/transport/lookup.glsl.
 
+#include <array>
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "scene/options.h"
 #include "scene/sh.h"
@@ -20,9 +22,12 @@ struct Irradiance {
 /// looked up one by one and summed.
 Irradiance irradianceAt(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
-/// The same with the near field: the lights themselves where emitters are near, blended by smoothstep (MATHS.md 3c),
-/// and beyond the outermost cell centres; lights that are small beside a cell everywhere. Without Volume::direct as
-/// above.
+/// The coefficients that it is looked up from, of each colour, layers together. Nothing where it would be invalid.
+std::optional<std::array<sh::Coefficients, 3>> incidentAt(const Volume& volume, Lookup lookup, const glm::dvec3& p);
+
+/// The same as irradianceAt() with the near field: the lights themselves where emitters are near, blended by smoothstep
+/// (MATHS.md 3c), and beyond the outermost cell centres; lights that are small beside a cell everywhere. Without
+/// Volume::direct as above.
 Irradiance irradianceWithNearField(const Volume& volume, Lookup lookup, const glm::dvec3& p, const glm::dvec3& n);
 
 /// E = max(0, phi/4 + D.n/2) of one colour.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "scene/emitter_list.h"
+#include "scene/light_around.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -51,27 +52,33 @@ bool looksForPieces(const Patch& patch, const glm::dvec3& at) {
 
 }  // namespace
 
+std::optional<glm::dvec3> ReflectedLight::pieceAt(const LightVisibility::Sight& sight, const glm::dvec3& at) const {
+  const Folds& folds = of->folds;
+  if (sight.hit.surface < 0) return std::nullopt;
+  const Folds::OfSurface& surface = folds.surfaces[std::size_t(sight.hit.surface)];
+  if (surface.triangles.empty() || (!sight.hit.front && surface.toBack == 0)) return std::nullopt;
+  const Folds::Range range = surface.triangles[sight.hit.triangle];
+  if (range.count == 0) return std::nullopt;
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = range.first; i < range.first + range.count; ++i) {
+    const double distance = glm::distance(glm::dvec3(folds.pieces[i].position), sight.hit.position);
+    if (distance < least) nearest = i;
+    least = std::min(least, distance);
+  }
+  if (!sight.hit.front) nearest += surface.toBack;
+  if (!looksForPieces(of->patches[folds.patchOf[nearest]], at)) return std::nullopt;
+  return pieceRadiance[nearest];
+}
+
 /// Of the pieces whose patches are near: rays all around see the nearest of what they meet.
 glm::dvec3 ReflectedLight::fromPieces(const glm::dvec3& at, const glm::dvec3& n,
                                       const LightVisibility& visibility) const {
-  const Folds& folds = of->folds;
   glm::dvec3 sum(0.0);
   for (int k = 0; k < kFoldRays; ++k) {
     const auto sight = visibility.sight(at, n, directionAbout(n, k));
-    if (!sight || sight->hit.surface < 0) continue;
-    const Folds::OfSurface& surface = folds.surfaces[std::size_t(sight->hit.surface)];
-    if (surface.triangles.empty() || (!sight->hit.front && surface.toBack == 0)) continue;
-    const Folds::Range range = surface.triangles[sight->hit.triangle];
-    std::size_t nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = range.first; i < range.first + range.count; ++i) {
-      const double distance = glm::distance(glm::dvec3(folds.pieces[i].position), sight->hit.position);
-      if (distance < least) nearest = i;
-      least = std::min(least, distance);
-    }
-    if (range.count == 0) continue;
-    if (!sight->hit.front) nearest += surface.toBack;
-    if (looksForPieces(of->patches[folds.patchOf[nearest]], at)) sum += sight->share * pieceRadiance[nearest];
+    const auto piece = sight ? pieceAt(*sight, at) : std::nullopt;
+    if (piece) sum += sight->share * *piece;
   }
   return glm::pi<double>() / kFoldRays * sum;
 }
@@ -109,6 +116,31 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
   }
   for (int c = 0; c < 3; ++c) sum[c] *= tried[c] > 0.0 && seen[c] < tried[c] ? seen[c] / tried[c] : 1.0;
   return sum + near;
+}
+
+LightAround ReflectedLight::around(const glm::dvec3& at, const LightVisibility* visibility) const {
+  constexpr int kAround = 4 * kFoldRays;
+  const glm::dvec3 onNoSurface(0.0);
+  LightAround out;
+  bool folded = false;
+  for (std::size_t i = 0; i < of->patches.size(); ++i) {
+    const Patch& patch = of->patches[i];
+    const glm::dvec3 place(patch.position);
+    if (!(glm::dot(glm::dvec3(patch.normal), at - place) > 0.0) || radiance[i] == glm::dvec3(0.0)) continue;
+    if (visibility != nullptr && !of->folds.pieces.empty() && looksForPieces(patch, at)) {
+      folded = true;
+      continue;
+    }
+    const glm::dvec3 share = visibility == nullptr ? glm::dvec3(1.0) : visibility->seen(at, onNoSurface, place);
+    if (share != glm::dvec3(0.0)) out.addPatch(patch, at, share * radiance[i]);
+  }
+  for (int k = 0; folded && k < kAround; ++k) {
+    const glm::dvec3 direction = directionAround(k, kAround);
+    const auto sight = visibility->sight(at, onNoSurface, direction);
+    const auto piece = sight ? pieceAt(*sight, at) : std::nullopt;
+    if (piece) out.addFrom(direction, 4.0 * glm::pi<double>() / kAround * sight->share * *piece);
+  }
+  return out;
 }
 
 }  // namespace lpv

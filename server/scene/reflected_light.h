@@ -3,12 +3,15 @@
 
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "scene/light_visibility.h"
 #include "scene/patches.h"
 
 namespace lpv {
+
+struct LightAround;  // scene/light_around.h
 
 struct ReflectedLight {
   PatchedScenePtr of;
@@ -19,7 +22,12 @@ struct ReflectedLight {
   /// Rays go to some of the patches, in proportion to what they send; folds that are near are looked for all around.
   glm::dvec3 irradiance(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility* visibility) const;
 
+  /// All around a world position that is on no surface.
+  LightAround around(const glm::dvec3& at, const LightVisibility* visibility) const;
+
  private:
+  /// What a sight shows of pieces whose patches are near: their radiance.
+  std::optional<glm::dvec3> pieceAt(const LightVisibility::Sight& sight, const glm::dvec3& at) const;
   glm::dvec3 fromPieces(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility& visibility) const;
 };
 using ReflectedLightPtr = std::shared_ptr<const ReflectedLight>;

@@ -1,6 +1,7 @@
 // Calls for single results: volumes, frames, probes, picks.
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -11,6 +12,7 @@ namespace lpv::client {
 namespace {
 
 constexpr std::size_t kPointsPerProbe = 16384;
+constexpr std::size_t kPointsPerProbeAround = 256;
 
 Status incomplete() { return Status(Code::kInternal, "the server ended the call before the answer was complete"); }
 
@@ -50,14 +52,37 @@ std::string packPoints(const std::vector<SurfacePoint>& points, std::size_t firs
   return bytes;
 }
 
-Status appendAnswers(const v1::ProbeResponse& response, std::size_t count, std::vector<Irradiance>& out) {
-  if (response.irradiance().size() != count * 24 || response.valid().size() != count) {
+constexpr std::size_t kHarmonicsBytes = 27 * sizeof(float);
+constexpr std::size_t kMainLightBytes = 6 * sizeof(double);
+
+bool answersAll(const v1::ProbeResponse& response, std::size_t count, bool around) {
+  if (response.irradiance().size() != count * 24 || response.valid().size() != count) return false;
+  if (!around) return true;
+  return response.harmonics().size() == count * kHarmonicsBytes &&
+         response.main_light().size() == count * kMainLightBytes && response.back_faces().size() == count;
+}
+
+LightAround lightAround(const v1::ProbeResponse& response, std::size_t i) {
+  LightAround out;
+  static_assert(sizeof out.harmonics == kHarmonicsBytes);
+  std::memcpy(out.harmonics.data(), response.harmonics().data() + i * kHarmonicsBytes, kHarmonicsBytes);
+  std::array<double, 6> light{};
+  std::memcpy(light.data(), response.main_light().data() + i * kMainLightBytes, kMainLightBytes);
+  out.mainDirection = {light[0], light[1], light[2]};
+  out.mainIrradiance = {light[3], light[4], light[5]};
+  out.backFaces = int(static_cast<unsigned char>(response.back_faces()[i]));
+  return out;
+}
+
+Status appendAnswers(const v1::ProbeResponse& response, std::size_t count, bool around, ProbeResult& out) {
+  if (!answersAll(response, count, around)) {
     return Status(Code::kInternal, "the server answered for another number of points than were sent");
   }
   for (std::size_t i = 0; i < count; ++i) {
     double rgb[3];
     std::memcpy(rgb, response.irradiance().data() + i * 24, 24);
-    out.push_back({{rgb[0], rgb[1], rgb[2]}, response.valid()[i] != 0});
+    out.irradiance.push_back({{rgb[0], rgb[1], rgb[2]}, response.valid()[i] != 0});
+    if (around) out.around.push_back(lightAround(response, i));
   }
   return {};
 }
@@ -81,19 +106,21 @@ Expected<FrameResult> Client::frame(const v1::GetFrameRequest& request) {
 }
 
 Expected<ProbeResult> Client::probe(const std::string& session, const std::vector<SurfacePoint>& points,
-                                    bool volumeOnly, std::optional<std::uint64_t> minRevision) {
+                                    const ProbeWish& wish) {
+  const std::size_t most = wish.around ? kPointsPerProbeAround : kPointsPerProbe;
   ProbeResult result;
   result.irradiance.reserve(points.size());
   v1::ProbeRequest request;
   request.set_session(sessionName(session));
-  request.set_volume_only(volumeOnly);
-  if (minRevision) request.set_min_revision(*minRevision);
-  for (std::size_t at = 0; at < points.size(); at += kPointsPerProbe) {
-    const std::size_t count = std::min(kPointsPerProbe, points.size() - at);
+  request.set_volume_only(wish.volumeOnly);
+  request.set_around(wish.around);
+  if (wish.minRevision) request.set_min_revision(*wish.minRevision);
+  for (std::size_t at = 0; at < points.size(); at += most) {
+    const std::size_t count = std::min(most, points.size() - at);
     request.set_points(packPoints(points, at, count));
     auto response = unary(*connection_, *connection_->results, &v1::ResultService::Stub::Probe, request);
     if (!response) return response.status();
-    if (Status status = appendAnswers(*response, count, result.irradiance); !status.ok()) return status;
+    if (Status status = appendAnswers(*response, count, wish.around, result); !status.ok()) return status;
     request.set_min_revision(std::max(request.min_revision(), response->result().revision()));
     result.info = std::move(*response->mutable_result());
   }

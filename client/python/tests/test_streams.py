@@ -229,6 +229,22 @@ class Notebook(OnServer):
         probe = self.session.probe([(-1.5, 0, 0), (1.5, 0, 0)])
         self.assertTrue(probe.valid.all())
         self.assertGreater(probe.irradiance[0, 1], 5 * probe.irradiance[1, 1] * 0.5)
+        self.assertIsNone(probe.harmonics)
+
+    # Broken by colours and coefficients exchanged, and by batches of 16384.
+    def test_the_light_around_points(self):
+        self.lit()
+        points = [(-1.5, 0.2, 0)] * 300
+        probe = self.session.probe(points, around=True)
+        self.assertEqual(probe.harmonics.shape, (300, 9, 3))
+        direction, light = probe.main_direction[299], probe.main_irradiance[299]
+        self.assertGreater(direction[1], 0.9)  # the lamp hangs above
+        np.testing.assert_allclose(np.linalg.norm(direction), 1.0)
+        band1 = probe.harmonics[299, (3, 1, 2), 1]
+        self.assertGreater(band1 @ direction, 0.99 * np.linalg.norm(band1))
+        self.assertGreater(light.min(), 0.0)
+        self.assertEqual(probe.back_faces[0], 0)
+        self.assertTrue(probe.valid.all())
 
 
 if __name__ == "__main__":

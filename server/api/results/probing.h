@@ -15,10 +15,18 @@ namespace pb = lpv::v1;
 /// World positions and unit normals.
 using ProbePoints = std::vector<std::pair<glm::dvec3, glm::dvec3>>;
 
-/// Points of a ProbeRequest, checked.
-Expected<ProbePoints> probePoints(const std::string& bytes, const Limits& limits);
+/// What is asked about every point.
+struct ProbeWish {
+  bool volumeOnly = false;  ///< without near field
+  bool around = false;      ///< the light all around, too
 
-/// Irradiance at each point from one volume result; `volumeOnly`: without near field.
-void answerPoints(const Result& result, const ProbePoints& points, bool volumeOnly, pb::ProbeResponse* out);
+  static ProbeWish of(const pb::ProbeRequest& request) { return {request.volume_only(), request.around()}; }
+};
+
+/// Points of a ProbeRequest, checked.
+Expected<ProbePoints> probePoints(const std::string& bytes, const ProbeWish& wish, const Limits& limits);
+
+/// The answer at each point from one volume result.
+void answerPoints(const Result& result, const ProbePoints& points, const ProbeWish& wish, pb::ProbeResponse* out);
 
 }  // namespace lpv::api

@@ -157,7 +157,7 @@ TEST(Library, ADownloadedVolumeAnswersAsTheServerDoes) {
   const auto volume = room.client.volume(request);
   ASSERT_TRUE(volume.ok()) << volume.status().message();
   const SurfacePoint point{{0.1, -0.4, 0.2}, {0, 1, 0}};
-  const auto probe = room.client.probe(room.session, {point}, true);
+  const auto probe = room.client.probe(room.session, {point}, {.volumeOnly = true});
   ASSERT_TRUE(probe.ok()) << probe.status().message();
   const Irradiance here = irradianceAt(volume->volume, Lookup::kCap, point.position, point.normal);
   EXPECT_TRUE(here.valid);

@@ -137,7 +137,8 @@ TEST_P(AwayFromLights, ProbesEqualALookupInEveryLayerOfTheVolume) {
   // With DIRECT only who asks for the volume gets it.
   std::vector<client::SurfacePoint> asked;
   for (const auto& [position, normal] : points) asked.push_back({position, normal});
-  const Expected<client::ProbeResult> answer = client.probe(session, asked, GetParam() == pb::TRANSPORT_DIRECT);
+  const Expected<client::ProbeResult> answer =
+      client.probe(session, asked, {.volumeOnly = GetParam() == pb::TRANSPORT_DIRECT});
   ASSERT_TRUE(answer.ok()) << answer.status().message();
   const Lookup lookup = client::fromProto(getSession(stubs_, session).settings().lookup());
   double brightest = 0.0;

@@ -115,10 +115,10 @@ class Client {
   // Results that read your writes: they show the session's revision when the call arrives, or `min_revision`, or later.
   Expected<VolumeResult> volume(const v1::GetVolumeRequest& request);
   Expected<FrameResult> frame(const v1::GetFrameRequest& request);
-  /// Irradiance at any number of points. They are sent in batches of 16384; later batches show the revision of the
-  /// first or a later one. `info` is that of the last batch.
+  /// Irradiance at any number of points. They are sent in batches of 16384, or 256 with the light around them; later
+  /// batches show the revision of the first or a later one. `info` is that of the last batch.
   Expected<ProbeResult> probe(const std::string& session, const std::vector<SurfacePoint>& points,
-                              bool volumeOnly = false, std::optional<std::uint64_t> minRevision = {});
+                              const ProbeWish& wish = {});
   Expected<v1::PickResponse> pick(const v1::PickRequest& request);
 
   /// Used by this library's streams.

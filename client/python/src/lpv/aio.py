@@ -21,6 +21,7 @@ from lpv.watching import FrameStream, SceneStream, VolumeStream
 __all__ = ["Client", "Editor", "FrameStream", "Pending", "SceneStream", "Session", "VolumeStream", "connect"]
 PART = 1 << 19  # a message, with what is around its data, is at most 1 MiB
 _MAX_POINTS = 16384
+_MAX_POINTS_AROUND = 256
 
 
 def connect(address: str = "localhost:50051", *, token: str = "", token_file: str = "", tls: bool = False, ca: str = "",
@@ -196,19 +197,26 @@ class Session:
         return frame
 
     async def probe(self, points: ArrayLike, normals: ArrayLike = (0.0, 1.0, 0.0), *, min_revision: int | None = None,
-                    volume_only: bool = False) -> Probe:
-        """Irradiance at world positions (n, 3) on surfaces with these normals: one each, or one for all."""
+                    volume_only: bool = False, around: bool = False) -> Probe:
+        """Irradiance at world positions (n, 3) on surfaces with these normals: one each, or one for all. `around`: the
+        light all around each position, too, in the order and with the signs of WebXR's light estimates."""
         at = np.asarray(points, "<f8").reshape(-1, 3)
         packed = np.concatenate([at, np.broadcast_to(np.asarray(normals, "<f8"), at.shape)], axis=1)
         got: list[result_pb2.ProbeResponse] = []
-        for first in range(0, max(len(packed), 1), _MAX_POINTS):
+        most = _MAX_POINTS_AROUND if around else _MAX_POINTS
+        for first in range(0, max(len(packed), 1), most):
             revision = got[-1].result.revision if got else min_revision
             got.append(await self._transport.unary(self._transport.results.Probe, result_pb2.ProbeRequest(
-                session=self.name, min_revision=revision, points=packed[first:first + _MAX_POINTS].tobytes(),
-                volume_only=volume_only)))
+                session=self.name, min_revision=revision, points=packed[first:first + most].tobytes(),
+                volume_only=volume_only, around=around)))
         irradiance = np.frombuffer(b"".join(one.irradiance for one in got), "<f8").reshape(-1, 3)
         valid = np.frombuffer(b"".join(one.valid for one in got), np.uint8).astype(bool)
-        return Probe(got[-1].result, irradiance, valid)
+        if not around:
+            return Probe(got[-1].result, irradiance, valid)
+        main = np.frombuffer(b"".join(one.main_light for one in got), "<f8").reshape(-1, 6)
+        return Probe(got[-1].result, irradiance, valid,
+                     np.frombuffer(b"".join(one.harmonics for one in got), "<f4").reshape(-1, 9, 3),
+                     main[:, :3], main[:, 3:], np.frombuffer(b"".join(one.back_faces for one in got), np.uint8))
 
     async def pick(self, x: float, y: float, *, subscriber: str = "", camera: geometry_pb2.Camera | None = None,
                    width: int = 0, height: int = 0) -> result_pb2.PickResponse:

@@ -110,6 +110,13 @@ class Probe:
     info: volume_pb2.ResultInfo
     irradiance: NDArray[np.float64]
     valid: NDArray[np.bool_]
+    #: with around=True: what ProbeResponse.harmonics says, (n, coefficient, colour)
+    harmonics: NDArray[np.float32] | None = None
+    #: unit vectors towards the main light, (n, 3), and its irradiance on what faces it, (n, colour)
+    main_direction: NDArray[np.float64] | None = None
+    main_irradiance: NDArray[np.float64] | None = None
+    #: of 64 rays from each point, those that meet the back of a surface
+    back_faces: NDArray[np.uint8] | None = None
 
 
 def _png(image: PIL.Image.Image) -> bytes:
