@@ -92,7 +92,7 @@ TEST(LightAround, OfASquareOverhead) {
   EXPECT_NEAR(main.irradiance.x, 0.7031, 1e-4);
 }
 
-// From 5 cm to 3 m, beside and behind. Broken by: triangles that are never cut (a fifth of the first coefficient).
+// From 5 cm to 3 m, beside and behind. Broken by: triangles that are never cut (a third of the first coefficient).
 TEST(LightAround, OfASquareIsWhatFallsOnSurfaces) {
   const EmitterList list = listOf({square()});
   double largest = 0.0;
@@ -144,7 +144,7 @@ Scene lampAndPlate() {
 }
 
 // The half of a light that is seen is where the light comes from.
-// Broken by: one share for the whole light (a tenth of the first coefficient).
+// Broken by: one share for the whole light (a seventh of the first coefficient).
 TEST(LightAround, ShadowsTakeTheirPartOfTheLight) {
   const Scene scene = lampAndPlate();
   reference::DirectLight lamp = square();
