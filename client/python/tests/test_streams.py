@@ -181,6 +181,9 @@ class Frames(OnServer):
         exr = self.session.frame(160, 90, camera=camera, format="exr")
         self.assertEqual(exr.file[:4], b"v/1\x01")
         self.assertRaises(ValueError, lambda: exr.array)
+        one, eight = (self.session.frame(160, 90, camera=camera, samples=n, exposure_ev=0).array for n in (1, 8))
+        self.assertGreater(np.abs(one.astype(int) - eight).max(), 10, "edges")
+        self.assertRefused("INVALID_ARGUMENT", self.session.frame, camera=camera, samples=3, field="samples")
         self.assertIsNone(exr._repr_png_())
 
     # Broken by a camera that is lost with the stream, and by updates with the same sequence.
