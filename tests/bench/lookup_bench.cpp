@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -185,11 +186,15 @@ double kibOf(const Source& source, int coefficients) {
   return std::pow(source.cells, 3.0) * 3.0 * 2.0 * coefficients * (source.slopes ? 4.0 : 1.0) / 1024.0;
 }
 
-/// One light in one pose, in a unit cube.
+struct Receivers {
+  std::vector<Receiver> at;
+  std::vector<glm::dvec3> truth;
+};
+
+/// One light in one pose, in a unit cube: walls, and points two cells and more of 64^3 and of 16^3 from it.
 struct Lit {
   std::vector<Emitter> emitters;
-  std::vector<Receiver> walls, objects;
-  std::vector<glm::dvec3> wallTruth, objectTruth;
+  std::array<Receivers, 3> receivers;
 };
 
 /// As accuracy_bench places it on 64^3 cells.
@@ -210,10 +215,11 @@ Lit litBy(const MeshPtr& mesh, int pose, std::size_t objects) {
   Lit out;
   out.emitters = reference::emittersOf(scene).triangles;
   for (Emitter& e : out.emitters) e.radiance = glm::dvec3(1.0);
-  out.walls = reference::wallReceivers(scene.grid);
-  out.objects = reference::objectReceivers(scene.grid, out.emitters, objects);
-  out.wallTruth = reference::irradiances(out.emitters, out.walls);
-  out.objectTruth = reference::irradiances(out.emitters, out.objects);
+  const Grid coarse{glm::dvec3(0.0), 1.0 / 16, glm::ivec3(16)};
+  out.receivers[0].at = reference::wallReceivers(scene.grid);
+  out.receivers[1].at = reference::objectReceivers(scene.grid, out.emitters, objects);
+  out.receivers[2].at = reference::objectReceivers(coarse, out.emitters, objects);
+  for (Receivers& r : out.receivers) r.truth = reference::irradiances(out.emitters, r.at);
   return out;
 }
 
@@ -231,7 +237,7 @@ std::vector<Moments> momentsOf(const Lit& lit, const Source& source, const std::
 struct Row {
   std::string mesh, source, reading;
   double kib = 0.0;
-  reference::Errors walls, objects;
+  std::array<reference::Errors, 3> errors;
 };
 
 std::vector<glm::dvec3> read(const Reading& reading, const std::vector<Moments>& moments,
@@ -247,30 +253,28 @@ void append(std::vector<glm::dvec3>& to, const std::vector<glm::dvec3>& from) {
 }
 
 std::vector<Row> rowsOf(const std::string& mesh, const std::vector<Lit>& poses, const Source& source) {
-  std::vector<std::vector<Moments>> walls, objects;
-  for (const Lit& lit : poses) {
-    walls.push_back(momentsOf(lit, source, lit.walls));
-    objects.push_back(momentsOf(lit, source, lit.objects));
-  }
   std::vector<Row> rows;
-  for (const Reading& reading : readings()) {
-    std::vector<glm::dvec3> wall, wallTruth, object, objectTruth;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      append(wall, read(reading, walls[i], poses[i].walls));
-      append(wallTruth, poses[i].wallTruth);
-      append(object, read(reading, objects[i], poses[i].objects));
-      append(objectTruth, poses[i].objectTruth);
+  for (const Reading& reading : readings())
+    rows.push_back({mesh, source.name, reading.name, kibOf(source, reading.coefficients), {}});
+  for (std::size_t kind = 0; kind < rows[0].errors.size(); ++kind) {
+    std::vector<glm::dvec3> truth;
+    std::vector<std::vector<glm::dvec3>> seen(rows.size());
+    for (const Lit& lit : poses) {
+      const Receivers& receivers = lit.receivers[kind];
+      const std::vector<Moments> moments = momentsOf(lit, source, receivers.at);
+      append(truth, receivers.truth);
+      for (std::size_t i = 0; i < rows.size(); ++i) append(seen[i], read(readings()[i], moments, receivers.at));
     }
-    rows.push_back({mesh, source.name, reading.name, kibOf(source, reading.coefficients),
-                    reference::errors(wall, wallTruth), reference::errors(object, objectTruth)});
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].errors[kind] = reference::errors(seen[i], truth);
   }
   return rows;
 }
 
 std::string lineOf(const Row& r) {
   char line[256];
-  std::snprintf(line, sizeof line, "%s\t%s\t%s\t%.0f\t%.5f\t%.5f\t%.5f\t%.5f", r.mesh.c_str(), r.source.c_str(),
-                r.reading.c_str(), r.kib, r.walls.raw, r.walls.worst, r.objects.raw, r.objects.worst);
+  std::snprintf(line, sizeof line, "%s\t%s\t%s\t%.0f\t%.5f\t%.5f\t%.5f\t%.5f\t%.5f", r.mesh.c_str(), r.source.c_str(),
+                r.reading.c_str(), r.kib, r.errors[0].raw, r.errors[0].worst, r.errors[1].raw, r.errors[1].worst,
+                r.errors[2].raw);
   return line;
 }
 
@@ -296,7 +300,7 @@ int main(int argc, char** argv) {
     std::cout << line << std::endl;
     if (file.is_open()) file << line << std::endl;
   };
-  show("mesh\tmoments\tlookup\tkib\twalls_raw\twalls_worst\tobjects_raw\tobjects_worst");
+  show("mesh\tmoments\tlookup\tkib\twalls_raw\twalls_worst\tobjects_raw\tobjects_worst\tobjects_of_16_raw");
   for (const auto& [name, mesh] : meshes) {
     if (name.rfind(only, 0) != 0) continue;
     std::vector<Lit> lit;
