@@ -29,6 +29,7 @@ class OnTerminal {
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     child_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
+    EXPECT_GE(child_, 0) << "there are no terminals here: /dev/ptmx, and devpts at /dev/pts, are needed";
     if (child_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       execv(argv[0], argv.data());
@@ -36,7 +37,7 @@ class OnTerminal {
     }
   }
   ~OnTerminal() {
-    if (!exit_) {
+    if (child_ > 0 && !exit_) {
       kill(child_, SIGKILL);
       waitpid(child_, nullptr, 0);
     }
@@ -56,7 +57,7 @@ class OnTerminal {
   int finish() {
     (void)readUntil([] { return false; });
     int status = 0;
-    if (!exit_ && waitpid(child_, &status, 0) == child_) {
+    if (child_ > 0 && !exit_ && waitpid(child_, &status, 0) == child_) {
       exit_ = WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
     }
     return exit_.value_or(-1000);
@@ -67,7 +68,7 @@ class OnTerminal {
   template <typename Condition>
   bool readUntil(Condition done) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-    while (!done() && std::chrono::steady_clock::now() < end) {
+    while (child_ > 0 && !done() && std::chrono::steady_clock::now() < end) {
       pollfd from{terminal_, POLLIN, 0};
       if (poll(&from, 1, 100) <= 0) continue;
       char bytes[4096];
