@@ -346,7 +346,11 @@ TEST_F(Cli, WatchTellsRevisionsAsTheyCome) {
   ASSERT_THAT(plain, Not(IsEmpty()));
   EXPECT_THAT(plain.back(), HasSubstr("results in"));
   EXPECT_EQ(lpvctl({"watch", "nosuch", "--seconds", "5"}).exit, 1);
-  EXPECT_EQ(lpvctl({"watch", id_, "--adapt", "10", "--seconds", "2"}).exit, 0);
+  rpc::ChildProcess adapted(LPVCTL_PATH,
+                            {"--server", rpc::server().address(), "watch", id_, "--adapt", "10", "--json"});
+  ASSERT_TRUE(rpc::eventually([&] { return !adapted.output().empty(); })) << adapted.errors();
+  adapted.signal(SIGINT);
+  EXPECT_EQ(adapted.wait(std::chrono::seconds(20)), 0);
   EXPECT_THAT(lpvctl({"watch", id_, "--adapt", "1000", "--seconds", "5"}).err, testing::HasSubstr("adapt_rate"));
 }
 
