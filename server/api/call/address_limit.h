@@ -81,7 +81,7 @@ class AddressLimit {
   const AddressList exempt_;
   mutable Mutex mutex_;
   std::map<std::string, Caller> callers_ LPV_GUARDED_BY(mutex_);  ///< by networkOf()
-  std::map<std::string, int> unfinished_ LPV_GUARDED_BY(mutex_);     ///< calls, by peer
+  std::map<std::string, int> unfinished_ LPV_GUARDED_BY(mutex_);  ///< calls, by peer
 };
 
 }  // namespace lpv::api
