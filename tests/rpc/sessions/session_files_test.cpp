@@ -139,10 +139,14 @@ TEST_F(SessionFiles, AReaderThatStopsHoldsNoPlace) {
   client::Client there = clientOf(narrow.address());
   const std::string session = makeLitSession(stubs);
   ASSERT_THAT(upload(stubs, session, pb::BLOB_KIND_MESH, sheet(700).SerializeAsString()), IsOk());
+  grpc::ChannelArguments narrowLine;
+  narrowLine.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // windows that grow would hold the whole file
+  narrowLine.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, 65536);
+  Stubs slow(narrow.address(), narrowLine);
   Call call;
   pb::ExportSessionRequest request;
   request.set_name(session);
-  const auto stalled = stubs.session->ExportSession(call, request);
+  const auto stalled = slow.session->ExportSession(call, request);
   pb::ExportSessionResponse part;
   ASSERT_TRUE(stalled->Read(&part));
   std::size_t bytes = 0;
