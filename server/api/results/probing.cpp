@@ -14,7 +14,7 @@ namespace lpv::api {
 
 namespace {
 
-/// The light all around a point takes as long as the irradiance at so many points.
+/// The light all around a point counts as so many points.
 constexpr int kPointsForAround = 64;
 
 template <typename Number>
