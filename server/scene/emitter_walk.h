@@ -42,8 +42,8 @@ void seeVpl(const EmitterPart& part, int at, const glm::dvec3& x, See& see) {
   see.vpl(SeenVpl{record, coloured ? glm::dvec3(record[4]) : glm::dvec3(1.0), x, part.sides});
 }
 
-/// Calls see.vpl() for the VPLs of nodes that are far away, by k. For a node that is near it asks near(leaf, texel), with
-/// the node's second texel: true if its VPLs are to be seen all the same. Children of near nodes come after.
+/// Calls see.vpl() for the VPLs of nodes that are far away, by k. For a node that is near it asks near(leaf, texel),
+/// with the node's second texel: true if its VPLs are to be seen all the same. Children of near nodes come after.
 template <typename See, typename Near>
 void seeTree(const EmitterPart& part, const glm::dvec3& x, double k, See& see, const Near& near) {
   for (int at = 0; at < part.count;) {
