@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtx/component_wise.hpp>
 #include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -28,24 +29,21 @@ struct Triangle {
 
 /// Integrals over triangles of one bin.
 struct Moments {
+  std::size_t bin = 0;
   double area = 0.0;
   glm::dvec3 areaNormal{0.0}, first{0.0};
-  glm::dmat3 second{0.0};
+  glm::dvec3 squares{0.0}, products{0.0};  ///< second moments: xx, yy, zz; xy, xz, yz
 
   void add(const Moments& more) {
     area += more.area;
     areaNormal += more.areaNormal;
     first += more.first;
-    second += more.second;
+    squares += more.squares;
+    products += more.products;
   }
 };
 /// Those that hold something, in order: a node's few triangles look in few directions.
-using Bins = std::vector<std::pair<std::size_t, Moments>>;
-
-Moments& momentsIn(Bins& bins, std::size_t bin) {
-  const auto at = std::ranges::lower_bound(bins, bin, {}, [](const auto& b) { return b.first; });
-  return at != bins.end() && at->first == bin ? at->second : bins.insert(at, {bin, Moments()})->second;
-}
+using Bins = std::vector<Moments>;
 
 /// 3 x 3 on each face of a cube, as in shaders/voxelize/normal_bins.glsl.
 std::size_t binOf(const glm::dvec3& normal) {
@@ -56,16 +54,18 @@ std::size_t binOf(const glm::dvec3& normal) {
   return std::size_t(9 * face + 3 * third((axis + 1) % 3) + third((axis + 2) % 3));
 }
 
-void add(const Triangle& t, Bins& bins) {
+glm::dvec3 productsOf(const glm::dvec3& v) { return {v.x * v.y, v.x * v.z, v.y * v.z}; }
+
+Moments momentsOf(const Triangle& t) {
   const glm::dvec3 &a = t.corners[0], &b = t.corners[1], &c = t.corners[2], middle = (a + b + c) / 3.0;
   Moments m;
   m.areaNormal = 0.5 * glm::cross(b - a, c - a);
+  m.bin = binOf(m.areaNormal);
   m.area = glm::length(m.areaNormal);
   m.first = m.area * middle;
-  m.second = m.area / 12.0 *
-             (glm::outerProduct(a, a) + glm::outerProduct(b, b) + glm::outerProduct(c, c) +
-              9.0 * glm::outerProduct(middle, middle));
-  momentsIn(bins, binOf(m.areaNormal)).add(m);
+  m.squares = m.area / 12.0 * (a * a + b * b + c * c + 9.0 * (middle * middle));
+  m.products = m.area / 12.0 * (productsOf(a) + productsOf(b) + productsOf(c) + 9.0 * productsOf(middle));
+  return m;
 }
 
 /// As in shaders/transport/vpls.glsl.
@@ -78,17 +78,18 @@ double spreadOf(double area, double n) {
 
 void addVpl(const Moments& m, std::vector<glm::vec4>& texels) {
   const glm::dvec3 position = m.first / m.area;
-  const glm::dmat3 v = m.second / m.area - glm::outerProduct(position, position);
+  const glm::dvec3 squares = m.squares / m.area - position * position;
   texels.emplace_back(position, m.area);
   texels.emplace_back(m.areaNormal, spreadOf(m.area, glm::length(m.areaNormal)));
-  texels.emplace_back(v[0][0], v[1][1], v[2][2], std::max(v[0][0] + v[1][1] + v[2][2], 0.0));
-  texels.emplace_back(v[0][1], v[0][2], v[1][2], kNoLeastDistance);
+  texels.emplace_back(squares, std::max(squares.x + squares.y + squares.z, 0.0));
+  texels.emplace_back(m.products / m.area - productsOf(position), kNoLeastDistance);
 }
 
 /// A mesh's triangles with area, in tree space.
 std::vector<Triangle> trianglesOf(const Mesh& mesh, const glm::dvec3& scale) {
   const bool mirrors = scale.x * scale.y * scale.z < 0.0;
   std::vector<Triangle> out;
+  out.reserve(mesh.evenTriangles().size());
   for (glm::uvec3 t : mesh.evenTriangles()) {
     if (mirrors) std::swap(t.y, t.z);
     Triangle triangle;
@@ -106,40 +107,116 @@ BvhBox boxOf(const Triangle& t) {
 
 double sizeOf(const BvhNode& node) { return glm::compMax(glm::dvec3(node.upper) - glm::dvec3(node.lower)); }
 
-/// Bottom-up: a node's children follow it.
-std::vector<Bins> momentsOf(const Bvh& bvh, const std::vector<Triangle>& triangles) {
-  std::vector<Bins> out(bvh.nodes.size());
-  for (std::size_t i = out.size(); i-- > 0;) {
+/// Nodes that little smaller ones below stand for, too.
+std::vector<bool> keptNodes(const Bvh& bvh) {
+  struct Open {
+    std::uint32_t end;
+    double size;
+  };
+  std::vector<Open> open;
+  std::vector<bool> kept(bvh.nodes.size());
+  for (std::uint32_t i = 0; i < bvh.nodes.size(); ++i) {
     const BvhNode& node = bvh.nodes[i];
-    for (std::uint32_t k = 0; k < node.items(); ++k) add(triangles[bvh.order[node.firstItem() + k]], out[i]);
-    for (std::size_t child = i + 1; node.leaf == 0 && child < node.skip; child = bvh.nodes[child].skip) {
-      for (const auto& [bin, moments] : out[child]) momentsIn(out[i], bin).add(moments);
-    }
+    while (!open.empty() && open.back().end <= i) open.pop_back();
+    kept[i] = open.empty() || node.leaf != 0 || sizeOf(node) <= kNextLevel * open.back().size;
+    if (kept[i]) open.push_back({node.skip, sizeOf(node)});
   }
-  return out;
+  return kept;
 }
 
-/// Puts nodes down in their order, those that are little smaller than the one above left out.
+/// The VPLs of the nodes that are kept, each a number of texels from its first on.
+struct NodeVpls {
+  struct Range {
+    std::size_t first = 0, count = 0;
+  };
+  std::vector<Range> ofNode;
+  std::vector<glm::vec4> texels;
+};
+
+/// Bottom-up over nodes, whose children follow them. What waits for the node above lies on a stack, the later child
+/// below the earlier one, so that no more is held than a path through the tree has beside it.
+class VplMaker {
+ public:
+  VplMaker(const Bvh& bvh, const std::vector<Triangle>& triangles) : bvh_(bvh), triangles_(triangles) {}
+
+  NodeVpls vplsOf(const std::vector<bool>& kept) {
+    NodeVpls out;
+    out.ofNode.resize(bvh_.nodes.size());
+    for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
+      begins_.push_back(waiting_.size());
+      if (const BvhNode& node = bvh_.nodes[i]; node.leaf != 0) {
+        for (std::uint32_t k = 0; k < node.items(); ++k) add(triangles_[bvh_.order[node.firstItem() + k]]);
+      } else {
+        mergeChildren();
+      }
+      if (kept[i]) out.ofNode[i] = put(out.texels);
+    }
+    return out;
+  }
+
+ private:
+  /// To the topmost.
+  void add(const Triangle& t) {
+    const Moments m = momentsOf(t);
+    const auto begin = waiting_.begin() + std::ptrdiff_t(begins_.back());
+    const auto at =
+        std::lower_bound(begin, waiting_.end(), m.bin, [](const Moments& a, std::size_t b) { return a.bin < b; });
+    if (at != waiting_.end() && at->bin == m.bin) {
+      at->add(m);
+    } else {
+      waiting_.insert(at, m);
+    }
+  }
+
+  /// The two below the topmost, which is empty, become it.
+  void mergeChildren() {
+    begins_.pop_back();
+    const auto early = waiting_.begin() + std::ptrdiff_t(begins_.back());
+    begins_.pop_back();
+    const auto late = waiting_.begin() + std::ptrdiff_t(begins_.back());
+    merged_.clear();
+    auto a = early, b = late;
+    while (a != waiting_.end() || b != early) {
+      const bool first = b == early || (a != waiting_.end() && a->bin <= b->bin);
+      const bool both = first && b != early && a->bin == b->bin;
+      merged_.push_back(first ? *a++ : *b++);
+      if (both) merged_.back().add(*b++);
+    }
+    waiting_.erase(late, waiting_.end());
+    waiting_.insert(waiting_.end(), merged_.begin(), merged_.end());
+  }
+
+  /// The topmost.
+  NodeVpls::Range put(std::vector<glm::vec4>& texels) const {
+    NodeVpls::Range range = {texels.size(), 0};
+    for (std::size_t i = begins_.back(); i < waiting_.size(); ++i) {
+      if (waiting_[i].area > 0.0) addVpl(waiting_[i], texels);
+    }
+    range.count = texels.size() - range.first;
+    return range;
+  }
+
+  const Bvh& bvh_;
+  const std::vector<Triangle>& triangles_;
+  Bins waiting_, merged_;
+  std::vector<std::size_t> begins_;  ///< of each subtree's bins
+};
+
+/// Puts the nodes that are kept down in their order, each with its VPLs.
 class Entries {
  public:
-  void add(std::uint32_t at, const BvhNode& node, const Bins& bins) {
-    closeThoseBefore(at);
-    const double size = sizeOf(node);
-    if (!open_.empty() && node.leaf == 0 && size > kNextLevel * open_.back().size) return;
-    open_.push_back({node.skip, count_, size});
-    const auto vpls = std::ranges::count_if(bins, [](const auto& bin) { return bin.second.area > 0.0; });
-    texels.emplace_back(0.5F * (node.lower + node.upper), float(kOpenedEarlier * size));
-    texels.emplace_back(float(vpls), 0.0F, float(node.items()), float(node.firstItem()));
-    texels.resize(texels.size() + 2, glm::vec4(0.0F));
-    for (const auto& [bin, m] : bins) {
-      if (m.area > 0.0) addVpl(m, texels);
+  Entries(const Bvh& bvh, const std::vector<Triangle>& triangles) {
+    const std::vector<bool> kept = keptNodes(bvh);
+    const NodeVpls vpls = VplMaker(bvh, triangles).vplsOf(kept);
+    texels.reserve(vpls.texels.size() + std::size_t(layout::kPlainEntryTexels) * bvh.nodes.size() +
+                   3 * triangles.size());
+    for (std::uint32_t i = 0; i < bvh.nodes.size(); ++i) {
+      if (kept[i]) add(i, bvh.nodes[i], std::span(vpls.texels).subspan(vpls.ofNode[i].first, vpls.ofNode[i].count));
     }
-    count_ += 1 + std::size_t(vpls);
-  }
-  std::size_t finish() {
     closeThoseBefore(~0U);
-    return count_;
   }
+
+  std::size_t count() const { return count_; }
 
   std::vector<glm::vec4> texels;
 
@@ -147,8 +224,19 @@ class Entries {
   struct Open {
     std::uint32_t end;
     std::size_t entry;
-    double size;
   };
+
+  void add(std::uint32_t at, const BvhNode& node, std::span<const glm::vec4> vpls) {
+    closeThoseBefore(at);
+    open_.push_back({node.skip, count_});
+    const std::size_t count = vpls.size() / layout::kPlainEntryTexels;
+    texels.emplace_back(0.5F * (node.lower + node.upper), float(kOpenedEarlier * sizeOf(node)));
+    texels.emplace_back(float(count), 0.0F, float(node.items()), float(node.firstItem()));
+    texels.resize(texels.size() + 2, glm::vec4(0.0F));
+    texels.insert(texels.end(), vpls.begin(), vpls.end());
+    count_ += 1 + count;
+  }
+
   void closeThoseBefore(std::uint32_t at) {
     for (; !open_.empty() && open_.back().end <= at; open_.pop_back())
       texels[layout::kPlainEntryTexels * open_.back().entry + 1].y = float(count_);
@@ -225,12 +313,11 @@ EmitterTree::EmitterTree(const Mesh& mesh, const glm::dvec3& shapeOfIt) : shape(
   unit = longest > 0.0 ? 1.0 / longest : 1.0;
   const std::vector<Triangle> triangles = trianglesOf(mesh, unit * shape);
   std::vector<BvhBox> boxes;
+  boxes.reserve(triangles.size());
   for (const Triangle& t : triangles) boxes.push_back(boxOf(t));
   const Bvh bvh = makeBvh(boxes, kTrianglesOfLeaf);
-  const std::vector<Bins> moments = momentsOf(bvh, triangles);
-  Entries nodes;
-  for (std::size_t i = 0; i < bvh.nodes.size(); ++i) nodes.add(std::uint32_t(i), bvh.nodes[i], moments[i]);
-  entries = nodes.finish();
+  Entries nodes(bvh, triangles);
+  entries = nodes.count();
   texels = std::move(nodes.texels);
   const std::size_t begin = texels.size();
   for (std::size_t at = 0; at < begin;) {

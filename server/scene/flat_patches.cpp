@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <glm/gtx/component_wise.hpp>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 
 namespace lpv {
@@ -70,26 +72,45 @@ class Patches {
   }
 
  private:
+  /// Of a triangle, beside the edge from its place with the lower number.
   struct Side {
-    std::uint64_t edge;
-    std::uint32_t triangle, corner;
+    std::uint32_t higher, triangle;
+    std::uint8_t corner;
     bool forward;
-    bool operator<(const Side& other) const { return edge < other.edge; }
+    bool operator<(const Side& other) const {
+      return std::tuple(higher, triangle, corner) < std::tuple(other.higher, other.triangle, other.corner);
+    }
   };
 
+  /// Sides by the lower place of their edges: few have the same one, so that no long list is sorted.
   void findNeighbours() {
-    std::vector<Side> sides;
-    sides.reserve(3 * triangles_.size());
+    const auto lower = [this](std::size_t t, int k) { return std::min(triangles_[t][k], triangles_[t][(k + 1) % 3]); };
+    std::vector<std::uint32_t> ends(mesh_.positions.size() + 1, 0);
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      for (int k = 0; k < 3; ++k) ends[lower(t, k) + 1]++;
+    }
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    std::vector<Side> sides(3 * triangles_.size());
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = triangles_[t][int(k)], b = triangles_[t][int((k + 1) % 3)];
-        sides.push_back({std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), t, k, a < b});
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
+        sides[ends[std::min(a, b)]++] = {std::max(a, b), t, std::uint8_t(k), a < b};
       }
     }
-    std::stable_sort(sides.begin(), sides.end());
     neighbours_.assign(triangles_.size(), {kNone, kNone, kNone});
+    std::uint32_t begin = 0;
+    for (const std::uint32_t end : ends) {
+      const std::span<Side> around = std::span(sides).subspan(begin, end - begin);
+      std::ranges::sort(around, std::less<>());
+      join(around);
+      begin = end;
+    }
+  }
+
+  /// Those of two triangles that share an edge which no third one has, and turn the same way.
+  void join(std::span<const Side> sides) {
     for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-      while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
+      while (end < sides.size() && sides[end].higher == sides[i].higher) ++end;
       if (end != i + 2 || sides[i].forward == sides[i + 1].forward) continue;
       neighbours_[sides[i].triangle][sides[i].corner] = std::int32_t(sides[i + 1].triangle);
       neighbours_[sides[i + 1].triangle][sides[i + 1].corner] = std::int32_t(sides[i].triangle);

@@ -53,12 +53,14 @@ struct Item {
 class Builder {
  public:
   Builder(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) : itemsOfLeaf_(itemsOfLeaf) {
+    items_.reserve(boxes.size());
     for (const BvhBox& b : boxes) {
       items_.push_back(
           {{b.lower.x, b.lower.y, b.lower.z}, {b.upper.x, b.upper.y, b.upper.z}, std::uint32_t(items_.size())});
     }
     out_.nodes.reserve(boxes.size());
     if (!boxes.empty()) build(0, std::uint32_t(boxes.size()), 0);
+    out_.order.reserve(items_.size());
     for (const Item& item : items_) out_.order.push_back(item.index);
   }
   Bvh take() { return std::move(out_); }
