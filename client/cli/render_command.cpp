@@ -63,7 +63,8 @@ Camera viewOf(const RenderOptions& options, const ImportedScene& file, const Sce
   if (!options.frame.hasCamera()) return camera;
   camera.eye = *options.frame.eye;
   camera.target = *options.frame.target;
-  camera.up = options.frame.up.value_or(glm::dvec3(0, 1, 0));
+  camera.setUpByView();
+  if (options.frame.up) camera.up = *options.frame.up;
   camera.fovDegrees = options.frame.fov.value_or(Camera().fovDegrees);
   return camera;
 }
@@ -79,6 +80,7 @@ Status render(Context& context, const RenderOptions& options) {
   if (scene->lights.empty() && !scene->surfaces.empty()) {
     const Scene unlit = sceneOf(*scene);
     const Camera view = viewOf(options, *scene, unlit);
+    if (Status s = asLocal(checkCamera(view)); !s.ok()) return s;
     scene->lights.push_back(keyLight(unlit, view));
     if (options.frame.cameraName.empty()) camera = client::toProto(view);  // the server's would show the light, too
     note("the file has no emissive material: added a light '" + scene->lights.back().name + "' beside the camera");

@@ -85,7 +85,7 @@ void FrameFlags::addCameraTo(CLI::App& app) {
   auto* from = addVec3(app, "--eye", eye, "Position of the camera, metres")->excludes(named);
   auto* to = addVec3(app, "--target", target, "Point the camera looks at, metres")->needs(from);
   from->needs(to);
-  addVec3(app, "--up-vector", up, "Up direction (default: 0,1,0)")->needs(from);
+  addVec3(app, "--up-vector", up, "Up direction (default: 0,1,0; straight down or up: 0,0,-1)")->needs(from);
   app.add_option("--fov", fov, "Vertical field of view, degrees (default: 50)")->type_name("DEGREES")->needs(from);
 }
 

@@ -14,6 +14,7 @@ Expected<Camera> fromProto(const pb::Camera& in) {
   Camera camera;
   camera.eye = fromProto(in.eye());
   camera.target = fromProto(in.target());
+  camera.setUpByView();
   if (in.has_up()) camera.up = fromProto(in.up());
   if (in.fov_degrees() != 0.0) camera.fovDegrees = in.fov_degrees();
   camera.setRangeByDistance();

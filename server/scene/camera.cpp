@@ -16,6 +16,11 @@ Status checkVector(const char* field, const glm::dvec3& v) {
   return {};
 }
 
+/// Either way. False for no length and for no number.
+bool isAlong(const glm::dvec3& view, const glm::dvec3& up) {
+  return glm::length(glm::cross(glm::normalize(view), glm::normalize(up))) < 1e-6;
+}
+
 }  // namespace
 
 void Camera::setRangeByDistance() {
@@ -24,6 +29,11 @@ void Camera::setRangeByDistance() {
   const double distance = glm::distance(eye, target);
   near = std::min(usual.near, std::max(kShare * distance, 1e-9));
   far = std::max(usual.far, distance / kShare);
+}
+
+void Camera::setUpByView() {
+  up = {0.0, 1.0, 0.0};
+  if (isAlong(target - eye, up)) up = {0.0, 0.0, -1.0};
 }
 
 glm::dmat4 Camera::viewFromWorld() const { return glm::lookAt(eye, target, up); }
@@ -47,7 +57,7 @@ Status checkCamera(const Camera& c) {
   const glm::dvec3 view = c.target - c.eye;
   if (glm::length(view) < 1e-9) return invalid("target", "camera.target is where camera.eye is; give another point");
   if (glm::length(c.up) < 1e-9) return invalid("up", "camera.up has no length");
-  if (glm::length(glm::cross(glm::normalize(view), glm::normalize(c.up))) < 1e-6) {
+  if (isAlong(view, c.up)) {
     return invalid("up", "camera.up is parallel to the view direction; give another");
   }
   if (!(c.fovDegrees >= 1.0 && c.fovDegrees <= 170.0)) {

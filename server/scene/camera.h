@@ -19,6 +19,8 @@ struct Camera {
   /// Sets near and far for who gives none: .01 and 1,000 m, nearer and farther where the target is: a hundredth of its
   /// distance, and a hundred times it. So a scene of millimetres and one of kilometres are seen whole.
   void setRangeByDistance();
+  /// Sets up for who gives none: (0, 1, 0), or (0, 0, -1) for a view along that, straight down or up.
+  void setUpByView();
 
   bool operator==(const Camera&) const = default;
 

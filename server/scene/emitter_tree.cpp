@@ -107,7 +107,7 @@ BvhBox boxOf(const Triangle& t) {
 
 double sizeOf(const BvhNode& node) { return glm::compMax(glm::dvec3(node.upper) - glm::dvec3(node.lower)); }
 
-/// Nodes that little smaller ones below stand for, too.
+/// Those that become entries: leaves, and what is not little smaller than the kept one above it.
 std::vector<bool> keptNodes(const Bvh& bvh) {
   struct Open {
     std::uint32_t end;

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scene/emitter_walk.h"
+#include "scene/reflected_light.h"
 
 namespace lpv {
 namespace {
@@ -13,8 +14,6 @@ constexpr double kGoldenAngle = 2.399963229728653;
 /// Triangles are cut until they look like caps: |vector irradiance| over fluence is this or more, or so often.
 constexpr double kLikeACap = 0.999;
 constexpr int kMostCuts = 7;
-constexpr double kSizeOfArea = 0.44;  ///< as in scene/reflected_light.cpp
-constexpr double kNearPatch = 9.0;
 /// Rec. 709.
 const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);
 
@@ -129,7 +128,7 @@ void LightAround::addPatch(const Patch& patch, const glm::dvec3& at, const glm::
   }
   const double r = std::sqrt(r2), towards = -glm::dot(glm::dvec3(patch.normal), d);
   if (!(r > 0.0 && towards > 0.0)) return;
-  addFrom(d / r, area * towards / (r * (r2 + kSizeOfArea * area)) * colour);
+  addFrom(d / r, area * towards / (r * (r2 + kPatchSizeOfArea * area)) * colour);
 }
 
 void LightAround::add(const LightAround& other) {

@@ -14,8 +14,6 @@ namespace lpv {
 
 namespace {
 
-constexpr double kNearPatch = 9.0;  ///< as in the shader
-constexpr double kSizeOfArea = 0.44;
 constexpr int kRays = 256;
 constexpr int kFoldRays = 256;
 constexpr double kGoldenAngle = 2.399963229728653;
@@ -30,7 +28,7 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
     const glm::dvec3 corners[3] = {glm::dvec3(t[0]) - at, glm::dvec3(t[1]) - at, glm::dvec3(t[2]) - at};
     return triangleIrradiance(corners, n, 1);
   }
-  const double size = kSizeOfArea * area, p = glm::dot(n, d);
+  const double size = kPatchSizeOfArea * area, p = glm::dot(n, d);
   const double q = std::min(glm::dot(glm::dvec3(patch.normal), d), 0.0);
   if (!(p > 0.0) || !(r2 > 0.0)) return 0.0;
   const double across = glm::dot(n, glm::dvec3(patch.normal)) * q + 2.0 * p - 3.0 * p * q * q / r2;

@@ -13,6 +13,11 @@ namespace lpv {
 
 struct LightAround;  // scene/light_around.h
 
+// As in shaders/visibility/patch_weight.glsl: nearer patches, by the square of the distance over their area, are the
+// triangles that they are; and what their area times this is, is four times their variance along an axis.
+inline constexpr double kNearPatch = 9.0;
+inline constexpr double kPatchSizeOfArea = 0.44;
+
 struct ReflectedLight {
   PatchedScenePtr of;
   std::vector<glm::dvec3> radiance;  ///< W/(sr m^2), per patch

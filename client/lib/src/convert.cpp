@@ -104,6 +104,7 @@ Camera fromProto(const v1::Camera& camera) {
   Camera out;
   out.eye = fromProto(camera.eye());
   out.target = fromProto(camera.target());
+  out.setUpByView();
   if (camera.has_up()) out.up = fromProto(camera.up());
   if (camera.fov_degrees() != 0.0) out.fovDegrees = camera.fov_degrees();
   out.setRangeByDistance();

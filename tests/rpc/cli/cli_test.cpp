@@ -384,6 +384,25 @@ TEST_F(Cli, RenderLightsWhatHasNoLight) {
   EXPECT_GT(cli::meanColour(*picture).x, 0.02);
 }
 
+// Straight down needs no --up-vector; a key light is made by a camera that is one.
+TEST_F(Cli, RenderLooksStraightDown) {
+  const std::string floor = folder_.write("floor.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n");
+  const auto from = [&](std::vector<std::string> flags) {
+    std::vector<std::string> all = {"render", floor,   "-o",   folder_.path("d.png"), "--size", "64x48", "--target",
+                                    "0,0,0",  "--eye", "0,3,0"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    return lpvctl(all);
+  };
+  EXPECT_EQ(from({}).exit, 0);
+  const Expected<Texture> picture = cli::readImage(folder_.path("d.png"));
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  EXPECT_GT(cli::meanColour(*picture).x, 0.02);
+  const auto refused = from({"--up-vector", "0,1,0"});
+  EXPECT_NE(refused.exit, 0);
+  EXPECT_THAT(refused.err, HasSubstr("camera.up is parallel to the view"));
+  EXPECT_THAT(refused.err, testing::Not(HasSubstr("key")));
+}
+
 // Broken by: pixels of radiance; a legend that is not there.
 TEST_F(Cli, FalseColoursAndSamples) {
   (void)lpvctlOut({"scene", "load", id_, room_});

@@ -85,6 +85,21 @@ TEST(Camera, SeesScenesOfMillimetresAndKilometres) {
   EXPECT_EQ(checkCamera(c).field(), "target");
 }
 
+// Red with up as it is for others.
+TEST(Camera, StraightDownAndUpAreViewsToo) {
+  for (const glm::dvec3& target : {glm::dvec3(1, -4, 3), glm::dvec3(1, 9, 3)}) {
+    Camera c;
+    c.eye = {1, 2, 3};
+    c.target = target;
+    EXPECT_EQ(checkCamera(c).field(), "up");
+    c.setUpByView();
+    EXPECT_TRUE(checkCamera(c).ok());
+  }
+  Camera c = someCamera();
+  c.setUpByView();
+  EXPECT_EQ(c.up, glm::dvec3(0, 1, 0));
+}
+
 TEST(CheckCamera, RefusesByField) {
   const auto refused = [](const auto& change) {
     Camera c = someCamera();
