@@ -384,7 +384,7 @@ TEST_F(Cli, RenderLightsWhatHasNoLight) {
   EXPECT_GT(cli::meanColour(*picture).x, 0.02);
 }
 
-// Straight down needs no --up-vector; a key light is made by a camera that is one.
+// Straight down needs no --up-vector. A camera that is refused gets no key light.
 TEST_F(Cli, RenderLooksStraightDown) {
   const std::string floor = folder_.write("floor.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n");
   const auto from = [&](std::vector<std::string> flags) {
