@@ -68,12 +68,16 @@ LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (s
 LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders/visibility/folds.glsl)
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
+LPV_CONST int kGlossPoints =
+    4;  // a GlossPoint per pixel: what its reflections have met so far (shaders/frame/gloss.glsl)
+
 // --- uniform blocks
 LPV_CONST int kParams = 0;  // one struct below per stage
 LPV_CONST int kDrawParams = 1;  // DrawParams of one object
 LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
 LPV_CONST int kShadowParams = 3;  // ShadowParams of one dispatch
 LPV_CONST int kSubpixelParams = 2;  // SubpixelParams of one dispatch
+LPV_CONST int kGlossParams = 2;  // GlossParams of one dispatch
 
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
@@ -106,12 +110,22 @@ LPV_CONST int kSampleNormal = 28;
 LPV_CONST int kSampleDepth = 29;
 LPV_CONST int kSampleEmission = 30;
 LPV_CONST int kSampleEmitterDepth = 31;
+LPV_CONST int kGloss = 0;  // of a picture: what surfaces reflect by their lobes; a: what of other light they do
+LPV_CONST int kGlossLights = 1;  // of a picture: what lobes reflect of lights, before it is smoothed, over all that
+                                 // they would of even light; a: variance, or -1 where there is no lobe
+LPV_CONST int kGlossSurfaces = 2;  // of a picture: the same of surfaces; a: 0
+LPV_CONST int kGlossMet = 13;  // of a picture: E in W/m^2 where its reflections met a surface
+LPV_CONST int kGlossScene = 12;  // usamplerBuffer: what reflections show (shaders/frame/gloss_scene.glsl)
+LPV_CONST int kGlossShares = 22;  // what lobes reflect in all, by cosine and roughness (server/scene/gloss.h)
+LPV_CONST int kGlossMaterial = 14;  // of a picture: roughness and metalness of its surfaces
 // --- image units
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField
 LPV_CONST int kPoolLightOut = 5;
 LPV_CONST int kPoolShareOut = 6;
+LPV_CONST int kGlossOut = 0;  // as kGloss, or kGlossLights
+LPV_CONST int kGlossSurfacesOut = 1;
 LPV_CONST int kSubpixelEmissionOut = 0;  // mean radiance of lights in front
 LPV_CONST int kSubpixelOwnOut = 1;  // as kSubpixelsOwn
 LPV_CONST int kSubpixelFirstOut = 2;
@@ -415,6 +429,26 @@ struct NearFieldParams {
   int spacing;  // pixels between the points that are evaluated whatever is around them
 };
 
+// --- reflections (MATHS.md 3e)
+LPV_CONST int kGlossSurfaceTexels = 2;  // of shaders/frame/gloss_scene.glsl
+LPV_CONST int kGlossLightTexels = 3;
+LPV_CONST uint kGlossBothSides = 1u;  // flags of theirs: it has, or sends, light on both sides;
+LPV_CONST uint kGlossDirected = 2u;  // it sends about directions of its mesh's;
+LPV_CONST uint kGlossUnseen = 4u;  // rays pass through it
+LPV_CONST int kGlossPlaces = 2;  // that a pixel's reflections have met and that E is found at
+LPV_CONST int kGlossRays = 4;  // of a pixel and turn: in directions of the lobe, and as many to points of lights
+
+struct GlossParams {
+  int first;  // blocks of pixels before this dispatch's first
+  int turn;  // of kGlossRays
+  int turns;
+  int firstRow;  // of the pixels, in the picture that they are some rows of
+  int shadows;  // 1: something may stand in the lights' way
+  int last;  // 1: of the block's turns; places that were met are listed
+  int pad0;
+  int pad1;
+};
+
 struct SubpixelParams {
   vec2 offset;  // of the sample from the middle of its pixel, pixels
   int sampleIndex;  // the first begins anew
@@ -456,7 +490,11 @@ struct DrawParams {
   float leastAlpha;  // of what the G-buffer shows
   float masked;  // 1: what the G-buffer shows has an alpha of 1, the rest of 0
   float normalScale;  // of the picture of normals
+  float roughness;
+  float metalness;
   float pad0;
+  float pad1;
+  float pad2;
 };
 
 #ifdef __cplusplus
@@ -492,9 +530,10 @@ static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
-static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32);
+static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&
+              sizeof(GlossParams) == 32);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
-static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 192);
+static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);
 }  // namespace lpv::layout
 #undef LPV_CONST
 #undef LPV_FUNCTION

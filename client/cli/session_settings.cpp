@@ -69,6 +69,7 @@ struct SessionFlags::Given {
   std::optional<double> maxError;
   std::optional<v1::Visibility> visibility;
   std::optional<int> bounces;
+  std::optional<v1::Gloss> gloss;
   std::optional<double> haze;
   std::optional<double> ttl;
   std::optional<std::string> displayName;
@@ -122,6 +123,8 @@ struct SessionFlags::Given {
                    "auto; 0 with propagate)")
         ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", -1}}))
         ->type_name("N|auto");
+    addChoice<v1::Gloss>(app, "--gloss", gloss, {{"on", v1::GLOSS_ON}, {"off", v1::GLOSS_OFF}},
+                         "Whether frames show reflections of surfaces that are metal or smooth (default: off)");
     app.add_option("--haze", haze, "Extinction of haze per metre (default: 0)")->type_name("D");
     addParsed<double>(app, "--ttl", ttl, "T", parseDuration,
                       "Remove the session after this time without calls: 90s, 10m, 1h, 2d; 0: never (default: 1h)");
@@ -192,6 +195,7 @@ std::vector<std::string> SessionFlags::apply(v1::SessionSettings& settings) cons
   set(g.maxError, "max_error", [&](double v) { settings.set_max_error(v); });
   set(g.visibility, "visibility", [&](auto v) { settings.set_visibility(v); });
   set(g.bounces, "bounces", [&](int v) { settings.set_bounces(v); });
+  set(g.gloss, "gloss", [&](auto v) { settings.set_gloss(v); });
   set(g.haze, "haze", [&](double v) { settings.set_haze(v); });
   set(g.ttl, "ttl", [&](double v) { *settings.mutable_ttl() = durationOf(v); });
   set(g.displayName, "display_name", [&](const std::string& v) { settings.set_display_name(v); });

@@ -44,6 +44,7 @@ static_assert(pb::TRANSPORT_AUTO == 1 + static_cast<int>(Transport::kAuto));
 static_assert(pb::QUALITY_ACCURATE == 1 + static_cast<int>(Quality::kAccurate));
 static_assert(pb::LOOKUP_CAP == 1 + static_cast<int>(Lookup::kCap));
 static_assert(pb::LOOKUP_NEAREST == 1 + static_cast<int>(Lookup::kNearest));
+static_assert(pb::GLOSS_OFF == 1 + static_cast<int>(Gloss::kOff));
 static_assert(pb::VISIBILITY_OFF == 1 + static_cast<int>(Visibility::kOff));
 
 Expected<GridOptions> gridFromProto(const pb::GridSettings& in) {
@@ -118,6 +119,7 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Sessio
   if (field == "max_error") return o.maxError = in.max_error(), Status();
   if (field == "visibility")
     return o.visibility = defaults.visibility, take("visibility", in.visibility(), 3, &o.visibility);
+  if (field == "gloss") return o.gloss = defaults.gloss, take("gloss", in.gloss(), 2, &o.gloss);
   if (field == "haze") return o.haze = in.haze(), Status();
   if (field == "display_name") {
     if (in.display_name().size() > kMaxDisplayName) return invalid("display_name", "display_name is above 200 bytes");
@@ -144,9 +146,9 @@ Status takeFields(const Names& named, const pb::SessionSettings& in, SessionSett
 }
 
 const Names& allFields() {
-  static const Names all = {"grid",       "injection",   "method", "dense_samples", "transport", "quality",
-                            "iterations", "clamp_faces", "k",      "lookup",        "max_error", "visibility",
-                            "bounces",    "haze",        "ttl",    "display_name"};
+  static const Names all = {"grid",       "injection",   "method", "dense_samples", "transport",   "quality",
+                            "iterations", "clamp_faces", "k",      "lookup",        "max_error",   "visibility",
+                            "bounces",    "gloss",       "haze",   "ttl",           "display_name"};
   return all;
 }
 
@@ -206,6 +208,7 @@ void toProto(const LightingSettings& o, pb::SessionSettings* out) {
   out->set_max_error(o.maxError);
   out->set_visibility(wireOf<pb::Visibility>(o.visibility));
   out->set_bounces(o.bounces);
+  out->set_gloss(wireOf<pb::Gloss>(o.gloss));
   out->set_haze(o.haze);
 }
 

@@ -207,15 +207,16 @@ GpuTask Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
 
 /// Where shadow rays go, and what they can meet.
 GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
-  if (!s.shadowed && s.bounces == 0) co_return;
+  if (!s.shadowed && s.bounces == 0 && !s.glossy) co_return;
   StageProducts& made = *s.products;
   if (!made.pooled.holds(s.arranged.stamp())) {
     made.pools.make(s.lights, made.lightPoints);
     made.pooled.set(s.arranged.stamp());
   }
   std::vector<Occluder> occluders;  // not a temporary: GCC 12 destroys those of a conditional in co_await twice
-  if (s.reflectionsBlocked) occluders = occludersOf(scene);
+  if (s.reflectionsBlocked || s.glossy) occluders = occludersOf(scene);
   co_await made.occluders.update(std::move(occluders), s.field().grid);
+  if (s.glossy) made.glossScene.update(scene, s.lights, made.pools, made.pooled.stamp());
 }
 
 GpuTask Pipeline::Stages::findPatches(SessionState& s, const TickRequest& request) {

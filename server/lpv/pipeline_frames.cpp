@@ -56,19 +56,24 @@ bool drawnInBands(const FrameRequest& frame) {
   return frame.view == 0 && !frame.reduced && !exposedAsAWhole && frame.size.x * frame.size.y > kMostPixelsAtOnce;
 }
 
+ShadowCasters Pipeline::Stages::shadowCasters(const SessionState& s, const Scene& scene, const FrameRows& frame) const {
+  const StageProducts& made = *s.products;
+  const int turns = shadowTurns(frame, scene.options);
+  return {&made.pools,
+          &made.occluders,
+          s.shadowed ? turns : 0,
+          made.reflecting(),
+          s.reflectionsBlocked ? turns : 0,
+          frame.reduced ? 0 : foldTurns(scene.options)};
+}
+
 GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
   if (view.nearField == nullptr || view.nearField->size != frame.size) {
     view.nearField = nullptr;
     view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
   }
   const StageProducts& made = *s.products;
-  const int turns = shadowTurns(frame, scene.options);
-  const ShadowCasters shadows = {&made.pools,
-                                 &made.occluders,
-                                 s.shadowed ? turns : 0,
-                                 made.reflecting(),
-                                 s.reflectionsBlocked ? turns : 0,
-                                 frame.reduced ? 0 : foldTurns(scene.options)};
+  const ShadowCasters shadows = shadowCasters(s, scene, frame);
   const bool inTheWay = s.shadowed || s.bounces > 0;
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
                                     inTheWay ? &shadows : nullptr,
@@ -77,6 +82,24 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
                                     inTheWay ? poolPictures(s, scene, frame, view) : std::vector<PoolPictureInputs>()};
   co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                              pacing(s));
+}
+
+GpuTask Pipeline::Stages::reflectLikeMirrors(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
+  if (!s.glossy || frame.quantity == FrameQuantity::kIrradiance) {
+    view.gloss = nullptr;
+    co_return;
+  }
+  if (view.gloss == nullptr || view.gloss->size != frame.size) {
+    view.gloss = nullptr;
+    view.gloss = std::make_unique<GlossBuffer>(frame.size);
+  }
+  const StageProducts& made = *s.products;
+  ShadowCasters shadows = shadowCasters(s, scene, frame);
+  shadows.turns = (shadows.turns + layout::kGlossPlaces - 1) / layout::kGlossPlaces;
+  const GlossSources sources = {made.glossScene, made.emitters, shadows, glossTurns(frame, scene.options),
+                                s.shadowed,      frame.firstRow};
+  co_await glossPass.run(*view.gloss, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
+                         pacing(s));
 }
 
 GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
@@ -114,9 +137,10 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
     view.targets = nullptr;
     view.targets = std::make_unique<FrameTargets>(frame.size, frame.format, frame.exposure.automatic);
   }
-  if (view.gbuffer == nullptr || view.gbuffer->target.size() != frame.size) {
+  if (view.gbuffer == nullptr || view.gbuffer->target.size() != frame.size ||
+      bool(view.gbuffer->material) != s.glossy) {
     view.gbuffer = nullptr;
-    view.gbuffer = std::make_unique<Gbuffer>(frame.size);
+    view.gbuffer = std::make_unique<Gbuffer>(frame.size, s.glossy);
   }
   layout::FrameParams params = FrameView(frame).params(s.field().grid);
   params.palette = glm::vec3(s.palette().radiance[0]);
@@ -139,12 +163,14 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   const bool sampled =
       s.shadowed || s.bounces > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
+  co_await reflectLikeMirrors(s, scene, frame, view);
   const IrradianceSources lit = {field.transport,
                                  scene.options.lookup,
                                  s.looksAtLights ? nullptr : &*field.textures,
                                  &s.products->emitters,
                                  sampled ? &view.nearField->irradiance : nullptr,
                                  view.panes != nullptr ? &view.panes->share : nullptr,
+                                 view.gloss != nullptr ? &view.gloss->gloss : nullptr,
                                  view.subpixels.get()};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }

@@ -9,6 +9,7 @@
 #include "lpv/frame/draw.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/frame/gloss.h"
 #include "lpv/frame/near_field.h"
 #include "lpv/frame/panes.h"
 #include "lpv/frame/shading.h"
@@ -33,6 +34,10 @@ inline constexpr double kAim = 0.6;
 inline int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
 /// Of rays all around a pixel, to pieces of folds.
 inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
+/// Of rays of a pixel's lobe.
+inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
+  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 8 : 4;
+}
 inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
 }
@@ -122,6 +127,7 @@ struct StageProducts {
   LightPools pools;
   LightPointCache lightPoints;
   GpuOccluders occluders;
+  GlossScene glossScene;
   CellVisibilities cellVisibilities;
   bool foldsRead = false;  ///< somebody looks for their pieces, or did
   Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
@@ -153,6 +159,7 @@ struct Pipeline::Stages {
   PaneRenderer paneRenderer;
   SubpixelPass subpixelPass{gbufferRenderer, emitterRenderer, paneRenderer};
   NearFieldPass nearFieldPass;
+  GlossPass glossPass{nearFieldPass};
   ShadingPass shadingPass;
 
   Pacing pacing(const SessionState& s) const { return {s.clock.get(), kAim * pieceSeconds}; }
@@ -172,7 +179,9 @@ struct Pipeline::Stages {
   GpuTask takeVolumes(SessionState& s, const ScenePtr& scene, const VolumeCopies& copies);
 
   // Of frames (pipeline_frames.cpp).
+  ShadowCasters shadowCasters(const SessionState& s, const Scene& scene, const FrameRows& frame) const;
   GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
+  GpuTask reflectLikeMirrors(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask drawSubpixels(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);

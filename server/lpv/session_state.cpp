@@ -6,6 +6,7 @@
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/light_grouping.h"
 #include "scene/error_goal.h"
+#include "scene/gloss.h"
 #include "scene/patches.h"
 #include "scene/shadowing.h"
 
@@ -61,6 +62,7 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   shadowed = isShadowed(scene);
   reflectionsBlocked = lpv::reflectionsBlocked(scene);
   bounces = transport == Transport::kPropagate ? 0 : bouncesFor(scene);
+  glossy = showsGloss(scene);
   looksAtLights = transport == Transport::kDirect ||
                   (transport == Transport::kGather && (shadowed || bounces > 0 || lookedAtEverywhere(lights)));
   if (looksAtLights || transport == Transport::kPropagate) {

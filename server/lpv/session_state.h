@@ -11,6 +11,7 @@
 #include "gpu/account.h"
 #include "gpu/readback.h"
 #include "lpv/cached.h"
+#include "lpv/frame/gloss.h"
 #include "lpv/frame/near_field.h"
 #include "lpv/frame/panes.h"
 #include "lpv/frame/shading.h"
@@ -30,6 +31,7 @@ struct View {
   std::unique_ptr<FrameTargets> targets;
   std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced), or one with shadows
   std::unique_ptr<PaneBuffer> panes;  ///< where panes are in the picture, and one sample per pixel
+  std::unique_ptr<GlossBuffer> gloss;  ///< where surfaces have lobes
   std::unique_ptr<SubpixelBuffer> subpixels;  ///< of a frame with several samples per pixel
   gpu::Readback readback;
 };
@@ -67,6 +69,7 @@ struct SessionState {
   bool shadowed = false;               ///< something may stand in the lights' way
   bool reflectionsBlocked = false;     ///< something may stand in the way of what surfaces reflect
   int bounces = 0;                     ///< of light, that frames show
+  bool glossy = false;                 ///< frames show what surfaces reflect like mirrors
   Cached<LightsInputs, LightArrangement> arranged;
   Cached<FieldInputs, std::unique_ptr<LightField>> memory;
   std::shared_ptr<StageProducts> products;  ///< null: nothing

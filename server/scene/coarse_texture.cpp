@@ -6,17 +6,17 @@ namespace lpv {
 
 namespace {
 
-constexpr int kMostBoxes = 64, kRowsOfABox = 4;
+constexpr int kRowsOfABox = 4;
 
 }  // namespace
 
-CoarseTexture::CoarseTexture(const Texture& texture, const std::vector<float>& factors)
-    : size_(std::min(texture.width, kMostBoxes), std::min(texture.height, kMostBoxes)),
+CoarseTexture::CoarseTexture(const Texture& texture, const std::vector<float>& factors, int mostBoxes)
+    : size_(std::min(texture.width, mostBoxes), std::min(texture.height, mostBoxes)),
       means_(std::size_t(size_.x) * std::size_t(size_.y)) {
   std::vector<double> counts(means_.size());
   std::vector<glm::vec3> row;
   std::vector<std::uint8_t> alphas;
-  const int step = std::max(1, texture.height / (kMostBoxes * kRowsOfABox));
+  const int step = std::max(1, texture.height / (mostBoxes * kRowsOfABox));
   for (int y = 0; y < texture.height; y += step) {
     row.clear();
     appendLinearRow(texture, y, row);

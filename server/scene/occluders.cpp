@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "scene/gloss.h"
 #include "scene/patches.h"
 #include "scene/shadowing.h"
 
@@ -18,6 +19,7 @@ glm::dvec2 uvAt(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& weig
 }  // namespace
 
 std::vector<Occluder> occludersOf(const Scene& scene) {
+  const bool gloss = showsGloss(scene);
   std::vector<Occluder> out;
   int number = -1;
   for (const auto& [name, surface] : scene.surfaces) {
@@ -26,15 +28,18 @@ std::vector<Occluder> occludersOf(const Scene& scene) {
     Coverage coverage = coverageOf(*surface);
     if (coverage.letsAllThrough()) continue;
     if (coverage.isOpaque()) coverage = Coverage();
-    out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage), number});
+    const bool textured = gloss && surface->albedoTexture != nullptr && !surface->mesh->uvs.empty();
+    out.push_back(
+        {surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage), number, -1, textured});
   }
-  const bool reflects = bouncesFor(scene) > 0;
+  const bool reflects = gloss || bouncesFor(scene) > 0;
   int index = 0;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
     if (blocksItself(*light) || (reflects && light->castsShadow)) {
       const int blocks = blocksItself(*light) ? index : kFromSurfaces;
-      out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}, -1});
+      const bool textured = gloss && light->texture != nullptr && !light->mesh->uvs.empty();
+      out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}, -1, index, textured});
     }
     ++index;
   }

@@ -28,12 +28,15 @@ struct Occluder {
   int blocks = kAllLights;
   Coverage coverage;  ///< opaque, or what of it stops light
   int surface = -1;  ///< which one of the scene's, in the order of names; -1: a light
+  int light = -1;  ///< which one of those that emit, in the order of names; -1: a surface
+  bool textured = false;  ///< it has a picture that reflections show
 
   bool operator==(const Occluder&) const = default;
 };
 
 /// Of a scene, surfaces first, in the order of names: those that cast shadows and do not let all light through. Lights
-/// that are convex shadow nothing of themselves: they are there where surfaces reflect.
+/// that are convex shadow nothing of themselves: they are there where surfaces reflect, and where reflections show
+/// them.
 std::vector<Occluder> occludersOf(const Scene& scene);
 
 /// The BVH over occluders in a space that `spaceFromWorld` leads to: its leaves have one item each.

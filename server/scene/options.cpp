@@ -50,6 +50,9 @@ Status checkTogether(const LightingSettings& o) {
     return invalid("visibility",
                    "visibility is ON, but transport PROPAGATE has no shadows: choose GATHER or DIRECT, or AUTO or OFF");
   }
+  if (o.gloss == Gloss::kOn && propagates) {
+    return invalid("gloss", "gloss is ON, but transport PROPAGATE has no reflections: choose GATHER or DIRECT, or OFF");
+  }
   if (o.transport == Transport::kPropagate) return {};
   const std::string transport = o.transport == Transport::kGather   ? "GATHER"
                                 : o.transport == Transport::kDirect ? "DIRECT"

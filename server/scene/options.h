@@ -15,6 +15,8 @@ enum class Transport { kPropagate, kGather, kDirect, kAuto };
 enum class Quality { kFast, kAccurate };
 enum class Lookup { kSh2, kCap, kNearest };
 enum class Visibility { kAuto, kOn, kOff };
+/// Whether frames show what surfaces reflect like mirrors, sharply or not (MATHS.md 3e).
+enum class Gloss { kOn, kOff };
 
 inline constexpr int kMaxIterations = 1000;
 inline constexpr int kMaxBounces = 32;
@@ -39,6 +41,7 @@ struct LightingSettings {
   double maxError = 0.0;                ///< wanted raw relative L2 (scene/error_goal.h); 0 = not asked
   Visibility visibility = Visibility::kAuto;
   int bounces = 0;                      ///< 0..kMaxBounces, or kAutoBounces: as many as the wanted error asks for
+  Gloss gloss = Gloss::kOff;
   double haze = 0.0;                    ///< extinction per metre; 0 = none
 
   bool operator==(const LightingSettings&) const = default;

@@ -1,12 +1,15 @@
 // Albedo and normal of the nearest surface. The normal is the interpolated vertex normal (LPV_NORMALS), else the
 // triangle's; seen from behind it is turned over, towards the viewer. LPV_ALPHA: the texture's alpha says what is there.
-// LPV_NORMAL_MAP: a picture of tangent-space normals bends it.
+// LPV_NORMAL_MAP: a picture of tangent-space normals bends it. LPV_GLOSS: what its lobe follows from is kept.
 #include "layout.h"
 #include "common/anisotropic.glsl"
 #include "common/octahedral.glsl"
 
 #if !defined(LPV_NORMALS) || !defined(LPV_TEXTURE) || !defined(LPV_ALPHA) || !defined(LPV_NORMAL_MAP)
 #error "LPV_NORMALS, LPV_TEXTURE, LPV_ALPHA, LPV_NORMAL_MAP: 0 or 1"
+#endif
+#ifndef LPV_GLOSS
+#error "LPV_GLOSS: 0 or 1"
 #endif
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
@@ -25,6 +28,9 @@ in vec2 textureUv;
 
 layout(location = 0) out vec4 albedo;
 layout(location = 1) out vec2 normal;
+#if LPV_GLOSS
+layout(location = 2) out vec2 material;  // roughness, metalness
+#endif
 
 /// Of any length.
 vec3 surfaceNormal() {
@@ -54,6 +60,9 @@ vec3 bent(vec3 n, float share) {
 #endif
 
 void main() {
+#if LPV_GLOSS
+  material = vec2(draw.roughness, draw.metalness);
+#endif
   const float share = inversesqrt(float(frame.samples));
   albedo = vec4(draw.colour, 1.0);
 #if LPV_TEXTURE

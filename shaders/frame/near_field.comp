@@ -12,6 +12,7 @@
 #include "layout.h"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
+#include "frame/point_list.glsl"
 
 #if !defined LPV_PASS || LPV_PASS < LPV_PASS_WEIGHTS || LPV_PASS > LPV_PASS_BETWEEN
 #error "LPV_PASS: LPV_PASS_WEIGHTS, _FIRST or _BETWEEN (shaders/layout.h)"
@@ -36,10 +37,6 @@ layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 /// rgb: E in W/m^2; a: its weight beside the volume's, 0 where E is not known.
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;
 layout(std430, binding = kNearFieldTiles) buffer Tiles { uint tiles[]; };
-layout(std430, binding = kNearFieldPoints) buffer Points {
-  ListHeader list;  // a thread per four points
-  uvec4 points[];   // packedPixel()
-};
 
 #if LPV_POOL
 const float kTolerance = 0.08;
@@ -193,26 +190,6 @@ bool nearIn(ivec2 corner, ivec2 extent) {
     for (int x = first.x; x <= last.x; ++x) near |= tiles[y * tiles2.x + x];
   }
   return near != 0u;
-}
-
-/// The lowest bit's point of the block, which is taken off.
-uint takePoint(inout uint bits, ivec2 corner, ivec2 spacing) {
-  const int point = findLSB(bits);
-  bits &= bits - 1u;
-  return packedPixel(corner + spacing * ivec2(point % kNearFieldBlockX, point / kNearFieldBlockX));
-}
-
-/// Lists the points of a block in fours; the last one may be listed more than once.
-void listPoints(uint bits, ivec2 corner, ivec2 spacing) {
-  const uint fours = uint(bitCount(bits) + 3) / 4u;
-  if (fours == 0u) return;
-  const uint first = atomicAdd(list.count, fours);
-  atomicMax(list.groupsX, (first + fours + kNearFieldGroup - 1u) / kNearFieldGroup);
-  for (uint i = 0u; i < fours; ++i) {
-    uvec4 four = uvec4(takePoint(bits, corner, spacing));
-    for (int k = 1; k < 4; ++k) four[k] = bits != 0u ? takePoint(bits, corner, spacing) : four[k - 1];
-    points[first + i] = four;
-  }
 }
 
 void main() {

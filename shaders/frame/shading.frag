@@ -1,6 +1,6 @@
 // Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
 // through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen. LPV_PANES: some of it
-// is seen through panes. LPV_SUBPIXELS: several samples of each pixel say what is in it (frame/subpixels.glsl).
+// is seen through panes. LPV_GLOSS: surfaces have lobes (frame/gloss.glsl). LPV_SUBPIXELS: several samples of each pixel say what is in it (frame/subpixels.glsl).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
@@ -18,6 +18,11 @@
 #error "LPV_PANES: 0 or 1"
 #elif LPV_PANES
 layout(binding = kPanes) uniform sampler2D panes;
+#endif
+#ifndef LPV_GLOSS
+#error "LPV_GLOSS: 0 or 1"
+#elif LPV_GLOSS
+layout(binding = kGloss) uniform sampler2D gloss;
 #endif
 #ifndef LPV_SUBPIXELS
 #error "LPV_SUBPIXELS: 0 or 1"
@@ -94,11 +99,21 @@ vec3 reflected(ivec2 pixel) {
   return irradiance(pixel, gridPosition(frame, vec2(pixel) + 0.5, depth), n) / kPi;
 }
 
+/// By a surface of an albedo that is lit as the pixel is.
+vec3 reflected(ivec2 pixel, vec3 albedo) {
+#if LPV_GLOSS
+  const vec4 lobe = texelFetch(gloss, pixel, 0);
+  return lobe.rgb + lobe.a * albedo * reflected(pixel);
+#else
+  return albedo * reflected(pixel);
+#endif
+}
+
 #if LPV_SUBPIXELS
 vec3 reflected(ivec2 pixel, vec4 subpixels) {
   const int count = countOf(subpixels);
   return count == 0 ? vec3(0.0)
-                    : float(count) / float(frame.samples) * subpixels.rgb * reflected(pixel + pixelAround(codeOf(subpixels)));
+                    : float(count) / float(frame.samples) * reflected(pixel + pixelAround(codeOf(subpixels)), subpixels.rgb);
 }
 
 vec3 radiance(ivec2 pixel) {
@@ -121,7 +136,7 @@ void main() {
   if (lightInFront) {
     colour.rgb = texelFetch(emission, pixel, 0).rgb;
   } else if (surface > 0.0) {
-    colour.rgb = texelFetch(albedo, pixel, 0).rgb * reflected(pixel);
+    colour.rgb = reflected(pixel, texelFetch(albedo, pixel, 0).rgb);
   }
 #endif
 #if LPV_PANES && !LPV_IRRADIANCE

@@ -1,8 +1,11 @@
 // Receivers that light is summed at: pixels of a picture, or, with LPV_PATCHES, patches of the surfaces, whose number
-// stands for the pixel's column.
+// stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met.
 #include "frame/position.glsl"
 #ifndef LPV_PATCHES
 #error "LPV_PATCHES: 0 or 1"
+#endif
+#if !defined LPV_MET || (LPV_MET && LPV_PATCHES)
+#error "LPV_MET: 0 or 1, which are no patches"
 #endif
 
 layout(std430, binding = kNearFieldPoints) readonly buffer Points {
@@ -19,6 +22,12 @@ vec3 receiverPosition(ivec2 pixel) { return patches[pixel.x].place.xyz; }
 #include "common/octahedral.glsl"
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+#if LPV_MET
+#include "frame/gloss_points.glsl"
+
+vec3 receiverNormal(ivec2 pixel) { return glossPoints[glossIndex(frame, pixel)].normal.xyz; }
+vec3 receiverPosition(ivec2 pixel) { return glossPoints[glossIndex(frame, pixel)].place.xyz; }
+#else
 layout(binding = kNormal) uniform sampler2D normal;
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
 
@@ -26,4 +35,5 @@ vec3 receiverNormal(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, 
 vec3 receiverPosition(ivec2 pixel) {
   return gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x);
 }
+#endif
 #endif

@@ -49,7 +49,7 @@ std::vector<std::string> words() {
                                   "settings"};
   for (const char* path :
        {"grid", "injection", "method", "dense_samples", "transport", "quality", "iterations", "clamp_faces", "k",
-        "lookup", "max_error", "visibility", "bounces", "haze", "ttl", "display_name", "grid.bounds", "nothing"}) {
+        "lookup", "max_error", "visibility", "bounces", "gloss", "haze", "ttl", "display_name", "grid.bounds", "nothing"}) {
     out.push_back(std::string("settings.") + path);
   }
   for (const char* path : {"mesh",

@@ -20,14 +20,16 @@ std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene,
   return items;
 }
 
-gpu::Defines variantOf(const DrawItem& item) {
-  return {{"LPV_NORMALS", item.mesh->normals != nullptr ? "1" : "0"},
-          {"LPV_TEXTURE", item.texture != nullptr ? "1" : "0"},
-          gpu::define("LPV_NORMAL_MAP", item.normals != nullptr),
-          gpu::define("LPV_ALPHA", item.alphaVaries)};
+}  // namespace
+
+gpu::Defines GbufferRenderer::Variant::defines() const {
+  return {gpu::define("LPV_NORMALS", normals), gpu::define("LPV_TEXTURE", texture), gpu::define("LPV_ALPHA", alpha),
+          gpu::define("LPV_NORMAL_MAP", normalMap), gpu::define("LPV_GLOSS", gloss)};
 }
 
-}  // namespace
+GbufferRenderer::Variant GbufferRenderer::variantOf(const DrawItem& item, bool glossy) {
+  return {item.mesh->normals != nullptr, item.texture != nullptr, item.normals != nullptr, item.alphaVaries, glossy};
+}
 
 DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneResources& resources) {
   DrawItem item;
@@ -41,6 +43,8 @@ DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneRe
   item.params = placed(view, surface.transform.worldFromObject());
   item.params.colour = glm::vec3(surface.albedo);
   item.params.normalScale = float(surface.normalScale);
+  item.params.roughness = float(surface.roughness);
+  item.params.metalness = float(surface.metalness);
   item.params.transmission = glm::vec3(surface.transmission);
   item.alphaVaries = alphaVaries(surface);
   const bool masked = surface.alphaMode == AlphaMode::kMask;
@@ -50,11 +54,13 @@ DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneRe
   return item;
 }
 
-Gbuffer::Gbuffer(const glm::ivec2& size)
+Gbuffer::Gbuffer(const glm::ivec2& size, bool glossy)
     : albedo(gpu::Texture::make2d("albedo", size, GL_RGBA16F, gpu::Sampling::kNearestClamp)),
       normal(gpu::Texture::make2d("normal", size, GL_RG16, gpu::Sampling::kNearestClamp)),
       depth(gpu::Texture::make2d("surface depth", size, GL_DEPTH_COMPONENT32F, gpu::Sampling::kNearestClamp)),
-      target("G-buffer", {&albedo, &normal}, &depth) {}
+      material(glossy ? gpu::Texture::make2d("material", size, GL_RG16, gpu::Sampling::kNearestClamp) : gpu::Texture()),
+      target(glossy ? gpu::Framebuffer("G-buffer", {&albedo, &normal, &material}, &depth)
+                    : gpu::Framebuffer("G-buffer", {&albedo, &normal}, &depth)) {}
 
 GbufferInputs gbufferInputs(const FrameRows& request, const Scene& scene) {
   GbufferInputs inputs;
@@ -68,7 +74,10 @@ GpuTask GbufferRenderer::run(Gbuffer& gbuffer, const FrameRows& request, const S
                              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
                              Pacing pacing) {
   const std::vector<DrawItem> items = visibleSurfaces(FrameView(request), scene, resources);
-  const auto programOf = [this](const DrawItem& item) -> gpu::Program& { return programs_.get(variantOf(item)); };
+  const bool glossy = bool(gbuffer.material);
+  const auto programOf = [this, glossy](const DrawItem& item) -> gpu::Program& {
+    return programs_.get(variantOf(item, glossy));
+  };
   co_await drawer.run(Stage::kGbuffer, gbuffer.target, frameParams, items, programOf, pacing);
 }
 

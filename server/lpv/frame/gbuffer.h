@@ -26,13 +26,14 @@ GbufferInputs gbufferInputs(const FrameRows& request, const Scene& scene);
 /// A surface to be drawn, alpha and all; nothing of it may be in the picture.
 DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneResources& resources);
 
-/// Albedo, normal and depth of the nearest surface in each pixel.
+/// Albedo, normal and depth of the nearest surface in each pixel, and what its lobe follows from where it is asked for.
 struct Gbuffer {
-  explicit Gbuffer(const glm::ivec2& size);
+  explicit Gbuffer(const glm::ivec2& size, bool glossy = false);
 
   gpu::Texture albedo;  ///< RGBA16F, linear, times the surface's alpha; alpha 1 where there is a surface
   gpu::Texture normal;  ///< RG16, octahedral, world space, towards the viewer
-  gpu::Texture depth;   ///< 32F, reversed: 0 where there is nothing
+  gpu::Texture depth;  ///< 32F, reversed: 0 where there is nothing
+  gpu::Texture material;  ///< RG16: roughness and metalness; empty where nobody asks
   gpu::Framebuffer target;
   Cached<GbufferInputs> shown;
 };
@@ -44,7 +45,16 @@ class GbufferRenderer {
               const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
-  gpu::ProgramVariants programs_{{"frame/gbuffer.vert", "frame/gbuffer.frag"}};
+  struct Variant {
+    bool normals = false;
+    bool texture = false;
+    bool normalMap = false;
+    bool alpha = false;
+    bool gloss = false;
+    gpu::Defines defines() const;
+  };
+  static Variant variantOf(const DrawItem& item, bool glossy);
+  gpu::Programs<Variant> programs_{{"frame/gbuffer.vert", "frame/gbuffer.frag"}};
 };
 
 }  // namespace lpv

@@ -6,20 +6,15 @@
 #include <span>
 
 #include "gpu/gl.h"
+#include "lpv/frame/parts.h"
 #include "shaders/layout.h"
 
 namespace lpv {
 
 namespace {
 
-constexpr glm::ivec2 kTile(layout::kNearFieldTile), kBlock(layout::kNearFieldBlockX, layout::kNearFieldBlockY);
-
-glm::ivec2 partsOf(const glm::ivec2& size, const glm::ivec2& part) { return (size + part - 1) / part; }
-
 std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::size_t(parts.y); }
 
-constexpr int kPointsOfBlock = layout::kNearFieldBlockX * layout::kNearFieldBlockY;
-static_assert(kPointsOfBlock == 32);  // bits of a uint
 constexpr std::size_t kShadowPointBytes = kShadowPointTexels * sizeof(glm::vec4);
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
@@ -89,7 +84,7 @@ struct NearFieldPass::Look {
   bool reflected;  ///< and at what surfaces reflect
   const gpu::Buffer& list;
   double points;  ///< on it, at most
-  bool patches;   ///< not pixels
+  Receivers receivers;  ///< what they are
   bool reduced;   ///< rays go to the same places from every pixel, which are spread evenly
   int firstRow;   ///< of the pixels, in their picture
   std::function<void()> bind;
@@ -133,7 +128,8 @@ struct NearFieldPass::LookStep {
 };
 
 std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, const LookAt& at) {
-  const RayVariant rays = {from.patches, from.shadows.occluders->transparent()};
+  const ReceiverVariant receivers = {from.receivers};
+  const RayVariant rays = {receivers, from.shadows.occluders->transparent()};
   const layout::ShadowParams& params = at.params;
   std::vector<LookStep> steps;
   if (at.reflected) {
@@ -141,12 +137,12 @@ std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, co
     for (int turn = 0; turn < params.foldTurns; ++turn)
       steps.push_back({folds_.get(rays), turn, NearFieldWork{.rays = layout::kFoldRays * from.points}.units()});
   } else {
-    steps.push_back({evaluate_.get({.shadowed = true, .patches = from.patches}), -1,
+    steps.push_back({evaluate_.get({.shadowed = true, .receivers = receivers}), -1,
                      NearFieldWork{.evaluated = from.points}.units()});
   }
   for (int turn = 0; turn < params.turns; ++turn)
     steps.push_back({rays_.get(rays), turn, NearFieldWork{.rays = 4.0 * from.points}.units()});
-  steps.push_back({sum_.get({from.patches}), params.turns, NearFieldWork{.weighed = from.points}.units()});
+  steps.push_back({sum_.get(receivers), params.turns, NearFieldWork{.weighed = from.points}.units()});
   return steps;
 }
 
@@ -180,8 +176,8 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   params.turns = shadows.turns;
   params.pools = int(from.pools.size()) + (from.reflected ? 1 : 0);
   params.firstRow = from.firstRow;
-  params.jitter = from.reduced || (from.patches && !from.reflected) ? 0 : 1;
-  params.apart = from.patches ? 0 : params.jitter;
+  params.jitter = from.reduced || (from.receivers == Receivers::kPatches && !from.reflected) ? 0 : 1;
+  params.apart = from.receivers == Receivers::kPixels ? params.jitter : 0;
   for (const LightPool& pool : from.pools) {
     params.even = from.reduced && pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints ? 1 : 0;
     params.firstLight = pool.firstLight;
@@ -216,7 +212,7 @@ GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const 
                           reflected,
                           list.points,
                           double(list.count),
-                          true,
+                          Receivers::kPatches,
                           false,
                           0,
                           bind};
@@ -226,6 +222,22 @@ GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const 
 GpuTask NearFieldPass::run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
                            Pacing pacing) {
   for (const PatchList& list : patches.points) co_await lookFrom(patches, list, emitters, shadows, pacing);
+}
+
+GpuTask NearFieldPass::lookFromMet(const MetPlaces& places, const EmitterBufferList& emitters,
+                                   const ShadowCasters& shadows, Pacing pacing) {
+  const auto bind = [&places, &emitters] {
+    places.frameParams.bindUniform(layout::kParams);
+    emitters.view.bind(layout::kDirect);
+    places.points.bindStorage(layout::kGlossPoints);
+    places.list.bindStorage(layout::kNearFieldPoints);
+    places.shadows.bindStorage(layout::kShadowPoints);
+    places.irradiance.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
+  };
+  const Look receivers = {shadows,     shadows.pools->pools, shadows.reflected != nullptr,
+                          places.list, places.count,         Receivers::kMet,
+                          false,       places.firstRow,      bind};
+  co_await look(receivers, pacing);
 }
 
 GpuTask NearFieldPass::lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters,
@@ -277,7 +289,7 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
                               inputs.looksAtReflections(),
                               inputs.buffer.points,
                               points,
-                              false,
+                              Receivers::kPixels,
                               inputs.sources.reduced,
                               inputs.sources.firstRow,
                               [&inputs] { inputs.bind(); }};
@@ -286,7 +298,7 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     }
     if (!weighs) {
       inputs.buffer.points.bindAsDispatchArguments();
-      evaluate_.get({.shadowed = false, .patches = false}).dispatchIndirect(0);
+      evaluate_.get({.shadowed = false, .receivers = {}}).dispatchIndirect(0);
       gpu::memoryBarrier();
     }
     co_yield submitted(Stage::kShade, groups * layout::kNearFieldGroup * pass.work.units());

@@ -76,6 +76,17 @@ struct NearFieldSources {
   std::vector<PoolPictureInputs> pools;
 };
 
+/// Places that the reflections of a picture's pixels have met (lpv/frame/gloss.h), where E is wanted.
+struct MetPlaces {
+  const gpu::Buffer& points;  ///< layout::kGlossPoints
+  const gpu::Buffer& list;  ///< layout::kNearFieldPoints
+  double count;  ///< on it, at most
+  const gpu::Buffer& shadows;  ///< layout::kShadowPoints, as many
+  const gpu::Texture& irradiance;  ///< RGBA32F: where E goes
+  const gpu::Buffer& frameParams;
+  int firstRow;  ///< of the pixels, in the picture that they are some rows of
+};
+
 /// Whether a picture of each of so many pools may be kept.
 bool keepsPools(const glm::ivec2& size, std::size_t pools);
 
@@ -97,6 +108,9 @@ class NearFieldPass {
               const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing);
   /// The same for patches and pieces, which get what comes from the lights; `shadows` has no reflections.
   GpuTask run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows, Pacing pacing);
+  /// The same for what reflections have met.
+  GpuTask lookFromMet(const MetPlaces& places, const EmitterBufferList& emitters, const ShadowCasters& shadows,
+                      Pacing pacing);
   /// What pieces get of what is reflected: `shadows` has the patches, and turns of rays to the pieces.
   GpuTask lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
                          Pacing pacing);
@@ -126,24 +140,30 @@ class NearFieldPass {
       return {gpu::define("LPV_PASS", pass), gpu::define("LPV_EVERYWHERE", everywhere), gpu::define("LPV_POOL", pool)};
     }
   };
+  /// What is on a list of receivers (shaders/visibility/receivers.glsl).
+  enum class Receivers { kPixels, kPatches, kMet };
+  struct ReceiverVariant {
+    Receivers receivers = Receivers::kPixels;
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_PATCHES", receivers == Receivers::kPatches),
+              gpu::define("LPV_MET", receivers == Receivers::kMet)};
+    }
+  };
   struct EvaluateVariant {
     bool shadowed = false;
-    bool patches = false;
-    gpu::Defines defines() const {
-      return {gpu::define("LPV_SHADOWED", shadowed), gpu::define("LPV_PATCHES", patches)};
-    }
-  };
-  struct ReceiverVariant {
-    bool patches = false;
-    gpu::Defines defines() const { return {gpu::define("LPV_PATCHES", patches)}; }
+    ReceiverVariant receivers;
+    gpu::Defines defines() const { return with(receivers, gpu::define("LPV_SHADOWED", shadowed)); }
   };
   struct RayVariant {
-    bool patches = false;
+    ReceiverVariant receivers;
     bool transparent = false;
-    gpu::Defines defines() const {
-      return {gpu::define("LPV_PATCHES", patches), gpu::define("LPV_TRANSPARENT", transparent)};
-    }
+    gpu::Defines defines() const { return with(receivers, gpu::define("LPV_TRANSPARENT", transparent)); }
   };
+  static gpu::Defines with(const ReceiverVariant& receivers, gpu::Defines::value_type more) {
+    gpu::Defines out = receivers.defines();
+    out.insert(out.end(), std::move(more));
+    return out;
+  }
   struct FilterVariant {
     bool reflected = false;
     gpu::Defines defines() const { return {gpu::define("LPV_REFLECTED", reflected)}; }

@@ -36,6 +36,7 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
   if (lit->transport != Transport::kPropagate) lit->emitters->view.bind(layout::kDirect);
   if (lit->nearField != nullptr) lit->nearField->bind(layout::kNearField);
   if (lit->panes != nullptr) lit->panes->bind(layout::kPanes);
+  if (lit->gloss != nullptr) lit->gloss->bind(layout::kGloss);
   if (lit->subpixels != nullptr) {
     lit->subpixels->emission.bind(layout::kEmission);
     lit->subpixels->own.bind(layout::kSubpixelsOwn);
@@ -102,11 +103,11 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
 }
 
 gpu::Defines ShadingPass::Variant::defines() const {
-  return {gpu::define("LPV_CHANNELS", channels),    gpu::define("LPV_GROUPS", groups),
-          gpu::define("LPV_LOOKUP", int(lookup)),   gpu::define("LPV_NEAR_FIELD", nearField),
-          gpu::define("LPV_LOOKED_AT", lookedAt),   gpu::define("LPV_DISPLAY", display),
-          gpu::define("LPV_PANES", panes),          gpu::define("LPV_SUBPIXELS", subpixels),
-          gpu::define("LPV_IRRADIANCE", irradiance)};
+  return {gpu::define("LPV_CHANNELS", channels),     gpu::define("LPV_GROUPS", groups),
+          gpu::define("LPV_LOOKUP", int(lookup)),    gpu::define("LPV_NEAR_FIELD", nearField),
+          gpu::define("LPV_LOOKED_AT", lookedAt),    gpu::define("LPV_DISPLAY", display),
+          gpu::define("LPV_PANES", panes),           gpu::define("LPV_SUBPIXELS", subpixels),
+          gpu::define("LPV_IRRADIANCE", irradiance), gpu::define("LPV_GLOSS", gloss)};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -169,6 +170,7 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
                                       .lookedAt = nearLights && lit.emitters->lookedAt > 0,
                                       .display = direct,
                                       .panes = lit.panes != nullptr,
+                                      .gloss = lit.gloss != nullptr,
                                       .subpixels = lit.subpixels != nullptr,
                                       .irradiance = request.quantity == FrameQuantity::kIrradiance});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);

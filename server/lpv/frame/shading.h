@@ -45,6 +45,7 @@ struct IrradianceSources {
   const EmitterBufferList* emitters = nullptr;  ///< not read with PROPAGATE
   const gpu::Texture* nearField = nullptr;  ///< of NearFieldBuffer; null: pixels look at the lights themselves
   const gpu::Texture* panes = nullptr;  ///< of PaneBuffer; null: no pane is in the picture, or in the subpixels already
+  const gpu::Texture* gloss = nullptr;  ///< of GlossBuffer; null: surfaces are matte
   const SubpixelBuffer* subpixels = nullptr;  ///< null: the middle says what is in a pixel
 };
 
@@ -72,6 +73,7 @@ class ShadingPass {
     bool lookedAt = false;  ///< shares of lights, wherever a pixel is
     bool display = false;
     bool panes = false;
+    bool gloss = false;
     bool subpixels = false;
     bool irradiance = false;
     gpu::Defines defines() const;

@@ -13,14 +13,18 @@ namespace {
 
 static_assert(layout::kLightPointTexels == 3);
 
-void appendPoints(const EmittingLight& light, int index, const LightPoints& points, std::vector<glm::vec4>& texels) {
+void appendPoints(const EmittingLight& light, LightPool& range, const LightPoints& points,
+                  std::vector<glm::vec4>& texels) {
   for (const LightPoint& p : transformed(points, light.gridFromObject)) {
     const glm::vec3 radiance = glm::vec3(light.radiance) * p.factor;
     const float brightness = glm::compMax(radiance);
     texels.emplace_back(p.position, p.area * brightness);
     texels.emplace_back(p.direction, light.twoSided ? 2.0F : 1.0F);
-    texels.emplace_back(brightness > 0.0F ? radiance / brightness : glm::vec3(0.0F), float(index));
+    texels.emplace_back(brightness > 0.0F ? radiance / brightness : glm::vec3(0.0F), float(range.firstLight));
+    range.area += p.area;
+    range.power += double(p.area) * brightness;
   }
+  range.points = int(points.size());
 }
 
 }  // namespace
@@ -50,9 +54,8 @@ void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache&
     pool.lightsEnd = int((i + 1) * lights.size() / count);
     pool.firstPoint = pointsSoFar();
     for (int l = pool.firstLight; l < pool.lightsEnd; ++l) {
-      LightPool& one = ranges.emplace_back(LightPool{l, l + 1, pointsSoFar(), 0});
-      appendPoints(lights[std::size_t(l)], l, *cache.get(lights[std::size_t(l)]), points);
-      one.points = pointsSoFar() - one.firstPoint;
+      LightPool& one = ranges.emplace_back(LightPool{.firstLight = l, .lightsEnd = l + 1, .firstPoint = pointsSoFar()});
+      appendPoints(lights[std::size_t(l)], one, *cache.get(lights[std::size_t(l)]), points);
     }
     pool.points = pointsSoFar() - pool.firstPoint;
   }

@@ -18,6 +18,8 @@ struct LightPool {
   int lightsEnd = 0;   ///< one past the last
   int firstPoint = 0;
   int points = 0;
+  double area = 0.0;   ///< of one side, cells^2
+  double power = 0.0;  ///< the same times the brightest channel of its radiance
 };
 
 /// Lights in so many pools at most: each its own, while there are no more.

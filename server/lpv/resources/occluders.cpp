@@ -74,9 +74,8 @@ GpuOccluders::Contents GpuOccluders::contentsOf(const std::vector<Occluder>& occ
   Contents out;
   for (const Occluder& o : occluders) {
     if (!out.meshes.contains(o.mesh)) out.meshes.emplace(o.mesh, bvhOf(o.mesh));
-    if (o.coverage.map == nullptr) continue;
-    out.withUvs.insert(o.mesh);
-    out.maps.insert(o.coverage.map);
+    if (o.coverage.map != nullptr || o.textured) out.withUvs.insert(o.mesh);
+    if (o.coverage.map != nullptr) out.maps.insert(o.coverage.map);
   }
   return out;
 }
@@ -84,7 +83,8 @@ GpuOccluders::Contents GpuOccluders::contentsOf(const std::vector<Occluder>& occ
 bool GpuOccluders::has(const Occluder& o) const {
   const auto mesh = meshes_.find(o.mesh);
   if (mesh == meshes_.end()) return false;
-  return o.coverage.map == nullptr || (mesh->second.uvs != 0 && maps_.contains(o.coverage.map));
+  if ((o.coverage.map != nullptr || o.textured) && mesh->second.uvs == 0) return false;
+  return o.coverage.map == nullptr || maps_.contains(o.coverage.map);
 }
 
 GpuTask GpuOccluders::storeMesh(const MeshPtr& mesh, const TriangleBvh& bvh, bool withUvs, std::size_t& at,
@@ -147,7 +147,7 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
     texels.push_back(std::bit_cast<Texel>(glm::vec4(glm::vec3(c.transmission), float(c.alpha))));
     const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
     texels.emplace_back(c.map == nullptr ? 0U : maps_.at(c.map), size.x, size.y, place.uvs);
-    texels.emplace_back(std::uint32_t(o.surface + 1), 0, 0, 0);
+    texels.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), 0, 0);
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }

@@ -15,7 +15,8 @@
 namespace lpv {
 
 /// The BVH over BVHs as shaders/visibility/occluders.glsl reads it: the nodes over instances, the instances, then per
-/// mesh its nodes and triangles, with texture coordinates where alpha varies over an instance, then maps of alpha.
+/// mesh its nodes and triangles, with texture coordinates where alpha varies over an instance or reflections show its
+/// picture, then maps of alpha.
 class GpuOccluders {
  public:
   /// Makes what differs from the last scene. Trees over new meshes are made on another thread meanwhile.

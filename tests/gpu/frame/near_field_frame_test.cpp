@@ -85,7 +85,7 @@ Camera cameraAt(const glm::dvec3& eye, const glm::dvec3& target) {
   return camera;
 }
 
-Scene lampOverFloor() {
+Scene lampNearFloor() {
   Scene scene = floorWith(reference::sphere(), {0.1, 0.05, -0.2});
   test::lightOf(scene).transform.scale = glm::dvec3(0.3);
   return scene;
@@ -111,14 +111,14 @@ Scene texturedScreen() {
 // asks for nothing; points of one tile that go to another's pixels.
 TEST_F(NearFieldFrameTest, ReducedFramesAreWithinAPercent) {
   const Camera camera = cameraAt({1.3, -1.7, 0.9}, {0.0, 0.1, -0.2});
-  EXPECT_LE(nrmse(frames(lampOverFloor(), camera, 1)), 0.01) << "lamp";
+  EXPECT_LE(nrmse(frames(lampNearFloor(), camera, 1)), 0.01) << "lamp";
   EXPECT_LE(nrmse(frames(statueBeforeWall(), camera, 2)), 0.01) << "statue";
   EXPECT_LE(nrmse(frames(texturedScreen(), camera, 3)), 0.01) << "screen";
 }
 
 // And it is sampled at all: no frame is the full one. Broken by: FrameRequest::reduced not read.
 TEST_F(NearFieldFrameTest, ReducedFramesAreNotTheFullOnes) {
-  const Frames f = frames(lampOverFloor(), cameraAt({1.3, -1.7, 0.9}, {0.0, 0.1, -0.2}));
+  const Frames f = frames(lampNearFloor(), cameraAt({1.3, -1.7, 0.9}, {0.0, 0.1, -0.2}));
   EXPECT_NE(f.full->rgb32f, f.reduced->rgb32f);
 }
 
@@ -154,13 +154,13 @@ TEST_F(NearFieldFrameTest, AnySize) {
   const Camera camera = cameraAt({1.3, -1.7, 0.9}, {0.0, 0.1, -0.2});
   SessionKey session = 1;
   for (const glm::ivec2& size : {glm::ivec2(16, 16), glm::ivec2(61, 47), glm::ivec2(129, 33)})
-    EXPECT_LE(nrmse(frames(lampOverFloor(), camera, session++, size)), 0.01) << size.x << " x " << size.y;
+    EXPECT_LE(nrmse(frames(lampNearFloor(), camera, session++, size)), 0.01) << size.x << " x " << size.y;
 }
 
 // Lights are followed, and the same scene gives the same bytes whatever was shown before.
 // Broken by: points of the frame before; tiles that were near once.
 TEST_F(NearFieldFrameTest, TheSameSceneGivesTheSameBytes) {
-  Scene scene = lampOverFloor();
+  Scene scene = lampNearFloor();
   const Camera camera = cameraAt({1.3, -1.7, 0.9}, {0.0, 0.1, -0.2});
   const FramePtr first = frames(scene, camera).reduced;
   test::lightOf(scene).transform.translation += glm::dvec3(0.4, -0.3, 0.1);
@@ -173,7 +173,7 @@ TEST_F(NearFieldFrameTest, TheSameSceneGivesTheSameBytes) {
 
 // More polygons and trees than one light has. Broken by: another light's radiance; rounds of polygons counted fourfold.
 TEST_F(NearFieldFrameTest, ManyLights) {
-  Scene scene = lampOverFloor();
+  Scene scene = lampNearFloor();
   for (int i = 0; i < 60; ++i) {
     auto light = std::make_shared<Light>(*scene.lights.at("light"));
     light->mesh = i % 3 == 0 ? reference::quadOf(4) : i % 3 == 1 ? reference::pyramid() : reference::sphere();

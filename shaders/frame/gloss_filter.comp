@@ -1,0 +1,74 @@
+// Smooths what the lobes of a picture reflect over pixels of one surface, further the rougher it is: what a few rays see of
+// a broad lobe is grain, which neighbours have otherwise. Lights have edges: what they send is smoothed over pixels that
+// differ by no more than chance. What is nearly a mirror stays as it is. Leaves the radiance, and
+// in a what of other light is reflected (Lobe::diffuse). A thread has a pixel.
+#include "layout.h"
+#include "common/sh.glsl"
+#include "common/octahedral.glsl"
+#include "frame/position.glsl"
+#include "frame/gloss.glsl"
+
+layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
+
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(binding = kGlossLights) uniform sampler2D ofLights;
+layout(binding = kGlossSurfaces) uniform sampler2D ofSurfaces;
+layout(binding = kGlossOut, rgba32f) writeonly uniform image2D gloss;
+
+const float kLeastCosineBeside = 0.95;  // between normals
+const float kOffPlane = 0.05;           // as a share of the distance
+const float kSameRoughness = 0.05;
+
+/// Pixels on each side.
+int reachOf(float roughness) { return roughness < 0.08 ? 0 : roughness < 0.2 ? 1 : roughness < 0.4 ? 2 : 3; }
+
+bool isBeside(ivec2 pixel, vec3 x, vec3 n, float roughness) {
+  const vec3 d = surfacePosition(frame, pixel) - x;
+  return dot(n, surfaceNormal(pixel)) >= kLeastCosineBeside && abs(dot(n, d)) <= kOffPlane * length(d) + 1e-4 &&
+         abs(texelFetch(material, pixel, 0).x - roughness) <= kSameRoughness;
+}
+
+float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
+
+/// Of what is seen of lights, by a few turns of the pixel and those beside it.
+float varianceAround(ivec2 pixel, ivec2 size) {
+  vec2 sum = vec2(0.0);
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const float variance = texelFetch(ofLights, clamp(pixel + ivec2(dx, dy), ivec2(0), size - 1), 0).a;
+      if (variance >= 0.0) sum += vec2(variance, 1.0);
+    }
+  }
+  return sum.x / max(sum.y, 1.0);
+}
+
+vec3 smoothed(ivec2 pixel, ivec2 size) {
+  const float roughness = texelFetch(material, pixel, 0).x;
+  const int reach = reachOf(roughness);
+  const vec3 x = surfacePosition(frame, pixel), n = surfaceNormal(pixel), own = texelFetch(ofLights, pixel, 0).rgb;
+  const float variance = varianceAround(pixel, size) + 1e-12;
+  vec4 lights = vec4(0.0), surfaces = vec4(0.0);
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const ivec2 at = pixel + ivec2(dx, dy);
+      if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) continue;
+      const vec4 there = texelFetch(ofLights, at, 0);
+      if (there.a < 0.0 || (at != pixel && !isBeside(at, x, n, roughness))) continue;
+      const float near = exp(-float(dx * dx + dy * dy) / max(float(reach * reach), 1.0)), off = largest(abs(there.rgb - own));
+      lights += near * exp(-0.5 * off * off / variance) * vec4(there.rgb, 1.0);
+      surfaces += near * vec4(texelFetch(ofSurfaces, at, 0).rgb, 1.0);
+    }
+  }
+  return lights.rgb / lights.a + surfaces.rgb / surfaces.a;
+}
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(surfaceDepth, 0);
+  if (any(greaterThanEqual(pixel, size))) return;
+  if (texelFetch(ofLights, pixel, 0).a < 0.0) {
+    imageStore(gloss, pixel, vec4(0.0, 0.0, 0.0, 1.0));
+    return;
+  }
+  const Lobe lobe = lobeAt(frame, pixel);
+  imageStore(gloss, pixel, vec4(lobe.all * smoothed(pixel, size), lobe.diffuse));
+}

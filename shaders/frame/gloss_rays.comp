@@ -1,0 +1,211 @@
+// What the lobes of a picture's surfaces reflect: a turn of rays in their directions, and as many to points of the lights,
+// weighed against each other (multiple importance sampling, the balance heuristic: Veach and Guibas 1995). Of places on
+// surfaces that rays meet kGlossPlaces are kept, in proportion to what it would reflect (Talbot, Cline and Egbert 2005), whose E is
+// found after the last turn: those are listed then (near_field_evaluate.comp). A work-group has a block of pixels.
+#include "layout.h"
+#include "common/sh.glsl"
+#include "common/octahedral.glsl"
+#include "frame/position.glsl"
+#include "frame/point_list.glsl"
+#include "visibility/occluders.glsl"
+#include "visibility/first_hit.glsl"
+#include "frame/gloss.glsl"
+#include "frame/gloss_points.glsl"
+#include "frame/gloss_scene.glsl"
+
+layout(local_size_x = kNearFieldBlockX, local_size_y = kNearFieldBlockY) in;
+
+layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(std140, binding = kGlossParams) uniform GlossBlock { GlossParams params; };
+layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
+layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
+
+shared uint metInBlock[kGlossPlaces];
+
+// As in fold_rays.comp; and numbers for choices.
+const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
+const mat2 kPixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
+const float kGoldenStep = 0.6180339887;
+const int kCandidates = 8;  // points of lights that are weighed for a ray
+const float kNearest = 4.0 * kShadowOffset;  // cells: a ray below the triangle of its own start meets it at once
+
+/// Where reflections begin.
+struct Receiver {
+  vec3 x, n, v;
+  Lobe lobe;
+  float beyond;  // all that there is is nearer
+  vec2 shift;    // of the pixel's sequences
+};
+
+float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
+
+bool isGlossy(ivec2 pixel) {
+  const float depth = texelFetch(surfaceDepth, pixel, 0).x, emitter = texelFetch(emitterDepth, pixel, 0).x;
+  const vec2 m = texelFetch(material, pixel, 0).xy;
+  return depth > 0.0 && !(emitter > 0.0 && emitter >= depth) && (m.y > 0.0 || m.x < 1.0);
+}
+
+Receiver receiverAt(ivec2 pixel) {
+  Receiver r;
+  const vec3 place = surfacePosition(frame, pixel);
+  r.n = surfaceNormal(pixel);
+  r.x = place + kShadowOffset * r.n;
+  r.v = normalize(frame.eye - place);
+  r.lobe = lobeAt(frame, pixel);
+  const vec3 lower = uintBitsToFloat(texelFetch(occluders, 1).xyz), upper = uintBitsToFloat(texelFetch(occluders, 2).xyz);
+  r.beyond = length(max(abs(r.x - lower), abs(r.x - upper)));
+  r.shift = kPixelSteps * vec2((pixel + ivec2(0, params.firstRow)) & 1023);
+  return r;
+}
+
+/// What gets to the receiver from a place, of which no opaque thing is in the way.
+vec3 throughPanes(vec3 x, vec3 place, inout int rounds) {
+#if LPV_TRANSPARENT
+  return transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
+#else
+  return vec3(1.0);
+#endif
+}
+
+/// Of a light that a ray has met: radiance times the ray's share beside rays to points.
+vec3 fromLight(Receiver r, Met met, float distance2, vec3 direction, bool front) {
+  const ShownLight light = shownLight(met.light);
+  if ((light.flags & kGlossDirected) != 0u) return vec3(0.0);  // points alone know where it sends how much
+  float share = 1.0;
+  if (r.lobe.alpha >= kMirrorAlpha) {
+    float density;
+    reflectedFrom(r.lobe, r.n, r.v, direction, density);
+    const float ofPoints = float(kCandidates) * chanceOf(light) * distance2 / max(abs(dot(met.normal, direction)), 1e-6);
+    share = density / (density + ofPoints);
+  }
+  return share * radianceAt(met, light, front);
+}
+
+/// Takes a place that a ray has met on a surface, or keeps the one before. `reflected`: what the lobe and the albedo there
+/// make of radiance 1.
+void offer(inout GlossPoint p, vec3 reflected, vec4 place, vec3 n, float choice) {
+  const float chance = largest(reflected);
+  if (chance <= 0.0) return;
+  p.met.a += chance;
+  if (choice * p.met.a >= chance && p.place.a > 0.0) return;
+  p.met.rgb = reflected / chance;
+  p.place = place;
+  p.normal.xyz = n;
+}
+
+/// A ray in a direction of the lobe: what it shows of a light.
+vec3 rayOfLobe(Receiver r, int k, inout GlossPoint p, inout int rounds) {
+  vec3 direction;
+  const vec3 worth = reflectedTo(r.lobe, r.n, r.v, fract(r.shift + float(k) * kRayStep), direction);
+  if (worth == vec3(0.0)) return vec3(0.0);
+  const Sight sight = firstHit(r.x, r.x + r.beyond * direction, rounds);
+  const float distance_ = sight.at * r.beyond;
+  if (sight.at >= 1.0 || distance_ < kNearest) return vec3(0.0);
+  const vec3 place = r.x + distance_ * direction;
+  const Met met = metAt(sight, place);
+  const vec3 arrives = worth * throughPanes(r.x, place, rounds);
+  if (met.light >= 0) return arrives * fromLight(r, met, distance_ * distance_, direction, sight.front);
+  if (met.surface >= 0) {
+    const float choice = fract(dot(r.shift, vec2(0.754877, 0.569840)) + float(k) * kGoldenStep);
+    offer(p, arrives * albedoAt(met, sight.front), vec4(place, distance_), met.normal, choice);
+  }
+  return vec3(0.0);
+}
+
+/// A point of a light that a ray may go to.
+struct Candidate {
+  vec3 reflected;  // of its radiance by the lobe, its share beside rays of the lobe
+  vec3 place;
+  int light;
+};
+
+Candidate candidateAt(Receiver r, int k) {
+  float at = fract(r.shift.x + 0.5 * r.shift.y + float(k) * kGoldenStep);
+  Candidate c = Candidate(vec3(0.0), vec3(0.0), lightAt(at));
+  const ShownLight light = shownLight(c.light);
+  const int point = light.firstPoint + min(int(at * float(light.points)), light.points - 1);
+  const vec4 from = texelFetch(lightPoints, kLightPointTexels * point);
+  const vec4 emits = texelFetch(lightPoints, kLightPointTexels * point + 1);
+  c.place = from.xyz;
+  const vec3 d = from.xyz - r.x;
+  const float r2 = dot(d, d) + 1e-8, apart = sqrt(r2), along = -dot(emits.xyz, d) / apart;
+  const float sends = emits.w > 1.5 ? abs(along) : max(along, 0.0), chance = float(kCandidates) * chanceOf(light);
+  if (sends <= 0.0 || light.points == 0 || chance <= 0.0) return c;
+  float density;
+  const vec3 reflected = reflectedFrom(r.lobe, r.n, r.v, d / apart, density);
+  const float ofPoints = chance * r2 / sends;
+  const bool known = (light.flags & (kGlossDirected | kGlossUnseen)) != 0u;  // to rays to points alone
+  const vec3 radiance = from.w * float(light.points) / light.area * texelFetch(lightPoints, kLightPointTexels * point + 2).rgb;
+  c.reflected = reflected * radiance / (known ? ofPoints : ofPoints + density);
+  return c;
+}
+
+/// What kCandidates points of the lights send, and a ray to one of them, chosen by what it sends: all of it arrives if
+/// that does (Talbot, Cline and Egbert 2005).
+vec3 rayToLight(Receiver r, int k, inout int rounds) {
+  vec3 all = vec3(0.0), place = vec3(0.0);
+  float weights = 0.0;
+  int light = 0;
+  for (int i = 0; i < kCandidates; ++i) {
+    const Candidate c = candidateAt(r, k * kCandidates + i);
+    const float weight = largest(c.reflected);
+    all += c.reflected;
+    weights += weight;
+    const float choice = fract(dot(r.shift, vec2(0.569840, 0.754877)) + float(k * kCandidates + i) * 0.7548776662);
+    if (weight <= 0.0 || choice * weights >= weight) continue;
+    place = c.place;
+    light = c.light;
+  }
+  if (weights <= 0.0 || params.shadows == 0) return all;
+  return all * transmitted(r.x, mix(r.x, place, kShadowEnd), light, rounds);
+}
+
+/// Whether places of the pixel have been met, a bit each.
+uint turnOfRays(ivec2 pixel) {
+  const Receiver r = receiverAt(pixel);
+  const ivec2 next = ivec2(pictureWidth(frame), 0);
+  GlossPoint p[kGlossPlaces];
+  for (int i = 0; i < kGlossPlaces; ++i) {
+    p[i] = GlossPoint(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    if (params.turn > 0) p[i] = glossPoints[glossIndex(frame, pixel + i * next)];
+  }
+  const bool mirror = r.lobe.alpha < kMirrorAlpha;
+  vec3 sum = vec3(0.0);
+  int rounds = 0;
+  for (int i = 0; i < kGlossRays && rounds < kMostRayRounds; ++i) {
+    const int k = params.turn * kGlossRays + i;
+    sum += rayOfLobe(r, k, p[i % kGlossPlaces], rounds);
+    if (!mirror) sum += rayToLight(r, k, rounds);
+  }
+  const vec3 lights = sum / float(kGlossRays);
+  p[0].lights += vec4(lights, 1.0);
+  p[0].normal.a += largest(lights) * largest(lights);
+  uint met = 0u;
+  for (int i = 0; i < kGlossPlaces; ++i) {
+    glossPoints[glossIndex(frame, pixel + i * next)] = p[i];
+    met |= p[i].place.a > 0.0 ? 1u << i : 0u;
+  }
+  return met;
+}
+
+void main() {
+  const ivec2 size = textureSize(surfaceDepth, 0), block = ivec2(kNearFieldBlockX, kNearFieldBlockY);
+  const ivec2 blocks = (size + block - 1) / block;
+  const int index = params.first + int(gl_WorkGroupID.x);
+  const ivec2 corner = block * ivec2(index % blocks.x, index / blocks.x), pixel = corner + ivec2(gl_LocalInvocationID.xy);
+  const uint thread = gl_LocalInvocationIndex;
+  if (thread < uint(kGlossPlaces)) metInBlock[thread] = 0u;
+  barrier();
+  if (all(lessThan(pixel, size))) {
+    if (isGlossy(pixel)) {
+      const uint met = turnOfRays(pixel);
+      for (int i = 0; i < kGlossPlaces; ++i)
+        if ((met >> i & 1u) != 0u) atomicOr(metInBlock[i], 1u << thread);
+    } else if (params.turn == 0) {
+      glossPoints[glossIndex(frame, pixel)].lights = vec4(0.0);
+    }
+  }
+  barrier();
+  if (params.last == 0 || thread >= uint(kGlossPlaces)) return;
+  listPoints(metInBlock[thread], corner + ivec2(int(thread) * size.x, 0), ivec2(1));
+}

@@ -1,0 +1,236 @@
+// Frames of glossy surfaces, against integrals over the lights in double precision.
+
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "gpu/engine/engine_rig.h"
+#include "reference/textures.h"
+#include "scene/gloss.h"
+
+namespace lpv {
+namespace {
+
+using test::pixel;
+
+constexpr glm::ivec2 kSize(64, 64);
+
+class GlossTest : public test::EngineTest {
+ protected:
+  FramePtr frame(const Scene& scene, const Camera& camera, SessionKey session = 1, int samples = 1) {
+    TickRequest tick = test::requestOf(scene, session);
+    FrameRequest request = test::linearFrame(camera, kSize);
+    request.samples = samples;
+    tick.frames = {request};
+    const TickResult result = run(tick);
+    return result.frames.size() == 1 ? result.frames[0] : std::make_shared<Frame>();
+  }
+};
+
+/// Looks down on the plane y = 0 askew.
+Camera above() {
+  Camera camera;
+  camera.eye = {0.0, 1.0, 2.5};
+  camera.target = {0.0, 0.0, 0.0};
+  camera.fovDegrees = 50.0;
+  return camera;
+}
+
+glm::dvec3 rayThrough(const Camera& camera, int x, int y) {
+  const glm::dvec3 forward = glm::normalize(camera.target - camera.eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
+  const double half = std::tan(0.5 * glm::radians(camera.fovDegrees));
+  return glm::normalize(forward + half * (2.0 * (x + 0.5) / kSize.x - 1.0) * right +
+                        half * (1.0 - 2.0 * (y + 0.5) / kSize.y) * glm::cross(right, forward));
+}
+
+/// A floor, and a square lamp of 1 m that stands 1 m behind it, .6 m up, and faces the camera.
+Scene floorAndLamp(double roughness, double metalness, const glm::dvec3& albedo) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.transport = Transport::kDirect;
+  scene.options.bounces = 0;
+  scene.options.gloss = Gloss::kOn;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quad();
+  light.transform = {{0.0, 0.6, -1.0}, {1, 0, 0, 0}, glm::dvec3(1.0)};
+  light.radiance = {3.0, 2.0, 1.0};
+  Surface& floor = test::addSurface(scene, "floor", reference::quad());
+  floor.transform = {{0.0, 0.0, 0.0}, rotationFromEulerDegrees({-90.0, 0.0, 0.0}), glm::dvec3(6.0)};
+  floor.albedo = albedo;
+  floor.roughness = roughness;
+  floor.metalness = metalness;
+  return scene;
+}
+
+/// What the lobe makes of the lamp of floorAndLamp(): the midpoint rule over the lamp.
+glm::dvec3 lobeOfLamp(const GlossLobe& lobe, const glm::dvec3& at, const glm::dvec3& v) {
+  constexpr int kParts = 400;
+  const glm::dvec3 n(0.0, 1.0, 0.0);
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < kParts * kParts; ++i) {
+    const glm::dvec2 uv = (glm::dvec2(i % kParts, i / kParts) + 0.5) / double(kParts) - 0.5;
+    const glm::dvec3 d = glm::dvec3(uv.x, 0.6 + uv.y, -1.0) - at;
+    const double r2 = glm::dot(d, d);
+    const glm::dvec3 l = d / std::sqrt(r2);
+    sum += lobe.single(n, v, l) * (std::max(l.y, 0.0) * std::max(-l.z, 0.0) / r2 / (kParts * kParts));
+  }
+  return sum * glossShare(glm::dot(n, v), lobe.alpha).gain(lobe.straight) * glm::dvec3(3.0, 2.0, 1.0);
+}
+
+struct Errors {
+  double relative = 0.0;  ///< L2
+  int pixels = 0;
+};
+
+/// Over every third pixel that shows the floor.
+Errors errorsOf(const Frame& got, const Camera& camera, const GlossLobe& lobe) {
+  double squared = 0.0, all = 0.0;
+  Errors out;
+  for (int y = 1; y < kSize.y; y += 3) {
+    for (int x = 1; x < kSize.x; x += 3) {
+      const glm::dvec3 ray = rayThrough(camera, x, y);
+      const double at = -camera.eye.y / ray.y;
+      const glm::dvec3 place = camera.eye + at * ray;
+      if (at <= 0.0 || place.z < -0.95 || std::abs(place.x) > 2.9 || std::abs(place.z) > 2.9) continue;
+      const glm::dvec3 want = lobeOfLamp(lobe, place, -ray), off = pixel(got, x, y) - want;
+      squared += glm::dot(off, off);
+      all += glm::dot(want, want);
+      ++out.pixels;
+    }
+  }
+  out.relative = std::sqrt(squared / all);
+  return out;
+}
+
+// Red without weights between rays to lights and of the lobe, without the gain, or with the metal's albedo left out.
+TEST_F(GlossTest, AMetalFloorReflectsALamp) {
+  for (const double roughness : {0.1, 0.3, 0.6, 1.0}) {
+    const glm::dvec3 albedo(0.9, 0.6, 0.3);
+    const Scene scene = floorAndLamp(roughness, 1.0, albedo);
+    const Errors errors = errorsOf(*frame(scene, above()), above(), GlossLobe::of(albedo, roughness, 1.0));
+    EXPECT_GT(errors.pixels, 150);
+    EXPECT_LT(errors.relative, 0.07) << roughness;
+  }
+}
+
+TEST_F(GlossTest, ABlackDielectricReflectsALamp) {
+  for (const double roughness : {0.1, 0.5}) {
+    const Scene scene = floorAndLamp(roughness, 0.0, glm::dvec3(0.0));
+    const Errors errors = errorsOf(*frame(scene, above()), above(), GlossLobe::of(glm::dvec3(0.0), roughness, 0.0));
+    EXPECT_LT(errors.relative, 0.07) << roughness;
+  }
+}
+
+// Red where the mirror looks at what is behind it, or shows its own colour twice.
+TEST_F(GlossTest, AMirrorShowsTheLampWhereItIs) {
+  const Scene scene = floorAndLamp(0.0, 1.0, glm::dvec3(0.5));
+  const FramePtr got = frame(scene, above());
+  int lit = 0;
+  for (int y = 0; y < kSize.y; ++y) {
+    for (int x = 0; x < kSize.x; ++x) {
+      const glm::dvec3 ray = rayThrough(above(), x, y);
+      const double at = -above().eye.y / ray.y;
+      const glm::dvec3 place = above().eye + at * ray, to(ray.x, -ray.y, ray.z);
+      if (at <= 0.0 || place.z < -0.95) continue;
+      const glm::dvec3 there = place + to * ((-1.0 - place.z) / to.z);
+      const double inside = 0.5 - std::max(std::abs(there.x), std::abs(there.y - 0.6));
+      if (to.z >= 0.0 || std::abs(inside) < 0.05) continue;
+      const double edge = std::pow(1.0 - to.y, 5.0), share = inside > 0.0 ? 0.5 + 0.5 * edge : 0.0;
+      EXPECT_NEAR(pixel(*got, x, y).x, 3.0 * share, 0.01) << x << ", " << y;
+      lit += inside > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(lit, 100);
+}
+
+/// A sphere in a closed box of light of radiance 1.
+Scene furnace(double roughness, double metalness) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.bounces = 0;
+  scene.options.gloss = Gloss::kOn;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::box({-1.9, -1.9, -1.9}, {1.9, 1.9, 1.9}, true);
+  light.transform = {};
+  light.radiance = glm::dvec3(1.0);
+  Surface& ball = test::addSurface(scene, "ball", reference::sphereOf(48, 24));
+  ball.transform.scale = glm::dvec3(0.5);
+  ball.albedo = glm::dvec3(1.0);
+  ball.roughness = roughness;
+  ball.metalness = metalness;
+  return scene;
+}
+
+TEST_F(GlossTest, AWhiteBallIsNotSeenInAFurnace) {
+  for (const double metalness : {0.0, 1.0}) {
+    for (const double roughness : {0.0, 0.1, 0.3, 0.6, 0.99}) {
+      const FramePtr got = frame(furnace(roughness, metalness), test::frontCamera(1.5));
+      double sum = 0.0;
+      int count = 0;
+      for (int y = 24; y < 40; ++y) {
+        for (int x = 24; x < 40; ++x, ++count) sum += pixel(*got, x, y).y;
+      }
+      EXPECT_NEAR(sum / count, 1.0, 0.02) << "roughness " << roughness << ", metalness " << metalness;
+    }
+  }
+}
+
+// A mirror in a lit box shows the wall behind the camera as a camera would that looks at it.
+TEST_F(GlossTest, AMirrorShowsSurfacesAsTheyAreLit) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.bounces = 0;
+  scene.options.gloss = Gloss::kOn;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quad();
+  light.transform = {{0.0, 1.6, 1.0}, rotationFromEulerDegrees({90.0, 0.0, 0.0}), glm::dvec3(0.8)};
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());  // behind the camera, half red by its picture
+  wall.transform = {{0.0, 0.0, 1.9}, rotationFromEulerDegrees({0.0, 180.0, 0.0}), glm::dvec3(3.6)};
+  wall.albedoTexture = reference::textureOf(2, 2, [](int x, int) { return glm::dvec3(x == 0 ? 0.8 : 0.2, 0.5, 0.1); });
+  Surface& mirror = test::addSurface(scene, "mirror", reference::quad());
+  mirror.transform = {{0.0, 0.0, -1.9}, {1, 0, 0, 0}, glm::dvec3(3.6)};
+  mirror.albedo = glm::dvec3(1.0);
+  mirror.metalness = 1.0;
+  mirror.roughness = 0.0;
+  Camera into = test::frontCamera(0.0);
+  into.eye = {0.0, 0.0, 0.0};
+  into.target = {0.0, 0.0, -1.0};
+  Camera behind = into;  // where the mirror has the first one, looking back
+  behind.eye = {0.0, 0.0, -3.8};
+  behind.target = {0.0, 0.0, 1.0};
+  const FramePtr got = frame(scene, into);
+  auto gone = std::make_shared<Surface>(*scene.surfaces["mirror"]);
+  gone->visibleToCamera = false;
+  gone->castsShadow = false;
+  scene.surfaces["mirror"] = gone;
+  const FramePtr want = frame(scene, behind, 2);
+  double squared = 0.0, all = 0.0;
+  for (int y = 20; y < 44; ++y) {  // within the wall
+    for (int x = 20; x < 44; ++x) {
+      const glm::dvec3 there = pixel(*want, 63 - x, y), off = pixel(*got, x, y) - there;
+      squared += glm::dot(off, off);
+      all += glm::dot(there, there);
+    }
+  }
+  EXPECT_GT(all, 0.0);
+  EXPECT_LT(std::sqrt(squared / all), 0.03);
+}
+
+TEST_F(GlossTest, MatteSurfacesAreAsWithout) {
+  Scene scene = floorAndLamp(1.0, 0.0, glm::dvec3(0.5));
+  const FramePtr on = frame(scene, above());
+  scene.options.gloss = Gloss::kOff;
+  const FramePtr off = frame(scene, above(), 2);
+  ASSERT_FALSE(on->rgb32f.empty());
+  EXPECT_EQ(on->rgb32f, off->rgb32f);
+}
+
+TEST_F(GlossTest, TheSameSceneGivesTheSameBytes) {
+  const Scene scene = floorAndLamp(0.3, 0.5, glm::dvec3(0.5));
+  const FramePtr one = frame(scene, above(), 1, 4), other = frame(scene, above(), 2, 4);
+  ASSERT_FALSE(one->rgb32f.empty());
+  EXPECT_EQ(one->rgb32f, other->rgb32f);
+}
+
+}  // namespace
+}  // namespace lpv
