@@ -18,6 +18,14 @@ double lambdaOf(double cosine, double alpha) {
   return 0.5 * (std::sqrt(1.0 + alpha * alpha * std::max(tangent2, 0.0)) - 1.0);
 }
 
+/// Density of facets with the normal h, of GGX.
+double facetsAbout(const glm::dvec3& n, const glm::dvec3& h, double alpha) {
+  const double nh = glm::dot(n, h), a2 = alpha * alpha;
+  const glm::dvec3 across = glm::cross(n, h);
+  const double below = a2 * nh * nh + glm::dot(across, across);
+  return a2 / (glm::pi<double>() * below * below);
+}
+
 /// A facet's normal about z, of those that are seen from v (Dupuy and Benyoub 2023). u in [0, 1)^2.
 glm::dvec3 seenFacet(const glm::dvec3& v, double alpha, const glm::dvec2& u) {
   const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * v.x, alpha * v.y, v.z));
@@ -46,11 +54,23 @@ glm::dvec3 GlossLobe::single(const glm::dvec3& n, const glm::dvec3& v, const glm
   const double nv = glm::dot(n, v), nl = glm::dot(n, l);
   if (nv <= 0.0 || nl <= 0.0) return glm::dvec3(0.0);
   const glm::dvec3 h = glm::normalize(v + l);
-  const double nh = glm::dot(n, h), a2 = alpha * alpha, below = nh * nh * (a2 - 1.0) + 1.0;
-  const double facets = a2 / (glm::pi<double>() * below * below);
+  const double facets = facetsAbout(n, h, alpha);
   const double both = 1.0 / (1.0 + lambdaOf(nv, alpha) + lambdaOf(nl, alpha));
   const glm::dvec3 fresnel = straight + (1.0 - straight) * fresnelEdge(glm::dot(v, h));
   return fresnel * (facets * both / (4.0 * nv * nl));
+}
+
+glm::dvec3 GlossLobe::direction(const glm::dvec3& n, const glm::dvec3& v, const glm::dvec2& u) const {
+  const glm::dvec3 side = std::abs(n.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
+  const glm::dvec3 right = glm::normalize(glm::cross(n, side)), up = glm::cross(n, right);
+  const glm::dvec3 h = seenFacet({glm::dot(v, right), glm::dot(v, up), glm::dot(v, n)}, alpha, u);
+  return glm::reflect(-v, h.x * right + h.y * up + h.z * n);
+}
+
+double GlossLobe::density(const glm::dvec3& n, const glm::dvec3& v, const glm::dvec3& l) const {
+  const double nv = glm::dot(n, v);
+  if (nv <= 0.0) return 0.0;
+  return facetsAbout(n, glm::normalize(v + l), alpha) / ((1.0 + lambdaOf(nv, alpha)) * 4.0 * nv);
 }
 
 glm::dvec3 GlossShare::gain(const glm::dvec3& reflectance) const {

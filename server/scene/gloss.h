@@ -28,6 +28,11 @@ struct GlossLobe {
   static GlossLobe of(const glm::dvec3& albedo, double roughness, double metalness);
   /// Without what bounces between facets, 1/sr.
   glm::dvec3 single(const glm::dvec3& n, const glm::dvec3& v, const glm::dvec3& l) const;
+  /// A direction of the lobe, by facets that are seen from v (Dupuy and Benyoub 2023); it may go below the surface. u
+  /// in [0, 1)^2.
+  glm::dvec3 direction(const glm::dvec3& n, const glm::dvec3& v, const glm::dvec2& u) const;
+  /// Of direction(), per sr.
+  double density(const glm::dvec3& n, const glm::dvec3& v, const glm::dvec3& l) const;
 };
 
 /// What a lobe reflects in all of light that comes evenly from everywhere: the share of each reflectance straight on,

@@ -29,6 +29,7 @@ struct Options {
   std::optional<glm::ivec2> size;
   std::vector<std::string> bounces{"0"};
   PixelFilter filter = PixelFilter::kCentre;
+  bool gloss = false;
   Sampling sampling;
   std::string output;
   std::string points;
@@ -54,6 +55,7 @@ void addTo(CLI::App& app, Options& o) {
          [&o](const std::string& name) { o.filter = name == "box" ? PixelFilter::kBox : PixelFilter::kCentre; },
          "centre: the ray through a pixel's centre, as the server renders (default); box: the mean over the pixel")
       ->check(CLI::IsMember({"centre", "box"}));
+  app.add_flag("--gloss", o.gloss, "Surfaces that the camera sees have GGX lobes where they are metal or smooth");
   app.add_option("--samples", o.sampling.samples, "Paths per pixel or point (default: 256)")
       ->check(CLI::Range(8, 1 << 24));
   app.add_option("--seed", o.sampling.seed, "Of the random numbers (default: 1)");
@@ -197,7 +199,7 @@ Status run(Options& o) {
   if (!camera) return camera.status();
   printJson(*camera, size, traced);
   if (o.output.empty()) return {};
-  return writePictures(o, renderPicture(traced, tracer, *camera, size, o.filter, o.sampling, exact));
+  return writePictures(o, renderPicture(traced, tracer, *camera, size, o.filter, o.sampling, exact, o.gloss));
 }
 
 }  // namespace

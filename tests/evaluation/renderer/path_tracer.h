@@ -42,6 +42,8 @@ class PathTracer {
 
   PathSample sample(const Receiver& receiver, Sampler& sampler) const;
   const std::vector<int>& levels() const { return levels_; }
+  /// Whether nothing stands between.
+  bool sees(const Receiver& receiver, const LightSample& light) const;
 
  private:
   struct Direct {
@@ -52,7 +54,6 @@ class PathTracer {
   Direct fromLight(const Receiver& receiver, int candidates, Sampler& sampler) const;
   /// What the point on the light would send, over its density, weighted.
   glm::dvec3 unoccludedFrom(const LightSample& light, const Receiver& receiver) const;
-  bool sees(const Receiver& receiver, const LightSample& light) const;
   glm::dvec3 weightedEmission(const Hit& hit, const Receiver& receiver, const glm::dvec3& direction) const;
   glm::dvec3 unoccludedAlong(const Receiver& receiver, const glm::dvec3& origin, const glm::dvec3& direction) const;
 

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <utility>
 
+#include "renderer/gloss.h"
 #include "renderer/parallel.h"
 
 namespace lpv::evaluation {
@@ -37,7 +38,8 @@ Picture blank(const glm::ivec2& size, const std::vector<int>& levels) {
   for (auto* layers : {&p.radiance, &p.radianceError, &p.irradiance, &p.irradianceError}) {
     layers->assign(levels.size(), std::vector<glm::vec3>(pixels, glm::vec3(0.0F)));
   }
-  for (auto* layer : {&p.direct, &p.unoccluded, &p.unoccludedError, &p.position, &p.normal, &p.flatNormal, &p.albedo}) {
+  for (auto* layer :
+       {&p.direct, &p.unoccluded, &p.unoccludedError, &p.position, &p.normal, &p.flatNormal, &p.albedo, &p.material}) {
     layer->assign(pixels, glm::vec3(0.0F));
   }
   p.object.assign(pixels, 0.0F);
@@ -46,7 +48,7 @@ Picture blank(const glm::ivec2& size, const std::vector<int>& levels) {
 
 /// Everything of the ray through the pixel's centre.
 void renderCentre(Picture& picture, std::size_t i, const TracedScene& scene, const PathTracer& tracer, const Hit& hit,
-                  const Sampling& sampling, const ClosedForm* exact) {
+                  const Sampling& sampling, const ClosedForm* exact, const glm::dvec3* eye) {
   picture.object[i] = float(hit.object + 1);
   const Receiver receiver = receiverAt(hit);
   picture.position[i] = hit.position;
@@ -68,11 +70,28 @@ void renderCentre(Picture& picture, std::size_t i, const TracedScene& scene, con
     picture.radiance[level][i] = albedo * e.mean[level] / glm::pi<double>();
     picture.radianceError[level][i] = albedo * e.error[level] / glm::pi<double>();
   }
+  if (eye == nullptr || !isGlossy(scene, hit)) return;
+  const TracedObject& object = scene.objects()[hit.object];
+  picture.material[i] = {object.roughness, object.metalness, 1.0};
+  const GlossTracer gloss(scene, tracer, hit, *eye);
+  const GlossEstimate lobe = estimateGloss(gloss, e.mean.size(), sampling, std::uint32_t(i));
+  for (std::size_t level = 0; level < e.mean.size(); ++level) {
+    const glm::dvec3 beneath = gloss.diffuse() * glm::dvec3(picture.radianceError[level][i]);
+    picture.radiance[level][i] = gloss.diffuse() * glm::dvec3(picture.radiance[level][i]) + lobe.mean[level];
+    picture.radianceError[level][i] = glm::sqrt(beneath * beneath + lobe.error[level] * lobe.error[level]);
+  }
+}
+
+/// To radiance by the albedo, per level.
+void addLobe(std::vector<glm::dvec3>& radiance, const GlossTracer& tracer, Sampler& sampler) {
+  const std::vector<glm::dvec3> lobe = tracer.sample(sampler);
+  for (std::size_t level = 0; level < radiance.size(); ++level)
+    radiance[level] = tracer.diffuse() * radiance[level] + lobe[level];
 }
 
 /// Radiance as the mean over the pixel.
 void renderBox(Picture& picture, int x, int y, const TracedScene& scene, const PathTracer& tracer, const View& view,
-               const Sampling& sampling) {
+               const Sampling& sampling, bool gloss) {
   const std::size_t i = picture.index(x, y);
   std::vector<Replicates> sums(picture.levels.size());
   for (int replicate = 0; replicate < sampling.replicates; ++replicate) {
@@ -87,9 +106,12 @@ void renderBox(Picture& picture, int x, int y, const TracedScene& scene, const P
       const glm::dvec3 reflectance = scene.albedo(*hit) / glm::pi<double>();
       const bool lit = reflectance != glm::dvec3(0.0);
       const PathSample path = lit ? tracer.sample(receiverAt(*hit), sampler) : PathSample();
+      std::vector<glm::dvec3> seen(mean.size(), glm::dvec3(0.0));
       for (std::size_t level = 0; level < mean.size(); ++level) {
-        mean[level] += emitted + (lit ? reflectance * path.irradiance[level] : glm::dvec3(0.0));
+        if (lit) seen[level] = reflectance * path.irradiance[level];
       }
+      if (gloss && isGlossy(scene, *hit)) addLobe(seen, GlossTracer(scene, tracer, *hit, view.camera.eye), sampler);
+      for (std::size_t level = 0; level < mean.size(); ++level) mean[level] += emitted + seen[level];
     }
     for (std::size_t level = 0; level < mean.size(); ++level)
       sums[level].add(mean[level] / double(sampling.perReplicate()));
@@ -107,15 +129,16 @@ void append(std::vector<std::string>& names, const char* prefix, const char* axe
 }  // namespace
 
 Picture renderPicture(const TracedScene& scene, const PathTracer& tracer, const Camera& camera, const glm::ivec2& size,
-                      PixelFilter filter, const Sampling& sampling, const ClosedForm* exact) {
+                      PixelFilter filter, const Sampling& sampling, const ClosedForm* exact, bool gloss) {
   const View view(camera, size);
   Picture picture = blank(size, tracer.levels());
   parallelFor(size.x * size.y, sampling.threads, [&](int pixel) {
     const int x = pixel % size.x;
     const int y = pixel / size.x;
     const std::optional<Hit> hit = view.seen(scene, x + 0.5, y + 0.5);
-    if (hit) renderCentre(picture, std::size_t(pixel), scene, tracer, *hit, sampling, exact);
-    if (filter == PixelFilter::kBox) renderBox(picture, x, y, scene, tracer, view, sampling);
+    if (hit)
+      renderCentre(picture, std::size_t(pixel), scene, tracer, *hit, sampling, exact, gloss ? &camera.eye : nullptr);
+    if (filter == PixelFilter::kBox) renderBox(picture, x, y, scene, tracer, view, sampling, gloss);
   });
   return picture;
 }
@@ -131,7 +154,8 @@ Status writeExr(const std::string& path, const Picture& p, std::size_t level) {
                                                                                      {"P", &p.position},
                                                                                      {"N", &p.normal},
                                                                                      {"G", &p.flatNormal},
-                                                                                     {"A", &p.albedo}};
+                                                                                     {"A", &p.albedo},
+                                                                                     {"M", &p.material}};
   std::vector<std::string> names;
   for (const auto& [name, layer] : layers) {
     const bool vector = *name == 'P' || *name == 'N' || *name == 'G';

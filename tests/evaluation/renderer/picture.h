@@ -35,19 +35,22 @@ struct Picture {
   std::vector<glm::vec3> normal;      ///< unit, interpolated, towards the viewer
   std::vector<glm::vec3> flatNormal;  ///< unit, of the triangle, towards the viewer
   std::vector<glm::vec3> albedo;      ///< 0 for lights
+  std::vector<glm::vec3> material;    ///< roughness, metalness, and 1 where a surface is glossy, if that is shown
   std::vector<float> object;          ///< 1 and up: lights, then surfaces, in the order of the scene; 0: nothing
 
   std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 };
 
-/// `exact`: as in estimateIrradiance(), for rays through pixel centres.
+/// `exact`: as in estimateIrradiance(), for rays through pixel centres. `gloss`: surfaces that the camera sees have
+/// lobes (renderer/gloss.h); else all are matte.
 Picture renderPicture(const TracedScene& scene, const PathTracer& tracer, const Camera& camera, const glm::ivec2& size,
-                      PixelFilter filter, const Sampling& sampling, const ClosedForm* exact = nullptr);
+                      PixelFilter filter, const Sampling& sampling, const ClosedForm* exact = nullptr,
+                      bool gloss = false);
 
 /// Writes the picture at one level as OpenEXR, float, with named channels: R G B radiance, se radiance's standard
 /// error, E irradiance, Ese its standard error, D direct, U unoccluded, Use its standard
 /// error, P position, N normal, G flat normal, A albedo,
-/// object.
+/// M roughness, metalness and gloss, object.
 Status writeExr(const std::string& path, const Picture& picture, std::size_t level);
 
 }  // namespace lpv::evaluation

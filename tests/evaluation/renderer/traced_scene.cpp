@@ -51,6 +51,8 @@ TracedScene::TracedScene(const Scene& scene)
     TracedObject object;
     object.twoSided = surface->twoSided;
     object.colour = surface->albedo;
+    object.roughness = surface->roughness;
+    object.metalness = surface->metalness;
     object.texture = linear(surface->albedoTexture, *surface->mesh);
     add(*surface->mesh, surface->transform, std::move(object));
   }

@@ -22,6 +22,8 @@ struct TracedObject {
   bool emits = false;
   bool twoSided = false;
   glm::dvec3 colour{0.0};  ///< radiance in W/(sr m^2), or albedo
+  double roughness = 1.0;
+  double metalness = 0.0;
   std::shared_ptr<const LinearTexture> texture;  ///< multiplies it, or null
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;  ///< unit, or empty: flat

@@ -143,6 +143,54 @@ def tessellated(n):
     return build
 
 
+ROUGHNESSES = (0.0, 0.1, 0.3, 0.6, 1.0)
+
+
+def strips(scene):
+    """A floor in strips: metal on the left, black dielectric on the right, from smooth to rough. Black and rough is
+    matte, so that strip is as rough as it may be."""
+    for row, roughness in enumerate(ROUGHNESSES):
+        z = 1.0 - 0.5 * row
+        scene.surface(f"metal {roughness}", quad((-0.8, 0, z), (1.6, 0, 0), (0, 0, -0.5)), (0.9, 0.9, 0.9),
+                      roughness=roughness, metalness=1.0)
+        scene.surface(f"dielectric {roughness}", quad((0.8, 0, z), (1.6, 0, 0), (0, 0, -0.5)), (0.0, 0.0, 0.0),
+                      roughness=min(roughness, 0.99))
+
+
+def gloss_quad(scene, data):
+    strips(scene)
+    scene.light("panel", quad((0, 0.8, -1.6), (2.4, 0, 0), (0, 0.9, 0)), (5, 5, 5))
+
+
+def gloss_screen(scene, data):
+    strips(scene)
+    scene.light("screen", quad((0, 0.8, -1.6), (2.4, 0, 0), (0, 1.35, 0)), (10, 10, 10), quad_uvs(), picture())
+
+
+def gloss_statue(scene, data):
+    strips(scene)
+    scene.light("statue", standing(statue_of(data), (0, 0.05, -1.6), 1.3), (4, 4, 4))
+
+
+def gloss_ball(roughness):
+    """A metal ball in a box of 2 m with a red, a green and a white side, under a lamp."""
+    def build(scene, data):
+        scene.surface("floor", quad((0, 0, 0), (2, 0, 0), (0, 0, -2)), (0.73, 0.73, 0.73))
+        scene.surface("ceiling", quad((0, 2, 0), (2, 0, 0), (0, 0, 2)), (0.73, 0.73, 0.73))
+        scene.surface("back", quad((0, 1, -1), (2, 0, 0), (0, 2, 0)), (0.73, 0.73, 0.73))
+        scene.surface("left", quad((-1, 1, 0), (0, 0, -2), (0, 2, 0)), (0.65, 0.06, 0.05))
+        scene.surface("right", quad((1, 1, 0), (0, 0, 2), (0, 2, 0)), (0.12, 0.45, 0.09))
+        centre, radius = np.array((0.25, 0.5, -0.1)), 0.45
+        ball = sphere(tuple(centre), radius, 64, 32)
+        normals = (np.asarray(ball[0]) - centre) / radius
+        scene.surface("ball", ball, (0.9, 0.85, 0.7), roughness=roughness, metalness=1.0, normals=normals)
+        scene.light("lamp", panel_down((0, 1.98, 0), 0.6, 0.6), (14, 13, 11))
+    return build
+
+
+STRIPS_VIEW = {"eye": [0.0, 1.5, 3.0], "target": [0.0, 0.0, -0.1], "fov": 45}
+BALL_VIEW = {"eye": [0.0, 1.0, 3.4], "target": [0.0, 1.0, 0.0], "fov": 42}
+
 SCENES = {
     "two_boxes": (two_boxes, "shadows of two boxes on a floor under a square",
                   {"": None, "near": {"eye": [2.6, 2.0, 3.2], "target": [0, 0.4, 0], "fov": 50}}),
@@ -165,11 +213,18 @@ SCENES = {
     "lucy": (beside_walls(statue_of), "Lucy, glowing, beside walls", {"view": CORNER_VIEW}),
     "chair": (chair, "a chair's legs and rods, a grille before a window", {"view": ROOM_VIEW}),
     "hall": (hall, "a hall of 4:1:1 with three statues that glow", {"view": {"eye": [-9.7, 2.2, 1.9], "target": [2, 1.2, -0.6], "fov": 65}}),
+    "gloss_quad": (gloss_quad, "glossy strips before a square", {"view": STRIPS_VIEW}),
+    "gloss_screen": (gloss_screen, "the same before a textured screen", {"view": STRIPS_VIEW}),
+    "gloss_statue": (gloss_statue, "the same before Lucy, glowing", {"view": STRIPS_VIEW}),
+    "gloss_ball_0": (gloss_ball(0.0), "a mirror of a ball in a box", {"view": BALL_VIEW}),
+    "gloss_ball_3": (gloss_ball(0.3), "the same of roughness .3", {"view": BALL_VIEW}),
+    "gloss_ball_6": (gloss_ball(0.6), "the same of roughness .6", {"view": BALL_VIEW}),
     "quad_2": (tessellated(1), "a square of 2 triangles", {"": None}),
     "quad_200": (tessellated(10), "the same of 200", {"": None}),
     "quad_20000": (tessellated(100), "the same of 20,000", {"": None}),
 }
-FLAGS = {"statue_half_outside": "--bounds=-2,0,-2,1,3,2"}  # of `lpvctl session create`
+FLAGS = {"statue_half_outside": "--bounds=-2,0,-2,1,3,2",
+         **{name: "--gloss on" for name in SCENES if name.startswith("gloss_")}}  # of `lpvctl session create`
 FILES = {  # of --data
     "cornell_box": ("cornell_box/CornellBox-Original.obj", "the Cornell box", {"": None}),
     "living_room": ("scenes/living_room.glb", "a furnished room, windows as lights",

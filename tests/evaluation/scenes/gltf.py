@@ -25,13 +25,15 @@ class Scene:
                      "extensionsUsed": ["KHR_materials_emissive_strength"]}
         self.binary = b""
 
-    def surface(self, name, mesh, albedo=(0.7, 0.7, 0.7), uvs=None, picture=None, one_sided=False):
-        """`picture`: 8-bit sRGB (height, width, 3), multiplies the albedo."""
-        material = {"pbrMetallicRoughness": {"baseColorFactor": [*albedo, 1.0], "metallicFactor": 0.0},
+    def surface(self, name, mesh, albedo=(0.7, 0.7, 0.7), uvs=None, picture=None, one_sided=False, roughness=1.0,
+                metalness=0.0, normals=None):
+        """`picture`: 8-bit sRGB (height, width, 3), multiplies the albedo. `normals`: of the vertices; None: flat."""
+        material = {"pbrMetallicRoughness": {"baseColorFactor": [*albedo, 1.0], "metallicFactor": metalness,
+                                             "roughnessFactor": roughness},
                     "doubleSided": not one_sided}
         if picture is not None:
             material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": self._texture(picture)}
-        self._add(name, mesh, material, uvs)
+        self._add(name, mesh, material, uvs, normals)
 
     def light(self, name, mesh, radiance, uvs=None, picture=None, two_sided=False):
         """`radiance`: W/(sr m^2), multiplied by the picture."""
@@ -69,9 +71,11 @@ class Scene:
         self.gltf.setdefault("textures", []).append({"source": len(images) - 1})
         return len(images) - 1
 
-    def _add(self, name, mesh, material, uvs):
+    def _add(self, name, mesh, material, uvs, normals=None):
         vertices, triangles = mesh
         attributes = {"POSITION": self._accessor(np.asarray(vertices, np.float32), 5126, "VEC3", bounds=True)}
+        if normals is not None:
+            attributes["NORMAL"] = self._accessor(np.asarray(normals, np.float32), 5126, "VEC3")
         if uvs is not None:
             attributes["TEXCOORD_0"] = self._accessor(np.asarray(uvs, np.float32), 5126, "VEC2")
         indices = self._accessor(np.asarray(triangles, np.uint32).reshape(-1), 5125, "SCALAR")
