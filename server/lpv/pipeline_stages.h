@@ -34,9 +34,9 @@ inline constexpr double kAim = 0.6;
 inline int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
 /// Of rays all around a pixel, to pieces of folds.
 inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
-/// Of rays of a pixel's lobe.
+/// Of rays of a pixel's lobe, at most.
 inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
-  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 8 : 4;
+  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 32 : 16;
 }
 inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);

@@ -20,7 +20,7 @@ const float kOffPlane = 0.05;           // as a share of the distance
 const float kSameRoughness = 0.05;
 
 /// Pixels on each side.
-int reachOf(float roughness) { return roughness < 0.08 ? 0 : roughness < 0.2 ? 1 : roughness < 0.4 ? 2 : 3; }
+int reachOf(float roughness) { return roughness < 0.08 ? 0 : roughness < 0.2 ? 2 : roughness < 0.4 ? 3 : 4; }
 
 bool isBeside(ivec2 pixel, vec3 x, vec3 n, float roughness) {
   const vec3 d = surfacePosition(frame, pixel) - x;
@@ -30,7 +30,8 @@ bool isBeside(ivec2 pixel, vec3 x, vec3 n, float roughness) {
 
 float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
 
-/// Of what is seen of lights, by a few turns of the pixel and those beside it.
+/// Of what is seen of lights, by a few turns of the pixel and those beside it: two that differ by no more than this in
+/// both differ by chance.
 float varianceAround(ivec2 pixel, ivec2 size) {
   vec2 sum = vec2(0.0);
   for (int dy = -1; dy <= 1; ++dy) {
@@ -55,7 +56,7 @@ vec3 smoothed(ivec2 pixel, ivec2 size) {
       const vec4 there = texelFetch(ofLights, at, 0);
       if (there.a < 0.0 || (at != pixel && !isBeside(at, x, n, roughness))) continue;
       const float near = exp(-float(dx * dx + dy * dy) / max(float(reach * reach), 1.0)), off = largest(abs(there.rgb - own));
-      lights += near * exp(-0.5 * off * off / variance) * vec4(there.rgb, 1.0);
+      lights += near * exp(-max(off * off / (2.0 * variance) - 1.0, 0.0)) * vec4(there.rgb, 1.0);
       surfaces += near * vec4(texelFetch(ofSurfaces, at, 0).rgb, 1.0);
     }
   }

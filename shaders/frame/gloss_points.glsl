@@ -14,3 +14,9 @@ layout(std430, binding = kGlossPoints) buffer GlossPoints { GlossPoint glossPoin
 
 int pictureWidth(FrameParams frame) { return int(1.0 / frame.pixelSize.x + 0.5); }
 int glossIndex(FrameParams frame, ivec2 pixel) { return pixel.y * kGlossPlaces * pictureWidth(frame) + pixel.x; }
+
+/// Of the mean over turns of the brightest of what the lobe reflects of lights. `first`: of the pixel's first picture.
+float varianceOf(GlossPoint first) {
+  const float turns = first.lights.a, mean = max(max(first.lights.r, first.lights.g), first.lights.b) / max(turns, 1.0);
+  return max(first.normal.a / max(turns, 1.0) - mean * mean, 0.0) / max(turns - 1.0, 1.0);
+}

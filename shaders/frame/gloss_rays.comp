@@ -27,6 +27,8 @@ const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
 const mat2 kPixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
 const float kGoldenStep = 0.6180339887;
 const int kCandidates = 8;  // points of lights that are weighed for a ray
+const float kLeastTurns = 4.0;
+const float kEvenEnough = 0.05;  // standard error of what is seen of lights, as a share of it, that ends a pixel's turns
 const float kNearest = 4.0 * kShadowOffset;  // cells: a ray below the triangle of its own start meets it at once
 
 /// Where reflections begin.
@@ -160,8 +162,22 @@ vec3 rayToLight(Receiver r, int k, inout int rounds) {
   return all * transmitted(r.x, mix(r.x, place, kShadowEnd), light, rounds);
 }
 
+/// Whether what the turns before have seen of lights is all the same, nearly: then more say no more.
+bool isKnown(ivec2 pixel) {
+  const GlossPoint p = glossPoints[glossIndex(frame, pixel)];
+  const float all = largest(p.lights.rgb) / p.lights.a;
+  return p.lights.a >= kLeastTurns && varianceOf(p) <= kEvenEnough * kEvenEnough * all * all;
+}
+
 /// Whether places of the pixel have been met, a bit each.
-uint turnOfRays(ivec2 pixel) {
+uint metBy(ivec2 pixel) {
+  uint met = 0u;
+  for (int i = 0; i < kGlossPlaces; ++i)
+    met |= glossPoints[glossIndex(frame, pixel + ivec2(i * pictureWidth(frame), 0))].place.a > 0.0 ? 1u << i : 0u;
+  return met;
+}
+
+void turnOfRays(ivec2 pixel) {
   const Receiver r = receiverAt(pixel);
   const ivec2 next = ivec2(pictureWidth(frame), 0);
   GlossPoint p[kGlossPlaces];
@@ -180,12 +196,7 @@ uint turnOfRays(ivec2 pixel) {
   const vec3 lights = sum / float(kGlossRays);
   p[0].lights += vec4(lights, 1.0);
   p[0].normal.a += largest(lights) * largest(lights);
-  uint met = 0u;
-  for (int i = 0; i < kGlossPlaces; ++i) {
-    glossPoints[glossIndex(frame, pixel + i * next)] = p[i];
-    met |= p[i].place.a > 0.0 ? 1u << i : 0u;
-  }
-  return met;
+  for (int i = 0; i < kGlossPlaces; ++i) glossPoints[glossIndex(frame, pixel + i * next)] = p[i];
 }
 
 void main() {
@@ -198,7 +209,8 @@ void main() {
   barrier();
   if (all(lessThan(pixel, size))) {
     if (isGlossy(pixel)) {
-      const uint met = turnOfRays(pixel);
+      if (params.turn == 0 || !isKnown(pixel)) turnOfRays(pixel);
+      const uint met = params.last == 1 ? metBy(pixel) : 0u;
       for (int i = 0; i < kGlossPlaces; ++i)
         if ((met >> i & 1u) != 0u) atomicOr(metInBlock[i], 1u << thread);
     } else if (params.turn == 0) {

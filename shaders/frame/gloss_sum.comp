@@ -49,14 +49,13 @@ void main() {
     return;
   }
   const vec3 all = max(lobeAt(frame, pixel).all, vec3(1e-6)), lights = first.lights.rgb / turns;
-  const float brightest = max(max(lights.r, lights.g), lights.b), scale = max(max(all.r, all.g), all.b);
-  const float variance = max(first.normal.a / turns - brightest * brightest, 0.0) / max(turns - 1.0, 1.0);
+  const float scale = max(max(all.r, all.g), all.b);
   vec3 surfaces = vec3(0.0);
   for (int i = 0; i < kGlossPlaces; ++i) {
     const ivec2 at = pixel + ivec2(i * size.x, 0);
     const GlossPoint p = glossPoints[glossIndex(frame, at)];
     if (p.place.a > 0.0) surfaces += p.met.rgb * p.met.a * irradianceAt(at, p, size);
   }
-  imageStore(lightsOut, pixel, vec4(lights / all, variance / (scale * scale)));
+  imageStore(lightsOut, pixel, vec4(lights / all, varianceOf(first) / (scale * scale)));
   imageStore(surfacesOut, pixel, vec4(surfaces / (kPi * turns * float(kGlossRays)) / all, 0.0));
 }

@@ -27,6 +27,7 @@ struct Feature {
   bool guarded = false;
   bool reduced = true;
   int samples = 1;
+  bool gloss = false;  ///< of all surfaces, roughness .3
 };
 
 constexpr Feature kFeatures[] = {
@@ -41,10 +42,13 @@ constexpr Feature kFeatures[] = {
     {"stream's frame, shadows", Visibility::kOn, 0, true},
     {"stream's frame, shadows, 1 bounce", Visibility::kOn, 1, true},
     {"stream's frame, shadows, all bounces", Visibility::kOn, kAutoBounces, true},
+    {"stream's frame, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, true, 1, true},
     {"single frame", Visibility::kOff, 0, true, false, false},
     {"single frame, 8 samples", Visibility::kOff, 0, true, false, false, 8},
     {"single frame, 8 samples, shadows", Visibility::kOn, 0, true, false, false, 8},
     {"single frame, 8 samples, shadows, all bounces", Visibility::kOn, kAutoBounces, true, false, false, 8},
+    {"single frame, 8 samples, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, false, 8,
+     true},
 };
 
 /// What a row came to.
@@ -82,11 +86,21 @@ TickRequest requestOf(const Scene& scene, const Feature& feature, SessionKey ses
   return request;
 }
 
+void makeGlossy(Scene& scene) {
+  scene.options.gloss = Gloss::kOn;
+  for (auto& [name, surface] : scene.surfaces) {
+    auto glossy = std::make_shared<Surface>(*surface);
+    glossy->roughness = 0.3;
+    surface = std::move(glossy);
+  }
+}
+
 Cost measure(Scene scene, const Feature& feature, int ticks) {
   static SessionKey session = 0;
   ++session;
   scene.options.visibility = feature.visibility;
   scene.options.bounces = feature.bounces;
+  if (feature.gloss) makeGlossy(scene);
   Cost cost;
   std::vector<double> took;
   for (int step = -2; step < ticks; ++step) {  // the first two make what is kept

@@ -172,6 +172,19 @@ class Views(unittest.TestCase):
         self.assertGreater(self.rows()["0", "pixels"]["hdr_flip_of_reference"], small)
         self.assertGreater(small, 0)
 
+    # Broken by: matte pixels counted; kinds not told apart.
+    def test_surfaces_with_lobes_are_compared_kind_by_kind(self):
+        self.assertFalse([key for key in self.rows() if key[1].startswith("gloss")])
+        base = self.view.base
+        base["M"] = np.array([[[0.3, 0, 1], [1, 0, 0], [0, 0, 0], [0.3, 1, 1]]])
+        base["se"] = 0 * base["radiance"]
+        base["radiance"][0, 3] = 1.0
+        rows = self.rows()
+        self.assertEqual(rows["0", "gloss, all"]["pixels"], 2)
+        self.assertEqual(rows["0", "gloss, roughness 0.3, metalness 1"]["pixels"], 1)
+        self.assertAlmostEqual(rows["0", "gloss, roughness 0.3, metalness 1"]["raw_l2"], 1, 12)
+        self.assertAlmostEqual(rows["0", "gloss, roughness 0.3, metalness 0"]["raw_l2"], 0, 12)
+
     # Broken by: nan answers kept among the figures.
     def test_points_outside_the_grid_are_counted(self):
         self.view.answers[1] = math.nan

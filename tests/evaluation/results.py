@@ -112,6 +112,20 @@ def unshadowed(content):
     return "\n".join(lines) + "\n"
 
 
+def gloss(content):
+    """Markdown: what the surfaces with lobes are off by, a line per scene and kind of surface; "" where there are none."""
+    lines = [provenance(content), "", "| scene | roughness | metalness | pixels | ours over truth | raw L2 % | NRMSE % | noise % |",
+             "|---|---|---|---|---|---|---|---|"]
+    for row in content["rows"]:
+        if not row["quantity"].startswith("gloss, roughness"):
+            continue
+        roughness, metalness = (word.split()[-1] for word in row["quantity"].split(", ")[1:])
+        v = row["values"]
+        lines.append(f"| {row['case']} | {roughness} | {metalness} | {v['pixels']} | {v['mean_ours'] / v['mean_truth']:.3f} | "
+                     + " | ".join(percent(v[key]) for key in ("raw_l2", "nrmse", "nrmse_of_reference")) + " |")
+    return "\n".join(lines) + "\n" if len(lines) > 4 else ""
+
+
 def edges(content):
     """Markdown: HDR-FLIP of so many samples per pixel against the finest, a line per scene and camera."""
     cases = {}

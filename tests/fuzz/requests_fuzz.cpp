@@ -47,9 +47,9 @@ std::vector<std::string> words() {
                                   "*",
                                   "light",
                                   "settings"};
-  for (const char* path :
-       {"grid", "injection", "method", "dense_samples", "transport", "quality", "iterations", "clamp_faces", "k",
-        "lookup", "max_error", "visibility", "bounces", "gloss", "haze", "ttl", "display_name", "grid.bounds", "nothing"}) {
+  for (const char* path : {"grid", "injection", "method", "dense_samples", "transport", "quality", "iterations",
+                           "clamp_faces", "k", "lookup", "max_error", "visibility", "bounces", "gloss", "haze", "ttl",
+                           "display_name", "grid.bounds", "nothing"}) {
     out.push_back(std::string("settings.") + path);
   }
   for (const char* path : {"mesh",

@@ -147,8 +147,8 @@ ROUGHNESSES = (0.0, 0.1, 0.3, 0.6, 1.0)
 
 
 def strips(scene):
-    """A floor in strips: metal on the left, black dielectric on the right, from smooth to rough. Black and rough is
-    matte, so that strip is as rough as it may be."""
+    """A floor in strips, metal on the left, black dielectric on the right, from smooth to rough; what stands behind it is
+    in all of them. Black and rough is matte, so that strip is nearly as rough."""
     for row, roughness in enumerate(ROUGHNESSES):
         z = 1.0 - 0.5 * row
         scene.surface(f"metal {roughness}", quad((-0.8, 0, z), (1.6, 0, 0), (0, 0, -0.5)), (0.9, 0.9, 0.9),
@@ -159,12 +159,12 @@ def strips(scene):
 
 def gloss_quad(scene, data):
     strips(scene)
-    scene.light("panel", quad((0, 0.8, -1.6), (2.4, 0, 0), (0, 0.9, 0)), (5, 5, 5))
+    scene.light("panel", quad((0, 0.65, -1.6), (2.4, 0, 0), (0, 1.2, 0)), (5, 5, 5))
 
 
 def gloss_screen(scene, data):
     strips(scene)
-    scene.light("screen", quad((0, 0.8, -1.6), (2.4, 0, 0), (0, 1.35, 0)), (10, 10, 10), quad_uvs(), picture())
+    scene.light("screen", quad((0, 0.7, -1.6), (2.4, 0, 0), (0, 1.35, 0)), (10, 10, 10), quad_uvs(), picture())
 
 
 def gloss_statue(scene, data):
@@ -188,7 +188,7 @@ def gloss_ball(roughness):
     return build
 
 
-STRIPS_VIEW = {"eye": [0.0, 1.5, 3.0], "target": [0.0, 0.0, -0.1], "fov": 45}
+STRIPS_VIEW = {"eye": [0.0, 0.9, 3.0], "target": [0.0, 0.1, -0.1], "fov": 45}
 BALL_VIEW = {"eye": [0.0, 1.0, 3.4], "target": [0.0, 1.0, 0.0], "fov": 42}
 
 SCENES = {
