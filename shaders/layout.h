@@ -436,17 +436,18 @@ LPV_CONST uint kGlossBothSides = 1u;  // flags of theirs: it has, or sends, ligh
 LPV_CONST uint kGlossDirected = 2u;  // it sends about directions of its mesh's;
 LPV_CONST uint kGlossUnseen = 4u;  // rays pass through it
 LPV_CONST int kGlossPlaces = 2;  // that a pixel's reflections have met and that E is found at
+LPV_CONST int kGlossReach = 3;  // pixels on each side whose places say what E is at a pixel's
 LPV_CONST int kGlossRays = 4;  // of a pixel and turn: in directions of the lobe, and as many to points of lights
 
 struct GlossParams {
   int first;  // blocks of pixels before this dispatch's first
   int turn;  // of kGlossRays
-  int turns;
   int firstRow;  // of the pixels, in the picture that they are some rows of
   int shadows;  // 1: something may stand in the lights' way
   int last;  // 1: of the block's turns; places that were met are listed
-  int pad0;
-  int pad1;
+  int bandRow;  // of the pixels: where the band begins that is known at a time, kGlossReach rows before it is wanted
+  int bandRows;
+  int rowsWanted;  // from kGlossReach on
 };
 
 struct SubpixelParams {

@@ -1,5 +1,5 @@
-// What the reflections of a picture's pixels have met so far (frame/gloss_rays.comp): in a row of kGlossPlaces pictures
-// beside each other, each with a place for every pixel.
+// What the reflections of a band of a picture have met so far (frame/gloss_rays.comp): in a row of kGlossPlaces pictures
+// beside each other, each with a place for every pixel of the band.
 
 struct GlossPoint {
   vec4 lights;  // rgb: radiance that the lobe reflects of the lights, a sum over turns; a: turns. Of the first picture

@@ -21,6 +21,7 @@ layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
 
 shared uint metInBlock[kGlossPlaces];
+shared uint openInBlock;  // pixels that go on
 
 // As in fold_rays.comp; and numbers for choices.
 const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
@@ -37,11 +38,24 @@ struct Receiver {
   Lobe lobe;
   float beyond;  // all that there is is nearer
   vec2 shift;    // of the pixel's sequences
+  uint seed;     // of its choices, which are not like those beside it: sequences would make patterns of them
 };
+
+/// In [0, 1), by two rounds of PCG (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+uint hashed(uint v) {
+  const uint state = v * 747796405u + 2891336453u;
+  const uint word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
+  return (word >> 22) ^ word;
+}
+float randomOf(uint seed, uint k) { return float(hashed(seed + hashed(k)) >> 8) / 16777216.0; }
 
 float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
 
+/// In the picture, of a pixel of the band.
+ivec2 ofPicture(ivec2 at) { return at + ivec2(0, params.bandRow); }
+
 bool isGlossy(ivec2 pixel) {
+  if (pixel.y < 0 || pixel.y >= textureSize(surfaceDepth, 0).y) return false;
   const float depth = texelFetch(surfaceDepth, pixel, 0).x, emitter = texelFetch(emitterDepth, pixel, 0).x;
   const vec2 m = texelFetch(material, pixel, 0).xy;
   return depth > 0.0 && !(emitter > 0.0 && emitter >= depth) && (m.y > 0.0 || m.x < 1.0);
@@ -56,6 +70,7 @@ Receiver receiverAt(ivec2 pixel) {
   r.lobe = lobeAt(frame, pixel);
   const vec3 lower = uintBitsToFloat(texelFetch(occluders, 1).xyz), upper = uintBitsToFloat(texelFetch(occluders, 2).xyz);
   r.beyond = length(max(abs(r.x - lower), abs(r.x - upper)));
+  r.seed = hashed(packedPixel(pixel + ivec2(0, params.firstRow)));
   r.shift = kPixelSteps * vec2((pixel + ivec2(0, params.firstRow)) & 1023);
   return r;
 }
@@ -108,7 +123,7 @@ vec3 rayOfLobe(Receiver r, int k, inout GlossPoint p, inout int rounds) {
   const vec3 arrives = worth * throughPanes(r.x, place, rounds);
   if (met.light >= 0) return arrives * fromLight(r, met, distance_ * distance_, direction, sight.front);
   if (met.surface >= 0) {
-    const float choice = fract(dot(r.shift, vec2(0.754877, 0.569840)) + float(k) * kGoldenStep);
+    const float choice = randomOf(r.seed, 2u * uint(k));
     offer(p, arrives * albedoAt(met, sight.front), vec4(place, distance_), met.normal, choice);
   }
   return vec3(0.0);
@@ -153,7 +168,7 @@ vec3 rayToLight(Receiver r, int k, inout int rounds) {
     const float weight = largest(c.reflected);
     all += c.reflected;
     weights += weight;
-    const float choice = fract(dot(r.shift, vec2(0.569840, 0.754877)) + float(k * kCandidates + i) * 0.7548776662);
+    const float choice = randomOf(r.seed, 2u * uint(k * kCandidates + i) + 1u);
     if (weight <= 0.0 || choice * weights >= weight) continue;
     place = c.place;
     light = c.light;
@@ -162,28 +177,29 @@ vec3 rayToLight(Receiver r, int k, inout int rounds) {
   return all * transmitted(r.x, mix(r.x, place, kShadowEnd), light, rounds);
 }
 
-/// Whether what the turns before have seen of lights is all the same, nearly: then more say no more.
-bool isKnown(ivec2 pixel) {
-  const GlossPoint p = glossPoints[glossIndex(frame, pixel)];
+/// Whether what the turns before have seen of lights is all the same, nearly: then more say no more. A block goes on
+/// together: a pixel that has seen nothing yet may be beside one that has.
+bool isKnown(ivec2 at) {
+  const GlossPoint p = glossPoints[glossIndex(frame, at)];
   const float all = largest(p.lights.rgb) / p.lights.a;
   return p.lights.a >= kLeastTurns && varianceOf(p) <= kEvenEnough * kEvenEnough * all * all;
 }
 
 /// Whether places of the pixel have been met, a bit each.
-uint metBy(ivec2 pixel) {
+uint metBy(ivec2 at) {
   uint met = 0u;
   for (int i = 0; i < kGlossPlaces; ++i)
-    met |= glossPoints[glossIndex(frame, pixel + ivec2(i * pictureWidth(frame), 0))].place.a > 0.0 ? 1u << i : 0u;
+    met |= glossPoints[glossIndex(frame, at + ivec2(i * pictureWidth(frame), 0))].place.a > 0.0 ? 1u << i : 0u;
   return met;
 }
 
-void turnOfRays(ivec2 pixel) {
-  const Receiver r = receiverAt(pixel);
+void turnOfRays(ivec2 at) {
+  const Receiver r = receiverAt(ofPicture(at));
   const ivec2 next = ivec2(pictureWidth(frame), 0);
   GlossPoint p[kGlossPlaces];
   for (int i = 0; i < kGlossPlaces; ++i) {
     p[i] = GlossPoint(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-    if (params.turn > 0) p[i] = glossPoints[glossIndex(frame, pixel + i * next)];
+    if (params.turn > 0) p[i] = glossPoints[glossIndex(frame, at + i * next)];
   }
   const bool mirror = r.lobe.alpha < kMirrorAlpha;
   vec3 sum = vec3(0.0);
@@ -196,28 +212,28 @@ void turnOfRays(ivec2 pixel) {
   const vec3 lights = sum / float(kGlossRays);
   p[0].lights += vec4(lights, 1.0);
   p[0].normal.a += largest(lights) * largest(lights);
-  for (int i = 0; i < kGlossPlaces; ++i) glossPoints[glossIndex(frame, pixel + i * next)] = p[i];
+  for (int i = 0; i < kGlossPlaces; ++i) glossPoints[glossIndex(frame, at + i * next)] = p[i];
 }
 
 void main() {
-  const ivec2 size = textureSize(surfaceDepth, 0), block = ivec2(kNearFieldBlockX, kNearFieldBlockY);
+  const ivec2 size = ivec2(pictureWidth(frame), params.bandRows), block = ivec2(kNearFieldBlockX, kNearFieldBlockY);
   const ivec2 blocks = (size + block - 1) / block;
   const int index = params.first + int(gl_WorkGroupID.x);
-  const ivec2 corner = block * ivec2(index % blocks.x, index / blocks.x), pixel = corner + ivec2(gl_LocalInvocationID.xy);
+  const ivec2 corner = block * ivec2(index % blocks.x, index / blocks.x), at = corner + ivec2(gl_LocalInvocationID.xy);
   const uint thread = gl_LocalInvocationIndex;
   if (thread < uint(kGlossPlaces)) metInBlock[thread] = 0u;
+  if (thread == 0u) openInBlock = 0u;
   barrier();
-  if (all(lessThan(pixel, size))) {
-    if (isGlossy(pixel)) {
-      if (params.turn == 0 || !isKnown(pixel)) turnOfRays(pixel);
-      const uint met = params.last == 1 ? metBy(pixel) : 0u;
-      for (int i = 0; i < kGlossPlaces; ++i)
-        if ((met >> i & 1u) != 0u) atomicOr(metInBlock[i], 1u << thread);
-    } else if (params.turn == 0) {
-      glossPoints[glossIndex(frame, pixel)].lights = vec4(0.0);
-    }
-  }
+  const bool inside = all(lessThan(at, size)), glossy = inside && isGlossy(ofPicture(at));
+  if (glossy && (params.turn == 0 || !isKnown(at))) atomicOr(openInBlock, 1u);
   barrier();
-  if (params.last == 0 || thread >= uint(kGlossPlaces)) return;
-  listPoints(metInBlock[thread], corner + ivec2(int(thread) * size.x, 0), ivec2(1));
+  if (glossy && openInBlock != 0u) turnOfRays(at);
+  if (inside && !glossy && params.turn == 0) glossPoints[glossIndex(frame, at)].lights = vec4(0.0);
+  if (params.last == 0) return;
+  const uint met = glossy ? metBy(at) : 0u;
+  for (int i = 0; i < kGlossPlaces; ++i)
+    if ((met >> i & 1u) != 0u) atomicOr(metInBlock[i], 1u << thread);
+  barrier();
+  if (thread < uint(kGlossPlaces))
+    listPoints(metInBlock[thread], corner + ivec2(int(thread) * size.x, 0), ivec2(1));
 }

@@ -11,11 +11,11 @@
 layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
+layout(std140, binding = kGlossParams) uniform GlossBlock { GlossParams params; };
 layout(binding = kGlossMet) uniform sampler2D metIrradiance;
 layout(binding = kGlossOut, rgba32f) writeonly uniform image2D lightsOut;
 layout(binding = kGlossSurfacesOut, rgba32f) writeonly uniform image2D surfacesOut;
 
-const int kReach = 3;                // pixels on each side
 const float kLeastCosineBeside = 0.95;
 const float kApart = 0.05;           // of the way of the light, about what lies between pixels of a mirror
 
@@ -24,8 +24,8 @@ const float kApart = 0.05;           // of the way of the light, about what lies
 vec3 irradianceAt(ivec2 at, GlossPoint p, ivec2 size) {
   vec4 sum = vec4(0.0);
   const int first = at.x - at.x % size.x;
-  for (int dy = -kReach; dy <= kReach; ++dy) {
-    for (int dx = -kReach; dx <= kReach; ++dx) {
+  for (int dy = -kGlossReach; dy <= kGlossReach; ++dy) {
+    for (int dx = -kGlossReach; dx <= kGlossReach; ++dx) {
       const ivec2 there = at + ivec2(dx, dy);
       if (there.y < 0 || there.y >= size.y || there.x < first || there.x >= first + size.x) continue;
       if (glossPoints[glossIndex(frame, there - ivec2(first, 0))].lights.a == 0.0) continue;
@@ -40,9 +40,10 @@ vec3 irradianceAt(ivec2 at, GlossPoint p, ivec2 size) {
 }
 
 void main() {
-  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(surfaceDepth, 0);
-  if (any(greaterThanEqual(pixel, size))) return;
-  const GlossPoint first = glossPoints[glossIndex(frame, pixel)];
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, kGlossReach), pixel = at + ivec2(0, params.bandRow);
+  const ivec2 size = ivec2(pictureWidth(frame), params.bandRows);
+  if (at.x >= size.x || at.y >= kGlossReach + params.rowsWanted) return;
+  const GlossPoint first = glossPoints[glossIndex(frame, at)];
   const float turns = first.lights.a;
   if (turns == 0.0) {
     imageStore(lightsOut, pixel, vec4(0.0, 0.0, 0.0, -1.0));
@@ -52,9 +53,9 @@ void main() {
   const float scale = max(max(all.r, all.g), all.b);
   vec3 surfaces = vec3(0.0);
   for (int i = 0; i < kGlossPlaces; ++i) {
-    const ivec2 at = pixel + ivec2(i * size.x, 0);
-    const GlossPoint p = glossPoints[glossIndex(frame, at)];
-    if (p.place.a > 0.0) surfaces += p.met.rgb * p.met.a * irradianceAt(at, p, size);
+    const ivec2 there = at + ivec2(i * size.x, 0);
+    const GlossPoint p = glossPoints[glossIndex(frame, there)];
+    if (p.place.a > 0.0) surfaces += p.met.rgb * p.met.a * irradianceAt(there, p, size);
   }
   imageStore(lightsOut, pixel, vec4(lights / all, varianceOf(first) / (scale * scale)));
   imageStore(surfacesOut, pixel, vec4(surfaces / (kPi * turns * float(kGlossRays)) / all, 0.0));

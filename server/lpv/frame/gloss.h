@@ -18,10 +18,11 @@ struct GlossBuffer {
   explicit GlossBuffer(const glm::ivec2& size);
 
   glm::ivec2 size;
+  int rows;            ///< of a band, which is known at a time
   gpu::Texture gloss;  ///< RGBA32F: radiance of the lobes; a: of other light, what is reflected
   gpu::Texture lights, surfaces;  ///< RGBA32F: what they reflect of these, before it is smoothed (shaders/layout.h)
-  gpu::Texture met;    ///< RGBA32F: E where rays met a surface, pictures beside each other
-  gpu::Buffer points;  ///< layout::kGlossPoints
+  gpu::Texture met;    ///< RGBA32F, of a band: E where rays met a surface, pictures beside each other
+  gpu::Buffer points;  ///< of a band: layout::kGlossPoints
   gpu::Buffer list;    ///< layout::kNearFieldPoints
   gpu::Buffer shadows; ///< layout::kShadowPoints of the list
 };
@@ -44,6 +45,11 @@ class GlossPass {
               const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
+  struct Inputs;
+  /// A band of so many rows, of which `rowsWanted` are: all turns of rays, then the light at the places that were met.
+  GpuTask runBand(const Inputs& inputs, layout::GlossParams band, Pacing pacing);
+  void bind(const Inputs& inputs, const layout::GlossParams& params);
+
   struct RayVariant {
     bool transparent = false;
     gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }

@@ -97,7 +97,9 @@ struct NearFieldWork {
   double between = 0.0;  ///< points of which some do
   double rays = 0.0;  ///< to the lights
   double fromPatches = 0.0;  ///< points times the patches that reflect to them
-  double units() const { return weighed + 20.0 * evaluated + 4.0 * between + 20.0 * rays + 0.2 * fromPatches; }
+  constexpr double units() const {
+    return weighed + 20.0 * evaluated + 4.0 * between + 20.0 * rays + 0.2 * fromPatches;
+  }
 };
 
 class NearFieldPass {

@@ -64,6 +64,20 @@ INSTANTIATE_TEST_SUITE_P(All, LaterSettings,
                          ::testing::Values(Later{"Haze", "haze", "haze", [](auto* s) { s->set_haze(0.1); }}),
                          [](const auto& row) { return row.param.name; });
 
+// Broken by: a mask without gloss; its default for what was asked.
+TEST_F(SessionSettings, GlossIsOffUntilItIsAskedFor) {
+  ASSERT_THAT(create(settings()), IsOk());
+  const std::string name = made_.name();
+  EXPECT_EQ(getSession(stubs_, name).settings().gloss(), pb::GLOSS_OFF);
+  pb::SessionSettings wanted;
+  wanted.set_gloss(pb::GLOSS_ON);
+  ASSERT_THAT(update(name, wanted, {"gloss"}), IsOk());
+  EXPECT_EQ(getSession(stubs_, name).settings().gloss(), pb::GLOSS_ON);
+  wanted.set_transport(pb::TRANSPORT_PROPAGATE);
+  EXPECT_THAT(update(name, wanted, {"transport"}),
+              Refused(StatusCode::INVALID_ARGUMENT, "settings.gloss", "PROPAGATE has no reflections"));
+}
+
 struct Transported {
   const char* name;
   std::function<void(pb::SessionSettings*)> set;
