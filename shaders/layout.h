@@ -448,6 +448,8 @@ struct GlossParams {
   int bandRow;  // of the pixels: where the band begins that is known at a time, kGlossReach rows before it is wanted
   int bandRows;
   int rowsWanted;  // from kGlossReach on
+  int spacing;  // from one pixel to the next at whose place E is found: 1, or, of one place of each, up to kGlossReach
+  int pad0, pad1, pad2;
 };
 
 struct SubpixelParams {
@@ -532,7 +534,7 @@ static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&
-              sizeof(GlossParams) == 32);
+              sizeof(GlossParams) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);
 }  // namespace lpv::layout

@@ -96,8 +96,10 @@ GpuTask Pipeline::Stages::reflectLikeMirrors(SessionState& s, const Scene& scene
   const StageProducts& made = *s.products;
   ShadowCasters shadows = shadowCasters(s, scene, frame);
   shadows.turns = (shadows.turns + layout::kGlossPlaces - 1) / layout::kGlossPlaces;
-  const GlossSources sources = {made.glossScene, made.emitters, shadows, glossTurns(frame, scene.options),
-                                s.shadowed,      frame.firstRow};
+  const GlossSources sources = {made.glossScene, made.emitters,
+                                shadows,         glossTurns(frame, scene.options),
+                                s.shadowed,      frame.reduced ? layout::kGlossReach : 1,
+                                frame.firstRow};
   co_await glossPass.run(*view.gloss, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                          pacing(s));
 }

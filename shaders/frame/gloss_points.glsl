@@ -20,3 +20,8 @@ float varianceOf(GlossPoint first) {
   const float turns = first.lights.a, mean = max(max(first.lights.r, first.lights.g), first.lights.b) / max(turns, 1.0);
   return max(first.normal.a / max(turns, 1.0) - mean * mean, 0.0) / max(turns - 1.0, 1.0);
 }
+
+/// Whether E is found at the place that a pixel of one of the pictures has. `at`: in the first one.
+bool isAsked(GlossParams params, ivec2 at, int picture) {
+  return params.spacing == 1 || (picture == 0 && all(equal((at + ivec2(0, params.bandRow + params.firstRow) + kGlossReach) % params.spacing, ivec2(0))));
+}

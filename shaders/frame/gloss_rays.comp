@@ -185,11 +185,13 @@ bool isKnown(ivec2 at) {
   return p.lights.a >= kLeastTurns && varianceOf(p) <= kEvenEnough * kEvenEnough * all * all;
 }
 
-/// Whether places of the pixel have been met, a bit each.
+/// Whether places of the pixel have been met and are asked about, a bit each.
 uint metBy(ivec2 at) {
   uint met = 0u;
-  for (int i = 0; i < kGlossPlaces; ++i)
-    met |= glossPoints[glossIndex(frame, at + ivec2(i * pictureWidth(frame), 0))].place.a > 0.0 ? 1u << i : 0u;
+  for (int i = 0; i < kGlossPlaces; ++i) {
+    const bool here = glossPoints[glossIndex(frame, at + ivec2(i * pictureWidth(frame), 0))].place.a > 0.0;
+    met |= here && isAsked(params, at, i) ? 1u << i : 0u;
+  }
   return met;
 }
 

@@ -20,23 +20,31 @@ const float kLeastCosineBeside = 0.95;
 const float kApart = 0.05;           // of the way of the light, about what lies between pixels of a mirror
 
 /// E where the pixel's reflections met a surface: of its own few rays to lights, and of those from places close by that
-/// neighbours' reflections met. `at`: of one of the row of pictures.
-vec3 irradianceAt(ivec2 at, GlossPoint p, ivec2 size) {
+/// neighbours' reflections met; the nearest neighbour's, if none are close. `at`: in the first picture.
+vec3 irradianceAt(ivec2 at, int picture, GlossPoint p, ivec2 size) {
   vec4 sum = vec4(0.0);
-  const int first = at.x - at.x % size.x;
+  vec3 nearest = vec3(0.0);
+  int least = 1 << 20;
   for (int dy = -kGlossReach; dy <= kGlossReach; ++dy) {
     for (int dx = -kGlossReach; dx <= kGlossReach; ++dx) {
-      const ivec2 there = at + ivec2(dx, dy);
-      if (there.y < 0 || there.y >= size.y || there.x < first || there.x >= first + size.x) continue;
-      if (glossPoints[glossIndex(frame, there - ivec2(first, 0))].lights.a == 0.0) continue;
+      const ivec2 beside = at + ivec2(dx, dy);
+      if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, size))) continue;
+      const int from = params.spacing == 1 ? picture : 0;
+      const ivec2 there = beside + ivec2(from * size.x, 0);
+      if (!isAsked(params, beside, from) || glossPoints[glossIndex(frame, beside)].lights.a == 0.0) continue;
       const GlossPoint q = glossPoints[glossIndex(frame, there)];
-      const vec3 d = q.place.xyz - p.place.xyz;
-      if (q.place.a == 0.0 || dot(d, d) > kApart * kApart * p.place.a * p.place.a) continue;
+      if (q.place.a == 0.0) continue;
+      const vec3 e = texelFetch(metIrradiance, there, 0).rgb, d = q.place.xyz - p.place.xyz;
+      if (dx * dx + dy * dy < least) {
+        least = dx * dx + dy * dy;
+        nearest = e;
+      }
+      if (dot(d, d) > kApart * kApart * p.place.a * p.place.a) continue;
       if (dot(q.normal.xyz, p.normal.xyz) < kLeastCosineBeside) continue;
-      sum += vec4(texelFetch(metIrradiance, there, 0).rgb, 1.0);
+      sum += vec4(e, 1.0);
     }
   }
-  return sum.rgb / max(sum.a, 1.0);
+  return sum.a > 0.0 ? sum.rgb / sum.a : nearest;
 }
 
 void main() {
@@ -53,9 +61,8 @@ void main() {
   const float scale = max(max(all.r, all.g), all.b);
   vec3 surfaces = vec3(0.0);
   for (int i = 0; i < kGlossPlaces; ++i) {
-    const ivec2 there = at + ivec2(i * size.x, 0);
-    const GlossPoint p = glossPoints[glossIndex(frame, there)];
-    if (p.place.a > 0.0) surfaces += p.met.rgb * p.met.a * irradianceAt(there, p, size);
+    const GlossPoint p = glossPoints[glossIndex(frame, at + ivec2(i * size.x, 0))];
+    if (p.place.a > 0.0) surfaces += p.met.rgb * p.met.a * irradianceAt(at, i, p, size);
   }
   imageStore(lightsOut, pixel, vec4(lights / all, varianceOf(first) / (scale * scale)));
   imageStore(surfacesOut, pixel, vec4(surfaces / (kPi * turns * float(kGlossRays)) / all, 0.0));

@@ -119,6 +119,7 @@ GpuTask GlossPass::run(GlossBuffer& buffer, const Gbuffer& gbuffer, const Emitte
     layout::GlossParams band{};
     band.firstRow = sources.firstRow;
     band.shadows = sources.shadowed ? 1 : 0;
+    band.spacing = sources.spacing;
     band.bandRow = row - layout::kGlossReach;
     band.rowsWanted = std::min(step, buffer.size.y - row);
     band.bandRows = band.rowsWanted + 2 * layout::kGlossReach;

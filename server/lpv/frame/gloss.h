@@ -34,6 +34,7 @@ struct GlossSources {
   const ShadowCasters& shadows;  ///< for the places that are met
   int turns = 1;         ///< of layout::kGlossRays rays in directions of the lobe, and as many to lights
   bool shadowed = true;  ///< something may stand in the lights' way
+  int spacing = 1;       ///< pixels between those at whose places light is found: 1, or up to layout::kGlossReach
   int firstRow = 0;      ///< of the pixels, in the picture that they are some rows of
 };
 

@@ -16,10 +16,12 @@ constexpr glm::ivec2 kSize(64, 64);
 
 class GlossTest : public test::EngineTest {
  protected:
-  FramePtr frame(const Scene& scene, const Camera& camera, SessionKey session = 1, int samples = 1) {
+  FramePtr frame(const Scene& scene, const Camera& camera, SessionKey session = 1, int samples = 1,
+                 bool reduced = false) {
     TickRequest tick = test::requestOf(scene, session);
     FrameRequest request = test::linearFrame(camera, kSize);
     request.samples = samples;
+    request.reduced = reduced;
     tick.frames = {request};
     const TickResult result = run(tick);
     return result.frames.size() == 1 ? result.frames[0] : std::make_shared<Frame>();
@@ -198,22 +200,24 @@ TEST_F(GlossTest, AMirrorShowsSurfacesAsTheyAreLit) {
   Camera behind = into;  // where the mirror has the first one, looking back
   behind.eye = {0.0, 0.0, -3.8};
   behind.target = {0.0, 0.0, 1.0};
-  const FramePtr got = frame(scene, into);
+  const FramePtr got = frame(scene, into), streamed = frame(scene, into, 3, 1, true);
   auto gone = std::make_shared<Surface>(*scene.surfaces["mirror"]);
   gone->visibleToCamera = false;
   gone->castsShadow = false;
   scene.surfaces["mirror"] = gone;
   const FramePtr want = frame(scene, behind, 2);
-  double squared = 0.0, all = 0.0;
+  double squared = 0.0, squaredOfStream = 0.0, all = 0.0;
   for (int y = 20; y < 44; ++y) {  // within the wall
     for (int x = 20; x < 44; ++x) {
       const glm::dvec3 there = pixel(*want, 63 - x, y), off = pixel(*got, x, y) - there;
       squared += glm::dot(off, off);
+      squaredOfStream += glm::dot(pixel(*streamed, x, y) - there, pixel(*streamed, x, y) - there);
       all += glm::dot(there, there);
     }
   }
   EXPECT_GT(all, 0.0);
   EXPECT_LT(std::sqrt(squared / all), 0.03);
+  EXPECT_LT(std::sqrt(squaredOfStream / all), 0.05);
 }
 
 // Red where every pixel has a lobe in a scene where one surface has.
