@@ -1,0 +1,37 @@
+// Makes dist/: index.html, scripts and styles named by their content, each also compressed. Fails above 400 KB of gzip.
+import { build } from "esbuild";
+import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { basename, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+
+const page = fileURLToPath(new URL("..", import.meta.url));
+const dist = process.env.LPV_WEB_DIST ?? join(page, "dist");
+const LARGEST = 400 * 1000; // bytes of gzip, all files together
+
+rmSync(dist, { recursive: true, force: true });
+mkdirSync(join(dist, "assets"), { recursive: true });
+const made = await build({
+  absWorkingDir: page,
+  entryPoints: { page: "src/main.ts", style: "src/style/main.css" },
+  bundle: true, splitting: true, format: "esm", target: "es2022", minify: true, legalComments: "none",
+  entryNames: "[name]-[hash]", chunkNames: "[name]-[hash]", outdir: join(dist, "assets"), write: true, metafile: true,
+});
+const written = Object.keys(made.metafile.outputs).map((name) => join(page, name));
+const named = (start) => `assets/${basename(written.find((name) => basename(name).startsWith(start)))}`;
+const document = readFileSync(join(page, "src", "index.html"), "utf8")
+  .replace("{{script}}", named("page-")).replace("{{style}}", named("style-"));
+const index = join(dist, "index.html");
+writeFileSync(index, document);
+
+let total = 0;
+for (const file of [index, ...written]) {
+  const packed = gzipSync(readFileSync(file), { level: 9 });
+  writeFileSync(`${file}.gz`, packed);
+  total += packed.length;
+}
+console.log(`${written.length + 1} files, ${(total / 1000).toFixed(1)} KB of gzip in all`);
+if (total > LARGEST) {
+  console.error(`more than ${LARGEST / 1000} KB`);
+  process.exit(1);
+}
