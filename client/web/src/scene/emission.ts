@@ -1,0 +1,67 @@
+import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
+
+// Radiance of a light, W/(sr m^2), as colour and strength, power and light. Colours are linear Rec.709.
+export interface Colour {
+  x: number;
+  y: number;
+  z: number;
+}
+
+export const LUMENS_PER_WATT = 179;
+
+export function radianceOf(light: Light): Colour {
+  if (light.emission.case === "radiance") return light.emission.value;
+  if (light.emission.case === "power") {
+    const perWatt = 1 / (Math.PI * emittingArea(light));
+    return scaled(light.emission.value, Number.isFinite(perWatt) ? perWatt : 0);
+  }
+  return { x: 1, y: 1, z: 1 };
+}
+
+// Area of all emitting sides, m^2.
+export function emittingArea(light: Light): number {
+  return (light.status?.area ?? 0) * (light.twoSided ? 2 : 1);
+}
+
+export const scaled = (colour: Colour, by: number): Colour => ({ x: colour.x * by, y: colour.y * by, z: colour.z * by });
+export const strongest = (colour: Colour): number => Math.max(colour.x, colour.y, colour.z);
+export const luminance = (colour: Colour): number => 0.2126 * colour.x + 0.7152 * colour.y + 0.0722 * colour.z;
+
+// All three colours together, W.
+export function watts(radiance: Colour, area: number): number {
+  return Math.PI * area * (radiance.x + radiance.y + radiance.z);
+}
+
+// Luminous flux, lm.
+export function lumens(radiance: Colour, area: number): number {
+  return LUMENS_PER_WATT * Math.PI * area * luminance(radiance);
+}
+
+const coded = (linear: number): number => (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
+const decoded = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+
+// The hue as a colour picker has it: sRGB, the strongest of the three at its full value.
+export function toHex(colour: Colour): string {
+  const full = strongest(colour) || 1;
+  const byte = (value: number): string =>
+    Math.round(255 * coded(Math.min(1, Math.max(0, value / full)))).toString(16).padStart(2, "0");
+  return `#${byte(colour.x)}${byte(colour.y)}${byte(colour.z)}`;
+}
+
+// Of "#rrggbb", the strongest of the three made 1 unless all are 0.
+export function fromHex(hex: string): Colour {
+  const at = (i: number): number => decoded(parseInt(hex.slice(i, i + 2), 16) / 255);
+  const colour = { x: at(1), y: at(3), z: at(5) };
+  const full = strongest(colour);
+  return full > 0 ? scaled(colour, 1 / full) : colour;
+}
+
+export function plainHex(colour: Colour): string {
+  const byte = (value: number): string => Math.round(255 * coded(Math.min(1, Math.max(0, value)))).toString(16).padStart(2, "0");
+  return `#${byte(colour.x)}${byte(colour.y)}${byte(colour.z)}`;
+}
+
+export function plainColour(hex: string): Colour {
+  const at = (i: number): number => decoded(parseInt(hex.slice(i, i + 2), 16) / 255);
+  return { x: at(1), y: at(3), z: at(5) };
+}

@@ -1,0 +1,158 @@
+import { ResultService, type FrameHeader, type FramePart } from "../../gen/lpv/v1/result_pb.ts";
+import { FrameFormat } from "../../gen/lpv/v1/result_pb.ts";
+import type { ClientIdentity } from "../../gen/lpv/v1/session_pb.ts";
+import { Backoff } from "../net/backoff.ts";
+import { converse } from "../net/calls.ts";
+import type { Connection } from "../net/connection.ts";
+import { CallError, Code, wordsOf } from "../net/errors.ts";
+import type { View } from "./camera_rig.ts";
+
+export interface ShownFrame {
+  header: FrameHeader;
+  revision: bigint;
+  bytes: number;
+  cameraMs: number | undefined; // from the camera's change to this picture of it
+}
+
+export interface FrameReports {
+  shown(frame: ShownFrame): void;
+  trouble(message: string): void; // empty: none any more
+}
+
+type Talk = Awaited<ReturnType<typeof converse<typeof ResultService.method.streamFrames.input, typeof ResultService.method.streamFrames.output>>>;
+
+// Pictures that the server draws for this page's camera, newest only: each is acknowledged when it is drawn.
+export class FrameView {
+  private talk: Talk | undefined;
+  private cameraSequence = 0n;
+  private pendingCamera: View | undefined;
+  private sendingCamera = false;
+  private readonly cameraSent = new Map<bigint, number>();
+  private readonly stop = new AbortController();
+  private width = 640;
+  private height = 360;
+  subscriber = "";
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement, private readonly connection: Connection, private readonly session: string,
+    private readonly identity: () => ClientIdentity | undefined, private readonly view: () => View,
+    private readonly reports: FrameReports,
+  ) {}
+
+  start(width: number, height: number): void {
+    this.width = width;
+    this.height = height;
+    void this.run();
+  }
+
+  close(): void {
+    this.stop.abort();
+  }
+
+  cameraMoved(): void {
+    this.pendingCamera = this.view();
+    void this.sendCameras();
+  }
+
+  resize(width: number, height: number): void {
+    if (width === this.width && height === this.height) return;
+    this.width = width;
+    this.height = height;
+    this.say({ width, height });
+  }
+
+  setExposure(ev: number | undefined): void {
+    this.exposure = ev === undefined ? { case: "automatic", value: true } : { case: "ev", value: ev };
+    this.say({ exposure: { exposure: this.exposure } });
+  }
+
+  private exposure: { case: "automatic"; value: boolean } | { case: "ev"; value: number } = { case: "automatic", value: true };
+
+  private say(update: { width?: number; height?: number; exposure?: { exposure: FrameView["exposure"] } }): void {
+    this.talk?.send({ message: { case: "update", value: update } }).catch(() => {}); // a lost stream says so by its end
+  }
+
+  private async run(): Promise<void> {
+    const backoff = new Backoff();
+    const { signal } = this.stop;
+    while (!signal.aborted) {
+      try {
+        await this.follow(signal, () => backoff.reset());
+      } catch (error) {
+        if (signal.aborted) return;
+        if (!(error instanceof CallError) || error.code !== Code.unavailable) this.reports.trouble(wordsOf(error));
+      }
+      this.talk = undefined;
+      this.subscriber = "";
+      await new Promise((resolve) => setTimeout(resolve, backoff.next()));
+    }
+  }
+
+  private async follow(signal: AbortSignal, alive: () => void): Promise<void> {
+    const talk = await converse(this.connection, ResultService.method.streamFrames, { signal });
+    const client = this.identity();
+    await talk.send({
+      message: {
+        case: "subscription",
+        value: {
+          session: this.session, width: this.width, height: this.height, format: FrameFormat.JPEG, quality: 85,
+          maxRate: 30, adaptRate: 15, exposure: { exposure: this.exposure }, camera: this.nextCamera(this.view()),
+          ...(client ? { client } : {}),
+        },
+      },
+    });
+    this.talk = talk;
+    let parts: FramePart[] = [];
+    for await (const { event } of talk.answers) {
+      const said = event?.event;
+      if (said?.case === "subscribed") this.subscriber = said.value.subscriber;
+      if (said?.case === "notice" && said.value.message) this.reports.trouble(said.value.message);
+      if (said?.case !== "part") continue;
+      if (said.value.header) parts = [];
+      parts.push(said.value);
+      const header = parts[0]?.header;
+      if (!header || parts.length < header.partCount) continue;
+      alive();
+      await this.show(header, parts);
+      await talk.send({ message: { case: "update", value: { acknowledge: { resultId: said.value.resultId } } } });
+    }
+  }
+
+  private async show(header: FrameHeader, parts: FramePart[]): Promise<void> {
+    const file = new Blob(parts.map((part) => part.payload as Uint8Array<ArrayBuffer>), { type: "image/jpeg" });
+    const picture = await createImageBitmap(file);
+    if (this.canvas.width !== picture.width) this.canvas.width = picture.width;
+    if (this.canvas.height !== picture.height) this.canvas.height = picture.height;
+    this.canvas.getContext("2d")?.drawImage(picture, 0, 0);
+    picture.close();
+    const sent = this.cameraSent.get(header.cameraSequence);
+    for (const sequence of this.cameraSent.keys()) if (sequence <= header.cameraSequence) this.cameraSent.delete(sequence);
+    this.reports.trouble("");
+    this.reports.shown({
+      header, revision: header.result?.revision ?? 0n, bytes: file.size,
+      cameraMs: sent === undefined ? undefined : performance.now() - sent,
+    });
+  }
+
+  private nextCamera(view: View) {
+    this.cameraSequence += 1n;
+    this.cameraSent.set(this.cameraSequence, performance.now());
+    return { camera: view, sequence: this.cameraSequence };
+  }
+
+  // One camera at a time under way: while it waits for credit, newer ones take the place of those not sent yet.
+  private async sendCameras(): Promise<void> {
+    if (this.sendingCamera) return;
+    this.sendingCamera = true;
+    try {
+      for (let view = this.pendingCamera; view && this.talk; view = this.pendingCamera) {
+        this.pendingCamera = undefined;
+        await this.talk.send({ message: { case: "update", value: { camera: this.nextCamera(view) } } });
+      }
+    } catch {
+      // the stream is lost; the next one begins with the camera as it is then
+    } finally {
+      this.sendingCamera = false;
+    }
+  }
+}

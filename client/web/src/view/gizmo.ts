@@ -1,0 +1,106 @@
+import { Object3D, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from "three";
+import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
+import type { Transform } from "../../gen/lpv/v1/geometry_pb.ts";
+import type { View } from "./camera_rig.ts";
+
+export type GizmoMode = "translate" | "rotate" | "scale";
+
+export interface Placement {
+  translation: { x: number; y: number; z: number };
+  rotation: { x: number; y: number; z: number; w: number };
+  scale: { x: number; y: number; z: number };
+}
+
+export function placementOf(transform: Transform | undefined): Placement {
+  return {
+    translation: transform?.translation ?? { x: 0, y: 0, z: 0 },
+    rotation: transform?.rotation ?? { x: 0, y: 0, z: 0, w: 1 },
+    scale: transform?.scale ?? { x: 1, y: 1, z: 1 },
+  };
+}
+
+// Handles over the server's picture, seen through the same camera.
+export class Gizmo {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(50, 16 / 9, 0.01, 1e4);
+  private readonly held = new Object3D();
+  private readonly controls: TransformControls;
+
+  constructor(canvas: HTMLCanvasElement, pointer: HTMLElement, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
+    this.renderer.setClearColor(0, 0);
+    this.controls = new TransformControls(this.camera, pointer);
+    this.controls.setSize(0.8);
+    this.scene.add(this.held, this.controls.getHelper());
+    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("objectChange", () => moved(this.placement()));
+    this.controls.addEventListener("dragging-changed", (event) => dragging(event.value === true));
+  }
+
+  // Whether the pointer is over a handle or drags one.
+  get busy(): boolean {
+    return this.controls.object !== undefined && this.controls.axis !== null;
+  }
+
+  get dragged(): boolean {
+    return this.controls.dragging;
+  }
+
+  attach(placement: Placement | undefined): void {
+    if (this.dragged) return;
+    if (!placement) {
+      this.controls.detach();
+    } else {
+      const { translation: t, rotation: r, scale: s } = placement;
+      this.held.position.set(t.x, t.y, t.z);
+      this.held.quaternion.set(r.x, r.y, r.z, r.w);
+      this.held.scale.set(s.x, s.y, s.z);
+      if (this.controls.object !== this.held) this.controls.attach(this.held);
+    }
+    this.draw();
+  }
+
+  setMode(mode: GizmoMode): void {
+    this.controls.setMode(mode);
+    this.draw();
+  }
+
+  setSpace(space: "world" | "local"): void {
+    this.controls.setSpace(space);
+    this.draw();
+  }
+
+  // Metres, degrees and factors; 0 does not snap.
+  setSnap(on: boolean): void {
+    this.controls.setTranslationSnap(on ? 0.1 : null);
+    this.controls.setRotationSnap(on ? Math.PI / 12 : null);
+    this.controls.setScaleSnap(on ? 0.1 : null);
+  }
+
+  setView(view: View, width: number, height: number): void {
+    this.camera.fov = view.fovDegrees;
+    this.camera.aspect = width / height;
+    this.camera.position.copy(new Vector3(view.eye.x, view.eye.y, view.eye.z));
+    this.camera.up.set(0, 1, 0);
+    this.camera.lookAt(view.target.x, view.target.y, view.target.z);
+    this.camera.updateProjectionMatrix();
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(width, height, false);
+    this.draw();
+  }
+
+  private placement(): Placement {
+    const { position: p, scale: s } = this.held;
+    const q = new Quaternion().copy(this.held.quaternion).normalize();
+    return {
+      translation: { x: p.x, y: p.y, z: p.z }, rotation: { x: q.x, y: q.y, z: q.z, w: q.w },
+      scale: { x: s.x, y: s.y, z: s.z },
+    };
+  }
+
+  private draw(): void {
+    this.camera.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+  }
+}
