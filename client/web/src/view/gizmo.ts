@@ -1,23 +1,9 @@
 import { Object3D, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
-import type { Transform } from "../../gen/lpv/v1/geometry_pb.ts";
+import type { Placement } from "../scene/placement.ts";
 import type { View } from "./camera_rig.ts";
 
 export type GizmoMode = "translate" | "rotate" | "scale";
-
-export interface Placement {
-  translation: { x: number; y: number; z: number };
-  rotation: { x: number; y: number; z: number; w: number };
-  scale: { x: number; y: number; z: number };
-}
-
-export function placementOf(transform: Transform | undefined): Placement {
-  return {
-    translation: transform?.translation ?? { x: 0, y: 0, z: 0 },
-    rotation: transform?.rotation ?? { x: 0, y: 0, z: 0, w: 1 },
-    scale: transform?.scale ?? { x: 1, y: 1, z: 1 },
-  };
-}
 
 // Handles over the server's picture, seen through the same camera.
 export class Gizmo {

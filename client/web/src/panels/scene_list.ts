@@ -1,0 +1,82 @@
+import { el } from "../dom.ts";
+import { plainHex } from "../scene/emission.ts";
+import type { SceneModel } from "../scene/model.ts";
+
+// Lights by group, surfaces, and who is here; the search narrows all by name.
+export class SceneList {
+  private readonly search = el("input", {
+    type: "search", placeholder: "Search", "aria-label": "Search the scene", id: "search", oninput: () => this.draw(),
+  });
+  private readonly list = el("ul", { class: "list" });
+  private readonly people = el("ul", { class: "list", "aria-label": "Others here" });
+  readonly element = el("nav", { class: "side", "aria-label": "Scene" }, this.search, this.list, this.people);
+
+  constructor(private readonly model: SceneModel, private readonly selected: () => string, private readonly select: (name: string) => void) {}
+
+  focus(): void {
+    this.search.focus();
+  }
+
+  draw(): void {
+    const wanted = this.search.value.toLowerCase();
+    const has = (name: string): boolean => name.toLowerCase().includes(wanted);
+    const rows: HTMLElement[] = [];
+    const groups = new Map<string, string[]>();
+    for (const light of this.model.lights.values()) {
+      if (has(light.name)) groups.set(light.group, [...(groups.get(light.group) ?? []), light.name]);
+    }
+    for (const [group, names] of [...groups].sort(([a], [b]) => a.localeCompare(b))) {
+      rows.push(heading(group ? `Lights: ${group}` : "Lights"), ...names.sort().map((name) => this.row(name)));
+    }
+    const surfaces = [...this.model.surfaces.keys()].filter(has).sort();
+    if (surfaces.length > 0) rows.push(heading("Surfaces"), ...surfaces.map((name) => this.row(name)));
+    if (rows.length === 0) rows.push(el("li", { class: "quiet" }, wanted ? "Nothing of that name." : "The scene is empty."));
+    keepFocus(this.list, rows);
+    this.drawPeople();
+  }
+
+  private row(name: string): HTMLElement {
+    const light = this.model.lights.get(name);
+    const holder = this.model.lockHolder(name);
+    const viewers = [...this.model.people.values()].filter((person) => person.selection.includes(name));
+    const button = el("button", { "data-name": name, "aria-current": this.selected() === name, onclick: () => this.select(name) },
+      el("span", light && light.enabled === false ? { class: "off" } : {}, name),
+      ...viewers.map((person) => swatch(person.colour, `selected by ${person.displayName}`)),
+      holder ? el("span", { class: "quiet" }, `locked by ${holder.displayName || "another member"}`) : undefined);
+    button.setAttribute("aria-current", String(this.selected() === name));
+    return el("li", {}, button);
+  }
+
+  private drawPeople(): void {
+    const rows = [...this.model.people.values()].map((person) =>
+      el("li", { class: "row" }, swatch(person.colour, ""), person.displayName || "a member",
+        el("span", { class: "quiet" }, person.selection.join(", "))));
+    this.people.replaceChildren(...(rows.length > 0 ? [heading("Also here"), ...rows] : []));
+  }
+}
+
+function heading(text: string): HTMLElement {
+  return el("li", {}, el("h2", {}, text));
+}
+
+function swatch(colour: { x: number; y: number; z: number } | undefined, title: string): SVGElement {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("class", "swatch");
+  svg.setAttribute("viewBox", "0 0 10 10");
+  if (title) svg.setAttribute("aria-label", title);
+  const dot = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+  dot.setAttribute("cx", "5");
+  dot.setAttribute("cy", "5");
+  dot.setAttribute("r", "5");
+  dot.setAttribute("fill", plainHex(colour ?? { x: 0.3, y: 0.3, z: 0.3 }));
+  svg.append(dot);
+  return svg;
+}
+
+// Replaces the rows; the object whose button had the focus has it again.
+function keepFocus(list: HTMLElement, rows: HTMLElement[]): void {
+  const focused = list.contains(document.activeElement) ? document.activeElement?.getAttribute("data-name") : undefined;
+  list.replaceChildren(...rows);
+  if (!focused) return;
+  for (const button of list.querySelectorAll("button")) if (button.dataset["name"] === focused) button.focus();
+}

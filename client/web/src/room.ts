@@ -1,0 +1,283 @@
+import { SessionService } from "../gen/lpv/v1/session_pb.ts";
+import { el } from "./dom.ts";
+import { serverStream } from "./net/calls.ts";
+import type { Connection, ConnectionState } from "./net/connection.ts";
+import { helpDialog, keyOf, takesText, type Action } from "./panels/keys.ts";
+import { Properties } from "./panels/properties.ts";
+import { SceneList } from "./panels/scene_list.ts";
+import { ShareDialog } from "./panels/share.ts";
+import { Strip } from "./panels/strip.ts";
+import { Words } from "./panels/words.ts";
+import { duplicate, place, remove, rename, update } from "./scene/actions.ts";
+import { Editor } from "./scene/editor.ts";
+import { SceneModel, type SceneObject } from "./scene/model.ts";
+import { placementOf, type Placement } from "./scene/placement.ts";
+import { accessOf, type Access } from "./scene/role.ts";
+import { watchScene } from "./scene/watch.ts";
+import { Stage } from "./view/stage.ts";
+
+const PRESENCE_MS = 250;
+const LOCK_SECONDS = 5;
+
+// One session in the page: the scene on the left, the picture, the selected object on the right.
+export class Room {
+  readonly model = new SceneModel();
+  private readonly editor: Editor;
+  private readonly stage: Stage;
+  private readonly words = new Words();
+  private readonly strip = new Strip();
+  private readonly list: SceneList;
+  private readonly properties: Properties;
+  private readonly share: ShareDialog;
+  private readonly state = el("span", { class: "state", id: "state", role: "status" });
+  private readonly title = el("h1");
+  private readonly stop = new AbortController();
+  private access: Access = { mayEdit: false, mayShare: false };
+  private selected = "";
+  private drag = ""; // undo group of the drag under way
+  private drags = 0;
+  private started = false;
+  private presenceDue: ReturnType<typeof setTimeout> | undefined;
+  private readonly actions: Action[];
+  private readonly help: HTMLDialogElement;
+  private readonly buttons = new Map<string, HTMLButtonElement>();
+  readonly element: HTMLElement;
+
+  constructor(private readonly connection: Connection, private readonly session: string, private readonly leave: () => void) {
+    this.editor = new Editor(connection, session);
+    this.list = new SceneList(this.model, () => this.selected, (name) => this.select(name));
+    this.properties = new Properties({
+      change: (object, fields, paths) => void this.edit(() => this.editor.apply([update(object, fields, paths)])),
+      place: (object, to) => void this.edit(() => place(this.editor, object, to, "")),
+      rename: (object, name) => void this.rename(object, name),
+      duplicate: () => this.duplicate(),
+      remove: () => this.remove(),
+    });
+    this.share = new ShareDialog(connection, session);
+    this.stage = new Stage(connection, session, this.editor, this.model, {
+      shown: (frame) => this.strip.frame(frame),
+      picked: (name) => this.select(name),
+      cameraMoved: () => this.presenceChanged(),
+      dragging: (on) => this.dragging(on),
+      moved: (to) => this.moved(to),
+      refused: this.words.refuse,
+    });
+    this.actions = this.allActions();
+    this.help = helpDialog(this.actions);
+    this.element = this.layout();
+    document.addEventListener("keydown", this.pressed);
+    connection.onState((state) => this.showState(state));
+    this.model.onChange(() => this.changed());
+    setInterval(() => {
+      if (!this.stop.signal.aborted) this.strip.draw(this.model.revision, this.model.people.size);
+    }, 500);
+    void this.enter();
+  }
+
+  close(): void {
+    this.stop.abort();
+    this.stage.close();
+    document.removeEventListener("keydown", this.pressed);
+    this.editor.leave().catch(() => {}); // a server that is gone forgets the member by itself
+  }
+
+  private async enter(): Promise<void> {
+    try {
+      await this.join();
+      this.access = await accessOf(this.connection, this.session);
+    } catch (error) {
+      this.words.refuse(error);
+    }
+    for (const action of this.actions) {
+      const button = this.buttons.get(action.keys);
+      if (button && action.edits) button.disabled = !this.access.mayEdit;
+    }
+    const share = this.buttons.get("l");
+    if (share) share.hidden = !this.access.mayShare;
+    await watchScene(this.connection, this.session, () => this.editor.identity, this.model, {
+      notice: (message) => this.stage.say(message),
+      unknownClient: () => this.join(),
+      ended: (error) => this.words.say(`The session is not shown any more. ${error.message}`),
+    }, this.stop.signal);
+  }
+
+  private async join(): Promise<void> {
+    const hue = Math.random() * 2 * Math.PI;
+    const part = (shift: number): number => 0.35 + 0.3 * Math.cos(hue + shift);
+    await this.editor.join(`Browser ${Math.floor(100 + 900 * Math.random())}`, { x: part(0), y: part(2.1), z: part(4.2) });
+  }
+
+  private changed(): void {
+    if (!this.started && this.model.grid) {
+      this.started = true;
+      void this.stage.start(this.access.mayEdit).then(() => this.changed());
+    }
+    if (this.selected && !this.model.find(this.selected)) this.selected = "";
+    const object = this.model.find(this.selected);
+    this.title.textContent = this.model.settings?.displayName || this.session.replace("sessions/", "");
+    this.list.draw();
+    this.properties.draw(object, this.access.mayEdit);
+    this.stage.hold(object && placementOf(object.value.transform));
+  }
+
+  private select(name: string): void {
+    this.selected = name;
+    this.changed();
+    this.presenceChanged();
+  }
+
+  private dragging(on: boolean): void {
+    this.drag = on ? `drag ${++this.drags}` : "";
+    if (on && this.selected) this.editor.lock([this.selected], LOCK_SECONDS).catch(this.words.refuse);
+    else this.editor.lock([], 0).catch(this.words.refuse);
+  }
+
+  private moved(to: Placement): void {
+    const object = this.model.find(this.selected);
+    if (object) void this.edit(() => place(this.editor, object, to, this.drag));
+  }
+
+  private async edit(apply: () => ReturnType<Editor["apply"]>): Promise<string[]> {
+    const began = performance.now();
+    try {
+      const ack = await apply();
+      this.words.clear();
+      if (ack) this.strip.edited(ack.revision, began);
+      if (ack && ack.skippedFields.length > 0) this.words.say(`Left as they are, since somebody else has changed them: ${ack.skippedFields.join(", ")}.`);
+      return ack?.names ?? [];
+    } catch (error) {
+      this.words.refuse(error);
+      return [];
+    }
+  }
+
+  private async rename(object: SceneObject, name: string): Promise<void> {
+    if (!name || name === object.value.name) return;
+    const [made] = await this.edit(() => rename(this.editor, object, name));
+    if (made) this.select(made);
+  }
+
+  private duplicate(): void {
+    const object = this.model.find(this.selected);
+    if (object) void this.edit(() => duplicate(this.editor, object)).then(([made]) => made && this.select(made));
+  }
+
+  private remove(): void {
+    const object = this.model.find(this.selected);
+    if (object) void this.edit(() => this.editor.apply([remove(object)]));
+  }
+
+  private toggle(): void {
+    const object = this.model.find(this.selected);
+    if (object?.kind !== "light") return;
+    void this.edit(() => this.editor.apply([update(object, { enabled: object.value.enabled === false }, ["enabled"])]));
+  }
+
+  private frameSelected(): void {
+    const object = this.model.find(this.selected);
+    if (!object) return;
+    const { translation, scale } = placementOf(object.value.transform);
+    this.stage.frameObject(translation, Math.max(Math.abs(scale.x), Math.abs(scale.y), Math.abs(scale.z)));
+  }
+
+  private async saveSession(): Promise<void> {
+    const parts: Uint8Array<ArrayBuffer>[] = [];
+    try {
+      for await (const part of serverStream(this.connection, SessionService.method.exportSession, { name: this.session })) {
+        parts.push(part.data as Uint8Array<ArrayBuffer>);
+      }
+      const address = URL.createObjectURL(new Blob(parts));
+      el("a", { href: address, download: `${this.session.replace("sessions/", "")}.lpv` }).click();
+      setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    } catch (error) {
+      this.words.refuse(error);
+    }
+  }
+
+  // The newest camera and selection, a few times a second at most.
+  private presenceChanged(): void {
+    this.presenceDue ??= setTimeout(() => {
+      this.presenceDue = undefined;
+      const presence = { camera: this.stage.rig.view(), selection: this.selected ? [this.selected] : [] };
+      this.editor.tell(presence).catch(() => {}); // transient: the next one says it all again
+    }, PRESENCE_MS);
+  }
+
+  private showState(state: ConnectionState): void {
+    this.state.dataset["kind"] = state.kind;
+    const words = {
+      connecting: "Connecting", open: "Connected", closed: "Closed",
+      lost: "Connection lost. What is shown is the last that was received; trying again.",
+    };
+    this.state.textContent = words[state.kind];
+  }
+
+  private allActions(): Action[] {
+    const help = (): void => this.help.showModal();
+    const step = (which: "undo" | "redo") => () => void this.edit(() => this.editor[which]());
+    return [
+      { keys: "g", does: "move the selected object", run: () => this.stage.setMode("translate"), edits: true },
+      { keys: "r", does: "turn it", run: () => this.stage.setMode("rotate"), edits: true },
+      { keys: "y", does: "scale it", run: () => this.stage.setMode("scale"), edits: true },
+      { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.setSnap(on)), edits: true },
+      { keys: "b", does: "handles along the object's own axes, or the world's", run: () => this.flip("b", (on) => this.stage.setSpace(on ? "local" : "world")), edits: true },
+      { keys: "Ctrl+D", does: "duplicate", run: () => this.duplicate(), edits: true },
+      { keys: "Delete", does: "delete", run: () => this.remove(), edits: true },
+      { keys: "t", does: "light on or off", run: () => this.toggle(), edits: true },
+      { keys: "Ctrl+Z", does: "undo", run: step("undo"), edits: true },
+      { keys: "Ctrl+Y", does: "redo", run: step("redo"), edits: true },
+      { keys: "f", does: "look at the selected object", run: () => this.frameSelected() },
+      { keys: "h", does: "back to the first view", run: () => this.stage.home() },
+      { keys: "/", does: "search the scene", run: () => this.list.focus() },
+      { keys: "n", does: "name of the selected object", run: () => document.getElementById("object-name")?.focus() },
+      { keys: "v", does: "focus the picture", run: () => this.stage.element.focus() },
+      { keys: "Escape", does: "select nothing", run: () => this.select("") },
+      { keys: "p", does: "save the picture", run: () => this.stage.savePicture() },
+      { keys: "o", does: "save the session as a file", run: () => void this.saveSession() },
+      { keys: "l", does: "share: links by role", run: () => this.access.mayShare && this.share.open() },
+      { keys: "?", does: "this list", run: help },
+    ];
+  }
+
+  private flip(keys: string, set: (on: boolean) => void): void {
+    const button = this.buttons.get(keys);
+    const on = button?.getAttribute("aria-pressed") !== "true";
+    button?.setAttribute("aria-pressed", String(on));
+    set(on);
+  }
+
+  private readonly pressed = (event: KeyboardEvent): void => {
+    if (document.querySelector("dialog[open]")) return;
+    if (event.key === "Escape" && event.target instanceof HTMLElement) event.target.blur();
+    else if (takesText(event.target)) return;
+    const action = this.actions.find((one) => one.keys === keyOf(event));
+    if (!action || (action.edits && !this.access.mayEdit)) return;
+    event.preventDefault();
+    action.run();
+  };
+
+  private layout(): HTMLElement {
+    const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["b", "Own axes"],
+      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["p", "Save picture"], ["o", "Save session"], ["l", "Share"], ["?", "Keys"]];
+    for (const [keys, label] of shown) {
+      const action = this.actions.find((one) => one.keys === keys);
+      if (!action) continue;
+      const button = el("button", { title: `${action.does} (${keys})`, "data-keys": keys, onclick: action.run }, label);
+      if (action.edits) button.disabled = true;
+      if (keys === "x" || keys === "b") button.setAttribute("aria-pressed", "false");
+      this.buttons.set(keys, button);
+    }
+    return el("div", { class: "room" },
+      el("header", { class: "bar" }, this.title, ...this.buttons.values(), this.exposure(), el("span", { class: "space" }), this.state,
+        el("button", { onclick: this.leave }, "Leave")),
+      this.list.element, this.stage.element,
+      el("aside", { class: "side right", "aria-label": "Selected object" }, this.properties.element),
+      this.strip.element, this.words.element, this.help, this.share.element);
+  }
+
+  private exposure(): HTMLElement {
+    const input = el("input", { type: "number", step: "0.5", min: -40, max: 40, placeholder: "auto", "aria-label": "Exposure, stops; empty: automatic", id: "exposure" });
+    input.addEventListener("change", () => this.stage.setExposure(input.value === "" ? undefined : input.valueAsNumber));
+    return el("label", { class: "quiet" }, "Exposure ", input);
+  }
+}

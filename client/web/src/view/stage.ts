@@ -1,0 +1,161 @@
+import { ResultService } from "../../gen/lpv/v1/result_pb.ts";
+import { el } from "../dom.ts";
+import { unary } from "../net/calls.ts";
+import type { Connection } from "../net/connection.ts";
+import type { Editor } from "../scene/editor.ts";
+import { boxOf, type SceneModel } from "../scene/model.ts";
+import type { Placement } from "../scene/placement.ts";
+import { CameraRig } from "./camera_rig.ts";
+import { FrameView, type ShownFrame } from "./frames.ts";
+import type { Gizmo, GizmoMode } from "./gizmo.ts";
+import { navigate } from "./navigate.ts";
+
+const MOST_PIXELS = 960 * 540; // larger windows are shown smaller pictures, enlarged
+
+export interface StageReports {
+  shown(frame: ShownFrame): void;
+  picked(name: string): void;
+  cameraMoved(): void;
+  dragging(on: boolean): void;
+  moved(to: Placement): void;
+  refused(error: unknown): void;
+}
+
+// The picture with its camera, and the handles over it.
+export class Stage {
+  readonly rig = new CameraRig();
+  private readonly picture = el("canvas", { id: "picture", role: "img", "aria-label": "The room, as the server draws it" });
+  private readonly handles = el("canvas", { class: "handles", "aria-hidden": "true" });
+  private readonly trouble = el("p", { class: "trouble", role: "status", hidden: true });
+  readonly element = el("section", { class: "stage", tabindex: 0, id: "stage", "aria-label": "View" }, this.picture, this.handles, this.trouble);
+  private readonly frames: FrameView;
+  private gizmo: Gizmo | undefined;
+  private aimed = false;
+
+  constructor(private readonly connection: Connection, private readonly session: string, editor: Editor,
+    private readonly model: SceneModel, private readonly reports: StageReports) {
+    this.frames = new FrameView(this.picture, connection, session, () => editor.identity, () => this.rig.view(), {
+      shown: (frame) => reports.shown(frame),
+      trouble: (message) => this.say(message),
+    });
+    navigate(this.element, this.rig, {
+      busy: () => this.gizmo?.busy ?? false,
+      moved: () => this.cameraChanged(),
+      clicked: (x, y) => void this.pick(x, y),
+    });
+    new ResizeObserver(() => this.resized()).observe(this.element);
+  }
+
+  // Called when the scene is known for the first time.
+  async start(mayEdit: boolean): Promise<void> {
+    this.home();
+    const { width, height } = this.pixels();
+    this.frames.start(width, height);
+    if (mayEdit) await this.loadHandles();
+  }
+
+  close(): void {
+    this.frames.close();
+  }
+
+  setExposure(ev: number | undefined): void {
+    this.frames.setExposure(ev);
+  }
+
+  setMode(mode: GizmoMode): void {
+    this.gizmo?.setMode(mode);
+  }
+
+  setSpace(space: "world" | "local"): void {
+    this.gizmo?.setSpace(space);
+  }
+
+  setSnap(on: boolean): void {
+    this.gizmo?.setSnap(on);
+  }
+
+  hold(placement: Placement | undefined): void {
+    this.gizmo?.attach(placement);
+  }
+
+  // The first camera of the session, else the whole grid from the front.
+  home(): void {
+    const camera = [...this.model.cameras.values()][0];
+    if (camera?.eye && camera.target) {
+      this.rig.set({ eye: camera.eye, target: camera.target, fovDegrees: camera.fovDegrees });
+    } else {
+      const box = this.model.grid && boxOf(this.model.grid);
+      if (box?.min && box.max) {
+        const centre = { x: (box.min.x + box.max.x) / 2, y: (box.min.y + box.max.y) / 2, z: (box.min.z + box.max.z) / 2 };
+        const radius = Math.hypot(box.max.x - centre.x, box.max.y - centre.y, box.max.z - centre.z);
+        this.rig.frame(centre, radius * 0.8);
+      }
+    }
+    this.aimed = true;
+    this.cameraChanged();
+  }
+
+  frameObject(centre: Placement["translation"], radius: number): void {
+    this.rig.frame(centre, radius);
+    this.cameraChanged();
+  }
+
+  savePicture(): void {
+    this.picture.toBlob((blob) => {
+      if (!blob) return;
+      const address = URL.createObjectURL(blob);
+      el("a", { href: address, download: `${this.session.replace("sessions/", "")}.png` }).click();
+      setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    }, "image/png");
+  }
+
+  say(message: string): void {
+    this.trouble.textContent = message;
+    this.trouble.hidden = message === "";
+  }
+
+  private async loadHandles(): Promise<void> {
+    try {
+      const { Gizmo } = await import("./gizmo.ts");
+      this.gizmo = new Gizmo(this.handles, this.element, (to) => this.reports.moved(to), (on) => this.reports.dragging(on));
+      this.resized();
+    } catch {
+      this.say("This browser has no WebGL2: objects are moved by numbers only.");
+    }
+  }
+
+  private cameraChanged(): void {
+    if (!this.aimed) return;
+    this.frames.cameraMoved();
+    this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
+    this.reports.cameraMoved();
+  }
+
+  private resized(): void {
+    if (!this.aimed) return;
+    const { width, height } = this.pixels();
+    this.frames.resize(width, height);
+    this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
+  }
+
+  // Of the picture that is asked for: the element's shape, not more pixels than frames can keep up with.
+  private pixels(): { width: number; height: number } {
+    const width = Math.max(16, this.element.clientWidth);
+    const height = Math.max(16, this.element.clientHeight);
+    const smaller = Math.min(1, Math.sqrt(MOST_PIXELS / (width * height)));
+    return { width: Math.max(16, Math.round(width * smaller)), height: Math.max(16, Math.round(height * smaller)) };
+  }
+
+  private async pick(x: number, y: number): Promise<void> {
+    const { width, height } = this.pixels();
+    try {
+      const hit = await unary(this.connection, ResultService.method.pick, {
+        session: this.session, camera: this.rig.view(), width, height,
+        x: (x / this.element.clientWidth) * width, y: (y / this.element.clientHeight) * height,
+      });
+      this.reports.picked(hit.hit ? hit.object : "");
+    } catch (error) {
+      this.reports.refused(error);
+    }
+  }
+}
