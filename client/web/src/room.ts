@@ -9,6 +9,7 @@ import { ShareDialog } from "./panels/share.ts";
 import { Strip } from "./panels/strip.ts";
 import { Words } from "./panels/words.ts";
 import { duplicate, place, remove, rename, update } from "./scene/actions.ts";
+import { LightAreas } from "./scene/areas.ts";
 import { Editor } from "./scene/editor.ts";
 import { SceneModel, type SceneObject } from "./scene/model.ts";
 import { placementOf, type Placement } from "./scene/placement.ts";
@@ -29,6 +30,8 @@ export class Room {
   private readonly list: SceneList;
   private readonly properties: Properties;
   private readonly share: ShareDialog;
+  private readonly areas: LightAreas;
+  private displayName = "";
   private readonly state = el("span", { class: "state", id: "state", role: "status" });
   private readonly title = el("h1");
   private readonly stop = new AbortController();
@@ -53,6 +56,7 @@ export class Room {
       duplicate: () => this.duplicate(),
       remove: () => this.remove(),
     });
+    this.areas = new LightAreas(connection, session, () => this.changed());
     this.share = new ShareDialog(connection, session);
     this.stage = new Stage(connection, session, this.editor, this.model, {
       shown: (frame) => this.strip.frame(frame),
@@ -104,7 +108,7 @@ export class Room {
   private async join(): Promise<void> {
     const hue = Math.random() * 2 * Math.PI;
     const part = (shift: number): number => 0.35 + 0.3 * Math.cos(hue + shift);
-    await this.editor.join(`Browser ${Math.floor(100 + 900 * Math.random())}`, { x: part(0), y: part(2.1), z: part(4.2) });
+    this.displayName = await this.editor.join(`Browser ${Math.floor(100 + 900 * Math.random())}`, { x: part(0), y: part(2.1), z: part(4.2) });
   }
 
   private changed(): void {
@@ -114,9 +118,9 @@ export class Room {
     }
     if (this.selected && !this.model.find(this.selected)) this.selected = "";
     const object = this.model.find(this.selected);
-    this.title.textContent = this.model.settings?.displayName || this.session.replace("sessions/", "");
+    this.title.textContent = this.displayName || this.session.replace("sessions/", "");
     this.list.draw();
-    this.properties.draw(object, this.access.mayEdit);
+    this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
     this.stage.hold(object && placementOf(object.value.transform));
   }
 

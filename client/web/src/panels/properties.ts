@@ -24,8 +24,9 @@ export class Properties {
   constructor(private readonly actions: PropertyActions) {}
 
   // Redrawn when the object is another or has changed; not under somebody's fingers.
-  draw(object: SceneObject | undefined, mayEdit: boolean): void {
-    const state = object ? `${object.kind} ${object.value.name} ${revisionOf(object)} ${mayEdit}` : `none ${mayEdit}`;
+  // `area` is that of one side of a light, m^2, where it is known.
+  draw(object: SceneObject | undefined, mayEdit: boolean, area: number | undefined): void {
+    const state = object ? `${object.kind} ${object.value.name} ${revisionOf(object)} ${mayEdit} ${area}` : `none ${mayEdit}`;
     const active = document.activeElement;
     const typing = active instanceof HTMLInputElement && active.type !== "checkbox" && this.element.contains(active);
     if (state === this.shown || (typing && object && this.shown.startsWith(`${object.kind} ${object.value.name} `))) return;
@@ -35,7 +36,7 @@ export class Properties {
       return;
     }
     this.element.replaceChildren(this.common(object), this.placement(object),
-      object.kind === "light" ? this.light(object, object.value) : this.surface(object, object.value), this.buttons());
+      object.kind === "light" ? this.light(object, object.value, area) : this.surface(object, object.value), this.buttons());
     for (const control of this.element.querySelectorAll<HTMLInputElement | HTMLButtonElement>("input, button")) control.disabled = !mayEdit;
     if (!mayEdit) this.element.append(el("p", { class: "quiet" }, "Your access is for viewing only."));
   }
@@ -56,9 +57,9 @@ export class Properties {
       triple("Scale", now.scale, (scale) => move({ scale })));
   }
 
-  private light(object: SceneObject, light: Light): HTMLElement {
-    const radiance = radianceOf(light);
-    const area = emittingArea(light);
+  private light(object: SceneObject, light: Light, oneSide: number | undefined): HTMLElement {
+    const area = emittingArea(light, oneSide ?? 0);
+    const radiance = radianceOf(light, area);
     const set = (value: Colour): void =>
       this.actions.change(object, { emission: { case: "radiance", value: { $typeName: "lpv.v1.Vec3", ...value } } }, ["radiance"]);
     const strength = strongest(radiance);
@@ -70,9 +71,9 @@ export class Properties {
     return el("div", { class: "group" },
       labelled("Colour", colour(toHex(radiance), (hex) => set(scaled(fromHex(hex), strength || 1)))),
       labelled("Radiance", number(strength, 0, (value) => set(strength > 0 ? scaled(radiance, value / strength) : { x: value, y: value, z: value }))),
-      labelled("Power, W", number(power, 0, byFactor(power))),
-      labelled("Light, lm", number(flux, 0, byFactor(flux))),
-      el("p", { class: "quiet" }, `Radiance in W/(sr m²) of the strongest colour; power of all three together; ${LUMENS_PER_WATT} lm/W times the luminance. Emitting area ${area.toFixed(3)} m².`),
+      labelled("Power, W", number(power, 0, byFactor(power), oneSide !== undefined)),
+      labelled("Light, lm", number(flux, 0, byFactor(flux), oneSide !== undefined)),
+      el("p", { class: "quiet" }, `Radiance in W/(sr m²) of the strongest colour; power of all three together; ${LUMENS_PER_WATT} lm/W times the luminance. ${oneSide === undefined ? "" : `Emitting area ${area.toFixed(3)} m².`}`),
       labelled("Group", text(light.group, (group) => this.actions.change(object, { group }, ["group"]))),
       this.flag(object, "Enabled", "enabled", light.enabled !== false),
       this.flag(object, "Two-sided", "two_sided", light.twoSided),
@@ -115,8 +116,8 @@ function text(value: string, changed: (value: string) => void): HTMLInputElement
   return input;
 }
 
-function number(value: number, least: number | undefined, changed: (value: number) => void): HTMLInputElement {
-  const shown = String(Number(value.toPrecision(5)));
+function number(value: number, least: number | undefined, changed: (value: number) => void, known = true): HTMLInputElement {
+  const shown = known ? String(Number(value.toPrecision(5))) : "";
   const input = el("input", { type: "number", value: shown, step: "any", ...(least === undefined ? {} : { min: least }) });
   input.addEventListener("change", () => {
     if (input.value !== "" && Number.isFinite(input.valueAsNumber)) changed(input.valueAsNumber);

@@ -30,10 +30,12 @@ export class Editor {
 
   constructor(private readonly connection: Connection, private readonly session: string) {}
 
-  async join(displayName: string, colour: { x: number; y: number; z: number }): Promise<void> {
+  // Answers the session's name for people.
+  async join(displayName: string, colour: { x: number; y: number; z: number }): Promise<string> {
     const answer = await unary(this.connection, SessionService.method.joinSession, { session: this.session, displayName, colour });
     this.identity = answer.client;
     this.sequence = 0n;
+    return answer.session?.settings?.displayName ?? "";
   }
 
   async leave(): Promise<void> {

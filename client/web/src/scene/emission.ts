@@ -1,6 +1,6 @@
 import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
 
-// Radiance of a light, W/(sr m^2), as colour and strength, power and light. Colours are linear Rec.709.
+// Linear Rec.709.
 export interface Colour {
   x: number;
   y: number;
@@ -9,18 +9,19 @@ export interface Colour {
 
 export const LUMENS_PER_WATT = 179;
 
-export function radianceOf(light: Light): Colour {
+// W/(sr m^2), of a light whose sides emit from `area` m^2 in all.
+export function radianceOf(light: Light, area: number): Colour {
   if (light.emission.case === "radiance") return light.emission.value;
   if (light.emission.case === "power") {
-    const perWatt = 1 / (Math.PI * emittingArea(light));
+    const perWatt = 1 / (Math.PI * area);
     return scaled(light.emission.value, Number.isFinite(perWatt) ? perWatt : 0);
   }
   return { x: 1, y: 1, z: 1 };
 }
 
 // Area of all emitting sides, m^2.
-export function emittingArea(light: Light): number {
-  return (light.status?.area ?? 0) * (light.twoSided ? 2 : 1);
+export function emittingArea(light: Light, oneSide: number): number {
+  return oneSide * (light.twoSided ? 2 : 1);
 }
 
 export const scaled = (colour: Colour, by: number): Colour => ({ x: colour.x * by, y: colour.y * by, z: colour.z * by });

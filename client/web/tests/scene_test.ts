@@ -1,0 +1,91 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { create } from "@bufbuild/protobuf";
+import { CameraSchema } from "../gen/lpv/v1/geometry_pb.ts";
+import { LightSchema, SceneChangeSchema, SceneSnapshotSchema } from "../gen/lpv/v1/scene_pb.ts";
+import { CameraRig } from "../src/view/camera_rig.ts";
+import { fromHex, lumens, radianceOf, toHex, watts } from "../src/scene/emission.ts";
+import { SceneModel } from "../src/scene/model.ts";
+import { anglesOf, rotationOf } from "../src/scene/placement.ts";
+import { sphere } from "../src/scene/shapes.ts";
+
+const near = (a: number, b: number, tolerance = 1e-9): void => assert.ok(Math.abs(a - b) <= tolerance, `${a} is not ${b}`);
+
+test("parts of a snapshot and of a change are shown as one", () => {
+  const model = new SceneModel();
+  let told = 0;
+  model.onChange(() => (told += 1));
+  const light = (name: string) => create(LightSchema, { name });
+  model.takeSnapshot(create(SceneSnapshotSchema, { revision: 5n, epoch: 1n, lights: [light("a")], more: true }));
+  assert.equal(model.revision, 0n);
+  model.takeSnapshot(create(SceneSnapshotSchema, { revision: 5n, epoch: 1n, lights: [light("b")], cameras: [create(CameraSchema, { name: "c" })] }));
+  assert.deepEqual([[...model.lights.keys()], told, model.revision], [["a", "b"], 1, 5n]);
+  model.takeChange(create(SceneChangeSchema, { lastRevision: 6n, deletedLights: ["a"], lights: [light("d")] }));
+  assert.deepEqual([[...model.lights.keys()], told, model.revision], [["b", "d"], 2, 6n]);
+});
+
+test("a snapshot that broke off is told again from nothing", () => {
+  const model = new SceneModel();
+  model.takeSnapshot(create(SceneSnapshotSchema, { revision: 5n, lights: [create(LightSchema, { name: "a" })] }));
+  model.takeSnapshot(create(SceneSnapshotSchema, { revision: 7n, lights: [create(LightSchema, { name: "b" })], more: true }));
+  assert.equal(model.revision, 0n);
+  model.beginWatch();
+  model.takeSnapshot(create(SceneSnapshotSchema, { revision: 8n, lights: [create(LightSchema, { name: "c" })] }));
+  assert.deepEqual([...model.lights.keys()], ["c"]);
+});
+
+test("power is pi times area times radiance, light 179 lm/W of the luminance", () => {
+  const radiance = { x: 1, y: 2, z: 3 };
+  near(watts(radiance, 2), 12 * Math.PI);
+  near(lumens({ x: 1, y: 1, z: 1 }, 2), 179 * 2 * Math.PI, 1e-6);
+  const light = create(LightSchema, { emission: { case: "power", value: { x: 4 * Math.PI, y: 0, z: 0 } } });
+  near(radianceOf(light, 2).x, 2);
+});
+
+test("a colour comes back from the picker as it went in", () => {
+  assert.equal(toHex({ x: 14, y: 14, z: 14 }), "#ffffff");
+  for (const hex of ["#ff8000", "#12ff9a", "#0000ff"]) assert.equal(toHex(fromHex(hex)), hex);
+});
+
+test("angles and rotation are one another's inverse", () => {
+  for (const angles of [{ x: 30, y: -40, z: 100 }, { x: -170, y: 80, z: 5 }]) {
+    const back = anglesOf(rotationOf(angles));
+    near(back.x, angles.x, 1e-9);
+    near(back.y, angles.y, 1e-9);
+    near(back.z, angles.z, 1e-9);
+  }
+  const turned = rotationOf({ x: 0, y: 90, z: 0 });
+  near(turned.y, Math.SQRT1_2);
+});
+
+test("a camera keeps its view when it is set, its distance when it orbits, its eye when it looks around", () => {
+  const rig = new CameraRig();
+  const view = { eye: { x: 3, y: 2, z: -1 }, target: { x: 0, y: 1, z: 0.5 }, fovDegrees: 38 };
+  const distance = (v: typeof view) => Math.hypot(v.eye.x - v.target.x, v.eye.y - v.target.y, v.eye.z - v.target.z);
+  rig.set(view);
+  near(rig.view().eye.x, 3);
+  near(rig.view().eye.y, 2);
+  near(rig.view().eye.z, -1);
+  rig.look(0.3, 0.1);
+  near(rig.view().eye.x, 3);
+  near(rig.view().eye.z, -1);
+  rig.orbit(1, 5);
+  near(distance(rig.view()), distance(view));
+  rig.dolly(0.5);
+  near(distance(rig.view()), distance(view) / 2);
+});
+
+test("the sphere's triangles face outwards, and it is closed", () => {
+  const { positions, indices } = sphere(8, 12);
+  const at = new Float32Array(positions.buffer);
+  const corners = new Uint32Array(indices.buffer);
+  const point = (i: number) => [at[3 * i] ?? 0, at[3 * i + 1] ?? 0, at[3 * i + 2] ?? 0] as const;
+  let volume = 0;
+  for (let i = 0; i < corners.length; i += 3) {
+    const [a, b, c] = [point(corners[i] ?? 0), point(corners[i + 1] ?? 0), point(corners[i + 2] ?? 0)];
+    const six = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    assert.ok(six > 0);
+    volume += six / 6;
+  }
+  assert.ok(volume > 0.45 && volume < Math.PI / 6);
+});
