@@ -60,7 +60,7 @@ export class Connection {
   // Calls that begin later show this token.
   useToken(token: string): void {
     this.token = token;
-    this.socket?.hello(token);
+    if (this.current.kind === "open") this.socket?.hello(token); // else it is said when the socket opens
   }
 
   retryNow(): void {
