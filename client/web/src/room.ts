@@ -211,9 +211,10 @@ export class Room {
     this.state.dataset["kind"] = state.kind;
     const words = {
       connecting: "Connecting", open: "Connected", closed: "Closed",
-      lost: "Connection lost. What is shown is the last that was received; trying again.",
+      lost: "Connection lost, trying again",
     };
     this.state.textContent = words[state.kind];
+    this.state.title = state.kind === "lost" ? `What is shown is the last that was received: ${state.why}` : "";
   }
 
   private allActions(): Action[] {
