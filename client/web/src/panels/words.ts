@@ -1,7 +1,7 @@
 import { el } from "../dom.ts";
 import { wordsOf } from "../net/errors.ts";
 
-// One line at the bottom that says why something was refused, in the server's words, until it is put away.
+// One line at the bottom that says why something was refused, in the server's words, until it is closed.
 export class Words {
   private readonly text = el("span");
   readonly element = el("div", { class: "words", role: "alert", hidden: true }, this.text,
