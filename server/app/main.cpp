@@ -39,9 +39,9 @@ constexpr std::chrono::seconds kShutdownPatience{5};
 /// Of the thread that encodes large pictures, so that calls beside it are answered as if it were not there.
 constexpr int kBackgroundNice = 10;
 /// Buffers of at least this many bytes go back to the system when they are freed. Left to itself glibc raises this
-/// threshold with the first large one and keeps what the later ones held: 24 MB after a few uploads that broke off.
-/// Not those that every tick needs anew: their pages would have to be made each time.
-constexpr int kMappedFrom = 16 * 1024 * 1024;
+/// threshold with the first large one and keeps what the later ones held: 24 MB after a few uploads that broke off, as
+/// with 16 MB here, where they stayed at the ends of several threads' heaps.
+constexpr int kMappedFrom = 4 * 1024 * 1024;
 /// As much is kept at the end of each heap. Unless it is set with the threshold above, glibc gives back all but 128 kB,
 /// so that the pages of every larger buffer are made anew: a tree over 33,000 triangles took five times as long.
 constexpr int kKeptAtEnd = 16 * 1024 * 1024;
