@@ -207,8 +207,9 @@ GpuTask Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
 
 /// Where shadow rays go, and what they can meet.
 GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
-  if (!s.shadowed && s.bounces == 0 && !s.glossy) co_return;
   StageProducts& made = *s.products;
+  if (!s.glossy) made.glossScene = {};
+  if (!s.shadowed && s.bounces == 0 && !s.glossy) co_return;
   if (!made.pooled.holds(s.arranged.stamp())) {
     made.pools.make(s.lights, made.lightPoints);
     made.pooled.set(s.arranged.stamp());

@@ -209,7 +209,7 @@ void turnOfRays(ivec2 at) {
   for (int i = 0; i < kGlossRays && rounds < kMostRayRounds; ++i) {
     const int k = params.turn * kGlossRays + i;
     sum += rayOfLobe(r, k, p[i % kGlossPlaces], rounds);
-    if (!mirror) sum += rayToLight(r, k, rounds);
+    if (!mirror && lightsShown() > 0) sum += rayToLight(r, k, rounds);
   }
   const vec3 lights = sum / float(kGlossRays);
   p[0].lights += vec4(lights, 1.0);

@@ -25,11 +25,11 @@ ShownLight shownLight(int light) {
                     uintBitsToFloat(third.w));
 }
 
-/// One in proportion to their power, and where within its share `at` is; `at` in [0, 1).
+/// One of the lights, which there are, in proportion to their power, and where within its share `at` is; `at` in [0, 1).
 int lightAt(inout float at) {
   const int count = lightsShown();
   int light = 0;
-  float before = 0.0, end = count > 0 ? uintBitsToFloat(texelFetch(glossScene, lightTexel(0) + 1).w) : 0.0;
+  float before = 0.0, end = uintBitsToFloat(texelFetch(glossScene, lightTexel(0) + 1).w);
   while (light + 1 < count && end <= at) {
     before = end;
     ++light;
