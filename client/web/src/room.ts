@@ -211,7 +211,7 @@ export class Room {
     this.state.dataset["kind"] = state.kind;
     const words = {
       connecting: "Connecting", open: "Connected", closed: "Closed",
-      lost: "Connection lost, trying again",
+      lost: "Connection lost, trying again", refused: "Refused: the access token is not good here",
     };
     this.state.textContent = words[state.kind];
     this.state.title = state.kind === "lost" ? `What is shown is the last that was received: ${state.why}` : "";

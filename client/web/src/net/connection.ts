@@ -6,9 +6,11 @@ export type ConnectionState =
   | { kind: "connecting" }
   | { kind: "open"; version: string; since: number }
   | { kind: "lost"; why: string; retryAt: number }
+  | { kind: "refused"; why: string } // until another token is shown
   | { kind: "closed" };
 
 const WELCOME_MS = 10_000;
+const NO_TOKEN = 4401; // the server's close code: no good access token was shown
 
 // Keeps one socket open: after a loss it tries again by itself, with growing pauses. Its state is what really is:
 // "open" only after the server's welcome.
@@ -42,16 +44,17 @@ export class Connection {
     return new Promise((resolve, reject) => {
       const giveUp = (): void => {
         this.listeners.delete(look);
-        reject(new CallError(Code.cancelled, "The call was given up."));
+        const refused = this.current.kind === "refused" ? this.current.why : "";
+        reject(new CallError(refused ? Code.unauthenticated : Code.cancelled, refused || "The call was given up."));
       };
       const look = (state: ConnectionState): void => {
-        if (state.kind === "closed") giveUp();
+        if (state.kind === "closed" || state.kind === "refused") giveUp();
         if (state.kind !== "open" || !this.socket) return;
         this.listeners.delete(look);
         signal?.removeEventListener("abort", giveUp);
         resolve(this.socket);
       };
-      if (signal?.aborted || this.current.kind === "closed") return giveUp();
+      if (signal?.aborted || this.current.kind === "closed" || this.current.kind === "refused") return giveUp();
       signal?.addEventListener("abort", giveUp, { once: true });
       this.listeners.add(look);
     });
@@ -61,10 +64,11 @@ export class Connection {
   useToken(token: string): void {
     this.token = token;
     if (this.current.kind === "open") this.socket?.hello(token); // else it is said when the socket opens
+    else this.retryNow();
   }
 
   retryNow(): void {
-    if (this.current.kind === "lost") this.open();
+    if (this.current.kind === "lost" || this.current.kind === "refused") this.open();
   }
 
   close(): void {
@@ -99,14 +103,16 @@ export class Connection {
       this.bytesIn += event.data.byteLength;
       socket.receive(new Uint8Array(event.data));
     };
-    wire.onclose = (event) => this.lost(wire, socket, event.reason);
+    wire.onclose = (event) => this.lost(wire, socket, event.reason, event.code !== NO_TOKEN);
   }
 
-  private lost(wire: WebSocket, socket: Socket, reason: string): void {
+  // Without `again` trying is of no use before there is another token.
+  private lost(wire: WebSocket, socket: Socket, reason: string, again: boolean): void {
     if (this.wire !== wire) return;
     socket.lose(reason || "The connection to the server is lost.");
     if (this.current.kind === "closed") return;
     clearTimeout(this.timer);
+    if (!again) return this.become({ kind: "refused", why: reason });
     const pause = this.backoff.next();
     this.become({ kind: "lost", why: reason || "no answer from the server", retryAt: Date.now() + pause });
     this.timer = setTimeout(() => this.open(), pause);
