@@ -31,6 +31,8 @@
 #include "session/memory_journal.h"
 #include "session/registry.h"
 #include "store/sqlite/sqlite_backend.h"
+#include "tls/follower.h"
+#include "web/door.h"
 
 namespace lpv::app {
 namespace {
@@ -171,7 +173,7 @@ void publish(ops::Endpoint& endpoint, const api::Context& context, const Session
 }
 
 /// What is done about TLS files that changed and cannot be used, or can be again.
-grpc_door::OnTlsTrouble tlsTrouble(Counters& counters, ops::Health& health) {
+tls::OnTrouble tlsTrouble(Counters& counters, ops::Health& health) {
   return [&counters, &health](const Status& status) {
     health.setWarning(status.message());
     if (status.ok()) return spdlog::info("the TLS files are good again, and in use");
@@ -182,12 +184,46 @@ grpc_door::OnTlsTrouble tlsTrouble(Counters& counters, ops::Health& health) {
 
 /// PROTOCOL.md's order as far as a server without peers goes. It says that it does not serve when everything accepted
 /// is kept, and before the first stream has its notice: who has that, and asks, must not be sent here again.
-void drain(Registry& registry, grpc_door::Door& door, ops::Health& health) {
+void drain(Registry& registry, grpc_door::Door& door, web_door::Door* web, ops::Health& health) {
   if (const Status kept = registry.quiesce(); !kept.ok()) spdlog::error("while draining: {}", kept.message());
   health.stopServing();
   door.stopServing();
   registry.drain();
+  std::thread browsers([web] {
+    if (web != nullptr) web->shutdown(kShutdownPatience);
+  });
   door.shutdown(kShutdownPatience);
+  browsers.join();
+}
+
+/// The certificates of both doors; null for plain text.
+Expected<std::unique_ptr<tls::Follower>> followTls(const Options& options, Counters& counters, ops::Health& health) {
+  if (!options.tls.given()) return std::unique_ptr<tls::Follower>();
+  return tls::Follower::follow(options.tls, tlsTrouble(counters, health));
+}
+
+/// The door of --web; null where it is not wanted.
+Expected<std::unique_ptr<web_door::Door>> openWeb(const Options& options, const api::Context& context,
+                                                  tls::Follower* certificates) {
+  if (options.web.empty()) return std::unique_ptr<web_door::Door>();
+  Expected<web_door::Origins> origins = web_door::Origins::read(options.webOrigins);
+  if (!origins) return origins.status();
+  Expected<web_door::Files> files =
+      options.webFiles.empty() ? web_door::Files::embedded() : web_door::Files::of(options.webFiles);
+  if (!files) return files.status();
+  const bool page = files->hasPage();
+  auto door = web_door::Door::open(context, {.address = options.web,
+                                             .origins = std::move(*origins),
+                                             .files = std::move(*files),
+                                             .certificates = certificates});
+  if (!door) return door;
+  const int port = (*door)->port();
+  if (Status s = writePortFile("--web-port-file", options.webPortFile, port); !s.ok()) return s;
+  const char* scheme = certificates == nullptr ? "http" : "https";
+  spdlog::info("browsers: {}://{}/", scheme, HostPort{options.webAt.host, port}.text());
+  if (!page)
+    spdlog::warn("--web: this lpvd was built without its page (npm was missing); programs can call, browsers see why");
+  return door;
 }
 
 /// What SIGHUP makes anew, each by itself: what cannot be read stays as it was.
@@ -226,7 +262,7 @@ class Reloader {
 
 /// Whoever waits for the files must not find the ports of an earlier run.
 void removePortFiles(const Options& options) {
-  for (const std::string& file : {options.portFile, options.opsPortFile}) {
+  for (const std::string& file : {options.portFile, options.opsPortFile, options.webPortFile}) {
     if (!file.empty()) std::remove(file.c_str());
   }
 }
@@ -280,13 +316,16 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   if (const Status status = registry.open(); !status.ok()) return fail(status);
   api::Context context = callContext(registry, services, &background);
   context.addresses = std::make_shared<api::AddressLimit>(options.trustedProxies);
+  const Expected<std::unique_ptr<tls::Follower>> certificates = followTls(options, counters, health);
+  if (!certificates) return fail(certificates.status());
   Expected<std::unique_ptr<grpc_door::Door>> entrance =
       grpc_door::Door::open(context, {.address = options.listen,
-                                      .tls = options.tls,
-                                      .onTlsTrouble = tlsTrouble(counters, health),
+                                      .certificates = certificates->get(),
                                       .reflection = options.reflection || !access.required()});
   if (!entrance) return fail(entrance.status());
   grpc_door::Door& door = **entrance;
+  const Expected<std::unique_ptr<web_door::Door>> web = openWeb(options, context, certificates->get());
+  if (!web) return fail(web.status());
   health.serve(*journal, *services.damaged);
   const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // destroyed before the objects that it reads
   if (endpoint) publish(*endpoint, context, services, queue->get());
@@ -300,7 +339,7 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   Reloader reloader(argc, argv, options, access, registry);
   const int signal = signals.waitForEnd([&] { reloader.run(); });
   spdlog::info("signal {}: draining", signal);
-  drain(registry, door, health);
+  drain(registry, door, web->get(), health);
   // Nothing may run that could still reach the registry or the engine when they go.
   timers.stop();
   background.stop();

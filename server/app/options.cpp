@@ -4,21 +4,18 @@
 #include <algorithm>
 #include <charconv>
 #include <iostream>
-#include <iterator>
 #include <optional>
 
 #include "app/sources.h"
 #include "app/version.h"
 #include "session/limit_table.h"
+#include "web/origins.h"
 
 namespace lpv::app {
 namespace {
 
-/// Options of the contract whose feature is not in this version: named, so that a refusal can say so.
-constexpr const char* kLater[] = {"--web"};
 /// Options of this group change while the server runs.
 constexpr const char* kLimitsGroup = "Limits";
-constexpr const char* kLaterGroup = "Later versions";
 constexpr const char* kPrecedence =
     "A flag wins over its LPVD_* variable, and the variable over the file of --config (or LPVD_CONFIG). Dashes and "
     "underscores in names are the same.";
@@ -62,6 +59,22 @@ std::optional<std::chrono::seconds> parseRetain(const std::string& text) {
                                                            : 0;
   if (seconds == 0 || count * seconds > 3650LL * 86400) return std::nullopt;
   return std::chrono::seconds(count * seconds);
+}
+
+void addWeb(CLI::App& app, Options& o) {
+  const auto option = [&app](const char* flag, std::string& value, const char* what, const char* type) {
+    app.add_option(flag, value, what)->type_name(type)->group("Browsers");
+  };
+  option("--web", o.web,
+         "serve the page for browsers here: HOST:PORT or :PORT on the loopback; port 0 takes a free one; off where not "
+         "given",
+         "ADDRESS");
+  option("--web-port-file", o.webPortFile, "write the --web port here once listening", "FILE");
+  option("--web-origins", o.webOrigins,
+         "by which addresses browsers reach --web, where they are not its own, as behind a proxy: "
+         "https://light.example.org, ...",
+         "ORIGIN,..");
+  option("--web-files", o.webFiles, "for work on the page: a folder instead of the page in this program", "DIR");
 }
 
 void addState(CLI::App& app, Options& o) {
@@ -118,21 +131,36 @@ Status checkOps(Options& options) {
   return {};
 }
 
+/// An address that others reach asks for TLS and tokens.
+Status checkExposed(const char* flag, const HostPort& at, const Options& options) {
+  const bool secured = options.tls.given() && !options.adminTokenFile.empty();
+  if (isLoopback(at.host) || secured || options.insecure) return {};
+  return invalid(flag, std::string("--") + flag + " " + at.text() +
+                           " is not a loopback address: give --tls-cert, --tls-key and --admin-token-file, or "
+                           "--insecure on a network you trust");
+}
+
+Status checkWeb(Options& options) {
+  if (const auto origins = web_door::Origins::read(options.webOrigins); !origins) return origins.status();
+  if (options.web.empty()) return {};
+  const Expected<HostPort> at = parseHostPort("web", options.web);
+  if (!at) return at.status();
+  options.webAt = *at;
+  options.web = at->text();
+  return checkExposed("web", *at, options);
+}
+
 Status check(Options& options) {
   if (Status s = checkOps(options); !s.ok()) return s;
+  if (Status s = checkWeb(options); !s.ok()) return s;
   Expected<api::AddressList> proxies = api::AddressList::read("trusted-proxy", options.trustedProxy);
   if (!proxies) return proxies.status();
   options.trustedProxies = std::move(*proxies);
   const Expected<HostPort> at = parseHostPort("listen", options.listen);
   if (!at) return at.status();
   options.listen = at->text();
-  const bool secured = options.tls.given() && !options.adminTokenFile.empty();
-  if (!isLoopback(at->host) && !secured && !options.insecure) {
-    return invalid("listen", "--listen " + options.listen +
-                                 " is not a loopback address: give --tls-cert, --tls-key and --admin-token-file, or "
-                                 "--insecure on a network you trust");
-  }
-  if (Status s = grpc_door::check(options.tls); !s.ok()) return s;
+  if (Status s = checkExposed("listen", *at, options); !s.ok()) return s;
+  if (Status s = tls::check(options.tls); !s.ok()) return s;
   const Expected<DeviceChoice> choice = parseDeviceChoice(options.device);
   if (!choice) return choice.status();
   options.choice = *choice;
@@ -144,8 +172,6 @@ class CommandLine {
  public:
   explicit CommandLine(Options& options);
   CLI::App app{"lpvd: keeps light propagation volumes per session on the GPU and streams what they light", "lpvd"};
-  /// The flag of a later version that was given, or null.
-  const char* laterGiven() const;
   /// Reads flags, environment and file. INVALID_ARGUMENT names the flag, or the place in the file or the variable.
   Expected<Sources> gather(int argc, char** argv) const;
   /// Throws CLI::ParseError.
@@ -159,7 +185,6 @@ class CommandLine {
   /// An option that files and variables can set.
   bool known(const std::string& name) const;
 
-  std::string later_;
   std::string config_;
 };
 
@@ -172,6 +197,7 @@ CommandLine::CommandLine(Options& o) {
       ->capture_default_str();
   app.add_option("--port-file", o.portFile, "write the gRPC port here once listening");
   app.add_option("--device", o.device, "auto, software, or a number from --list-devices")->capture_default_str();
+  addWeb(app, o);
   addState(app, o);
   addOps(app, o);
   addSecurity(app, o);
@@ -180,7 +206,6 @@ CommandLine::CommandLine(Options& o) {
   app.add_flag("--print-config", o.printConfig, "print the configuration as TOML, then exit")->configurable(false);
   app.add_flag("--version", o.version, "print the version, then exit")->configurable(false);
   addLimits(app, o.limits);
-  for (const char* flag : kLater) app.add_option(flag, later_, "not built in this version")->group(kLaterGroup);
   for (CLI::Option* option : app.get_options()) {
     if (!option->get_envname().empty() || !option->get_configurable() || option->get_lnames().empty()) continue;
     option->envname(variableOf(option->get_lnames().front()));
@@ -207,7 +232,7 @@ std::string CommandLine::printed() const {
   std::string out;
   const auto all = values();
   for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_configurable() || option->get_lnames().empty() || option->get_group() == kLaterGroup) continue;
+    if (!option->get_configurable() || option->get_lnames().empty()) continue;
     const std::string& name = option->get_lnames().front();
     const std::string& value = all.at("--" + name);
     const bool flag = option->get_expected_max() == 0;
@@ -215,12 +240,6 @@ std::string CommandLine::printed() const {
     out += configLine(name, flag && value.empty() ? "false" : value) + "\n";
   }
   return out;
-}
-
-const char* CommandLine::laterGiven() const {
-  const auto given =
-      std::find_if(std::begin(kLater), std::end(kLater), [this](auto flag) { return app.count(flag) > 0; });
-  return given == std::end(kLater) ? nullptr : *given;
 }
 
 std::map<std::string, std::string> CommandLine::values() const {
@@ -266,11 +285,6 @@ Parsed parse(int argc, char** argv) {
     return out;
   }
   o.ignoredVariables = sources->ignored;
-  if (const char* flag = line.laterGiven()) {
-    std::cerr << "lpvd: " << flag << " is not built in this version; leave it out\n";
-    out.exitStatus = 2;
-    return out;
-  }
   if (o.version) {
     std::cout << "lpvd " << kVersion << "\n";
     return out;
@@ -299,8 +313,6 @@ Expected<Reload> reload(int argc, char** argv, Options& running) {
   } catch (const CLI::ParseError& error) {
     return invalid("config", explained(error, *sources));
   }
-  if (const char* flag = line.laterGiven())
-    return invalid("config", std::string(flag) + " is not built in this version");
   if (Status s = check(fresh); !s.ok()) return s;
   Reload out;
   out.limits = fresh.limits;

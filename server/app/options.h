@@ -8,8 +8,8 @@
 #include "api/call/address_limit.h"
 #include "base/address.h"
 #include "engine/device_choice.h"
-#include "grpc/certificates.h"
 #include "session/limits.h"
+#include "tls/files.h"
 
 namespace lpv::app {
 
@@ -20,6 +20,11 @@ struct Options {
   std::string opsListen;  ///< empty: no endpoint
   HostPort opsAt;         ///< opsListen, read
   std::string opsPortFile;
+  std::string web;         ///< empty: no door for browsers
+  HostPort webAt;          ///< web, read
+  std::string webPortFile;
+  std::string webOrigins;  ///< as --web-origins
+  std::string webFiles;    ///< folder of the page; empty: the one in this program
   std::string stateDir;                    ///< empty: sessions live in memory
   std::chrono::seconds retain{30 * 86400};  ///< of expired sessions in stateDir
   std::string device = "auto";
@@ -29,7 +34,7 @@ struct Options {
   bool printConfig = false;
   bool version = false;
   bool insecure = false;
-  grpc_door::TlsFiles tls;
+  tls::Files tls;
   std::string adminTokenFile;  ///< given: calls need access tokens, and its first line is the admin's
   std::string trustedProxy = "127.0.0.0/8,::1";
   api::AddressList trustedProxies;  ///< trustedProxy, read

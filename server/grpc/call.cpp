@@ -12,7 +12,7 @@
 
 #include "api/call/address_limit.h"
 #include "api/call/call_driver.h"
-#include "grpc/connection.h"
+#include "api/call/connections.h"
 #include "grpc/status.h"
 
 namespace lpv::grpc_door {
@@ -82,7 +82,7 @@ class Call final : public Reactor, public api::Transport {
     pack(*last);
     StartWriteAndFinish(&out_, grpc::WriteOptions(), toGrpc(status));
   }
-  void dropPeer() override { shutDownConnectionsFrom(api::addressOf(peer_)); }
+  void dropPeer() override { api::shutDownConnectionsFrom(api::addressOf(peer_)); }
 
   void OnReadDone(bool ok) override {
     using api::ReadResult;

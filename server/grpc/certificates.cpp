@@ -9,17 +9,11 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <optional>
 #include <system_error>
-#include <thread>
 #include <utility>
-
-#include "base/mutex.h"
-#include "grpc/pem_files.h"
 
 namespace lpv::grpc_door {
 namespace {
@@ -27,8 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr unsigned kGrpcLooksEverySeconds = 1;
-constexpr std::chrono::milliseconds kLookEvery{250};
-constexpr int kLooksUntilTold = 2;
 constexpr const char* kCurrent = "current";
 constexpr const char* kFolderPrefix = "lpvd-";
 
@@ -85,93 +77,37 @@ bool writeFile(const std::string& path, const std::string& text, std::time_t sec
 
 }  // namespace
 
-/// The thread that looks, and the folder that gRPC watches: FOLDER/current is a link to the files in use.
+/// The folder that gRPC watches: FOLDER/current is a link to the files in use.
 class Certificates::Parts {
  public:
-  Parts(TlsFiles files, OnTlsTrouble onTrouble, std::string folder)
-      : files_(std::move(files)),
-        onTrouble_(std::move(onTrouble)),
-        folder_(std::move(folder)),
-        lock_(lockFolder(folder_)) {}
+  Parts(std::string folder, bool clientsNeedOne)
+      : folder_(std::move(folder)), lock_(lockFolder(folder_)), clientsNeedOne_(clientsNeedOne) {}
   ~Parts();
 
-  Status begin();
-  TlsFiles published() const;
+  /// What gRPC is told to read.
+  tls::Files published() const;
+  Status publish(const tls::PemFiles& good);
 
  private:
-  void run();
-  void look();
-  void tell(const Status& status);
-  Status publish(const PemFiles& good);
-
-  const TlsFiles files_;
-  const OnTlsTrouble onTrouble_;
   const std::string folder_;
   const int lock_;
-  std::optional<PemFiles> inUse_;
-  int number_ = 0;    ///< of the files in use
-  int badLooks_ = 0;  ///< since the last good one
-  Mutex mutex_;
-  ConditionVariable ending_;
-  bool ended_ LPV_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
+  const bool clientsNeedOne_;
+  int number_ = 0;  ///< of the files in use
 };
 
 Certificates::Parts::~Parts() {
-  {
-    const MutexLock lock(mutex_);
-    ended_ = true;
-  }
-  ending_.notifyAll();
-  if (thread_.joinable()) thread_.join();
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
   if (lock_ >= 0) ::close(lock_);
 }
 
-Status Certificates::Parts::begin() {
-  const Expected<PemFiles> read = readPemFiles(files_);
-  if (!read) return read.status();
-  if (Status s = checkPem(files_, *read); !s.ok()) return s;
-  if (Status s = publish(*read); !s.ok()) return s;
-  thread_ = std::thread([this] { run(); });
-  return {};
-}
-
-TlsFiles Certificates::Parts::published() const {
+tls::Files Certificates::Parts::published() const {
   const std::string current = folder_ + "/" + kCurrent + "/";
-  return {current + "certificate", current + "key", files_.clientAuthorities.empty() ? "" : current + "authorities"};
-}
-
-void Certificates::Parts::run() {
-  MutexLock lock(mutex_);
-  while (!ended_) {
-    if (ending_.waitUntil(lock, std::chrono::steady_clock::now() + kLookEvery)) continue;
-    lock.unlock();
-    look();
-    lock.lock();
-  }
-}
-
-void Certificates::Parts::look() {
-  const Expected<PemFiles> read = readPemFiles(files_);
-  Status status = read.status();
-  if (status.ok()) status = checkPem(files_, *read);
-  if (status.ok() && *read != inUse_) status = publish(*read);
-  tell(status);
-}
-
-/// A file may just be in the middle of its change: it is bad at the next look as well, or nothing is said.
-void Certificates::Parts::tell(const Status& status) {
-  if (status.ok()) {
-    if (std::exchange(badLooks_, 0) >= kLooksUntilTold) onTrouble_(status);
-  } else if (++badLooks_ == kLooksUntilTold) {
-    onTrouble_(status);
-  }
+  return {current + "certificate", current + "key", clientsNeedOne_ ? current + "authorities" : ""};
 }
 
 /// gRPC may be reading the files before these: they stay until the ones after them.
-Status Certificates::Parts::publish(const PemFiles& good) {
+Status Certificates::Parts::publish(const tls::PemFiles& good) {
   const auto place = [this](int number) { return folder_ + "/" + std::to_string(number); };
   const int next = number_ + 1;
   const std::string made = place(next);
@@ -190,33 +126,27 @@ Status Certificates::Parts::publish(const PemFiles& good) {
   }
   fs::remove_all(place(next - 2), ignored);
   number_ = next;
-  inUse_ = good;
   return {};
-}
-
-Status check(const TlsFiles& files) {
-  if (!files.given()) return {};
-  if (files.certificate.empty() || files.key.empty()) {
-    return invalid("tls-cert", "--tls-cert and --tls-key go together; give both, or none and no --tls-client-ca");
-  }
-  const Expected<PemFiles> read = readPemFiles(files);
-  return read ? checkPem(files, *read) : read.status();
 }
 
 Certificates::Certificates(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Certificates::~Certificates() = default;
 
-Expected<std::unique_ptr<Certificates>> Certificates::follow(const TlsFiles& files, OnTlsTrouble onTrouble) {
+Expected<std::unique_ptr<Certificates>> Certificates::of(tls::Follower& follower) {
   Expected<std::string> folder = makePrivateFolder();
   if (!folder) return folder.status();
-  auto parts = std::make_unique<Parts>(files, std::move(onTrouble), std::move(*folder));
-  if (Status s = parts->begin(); !s.ok()) return s;
-  return std::unique_ptr<Certificates>(new Certificates(std::move(parts)));
+  const bool clientsNeedOne = !follower.files().clientAuthorities.empty();
+  std::unique_ptr<Certificates> made(new Certificates(std::make_unique<Parts>(std::move(*folder), clientsNeedOne)));
+  Expected<std::shared_ptr<void>> following =
+      follower.use([&parts = *made->parts_](const tls::PemFiles& good) { return parts.publish(good); });
+  if (!following) return following.status();
+  made->following_ = std::move(*following);
+  return made;
 }
 
 std::shared_ptr<grpc::ServerCredentials> Certificates::credentials() const {
   using grpc::experimental::FileWatcherCertificateProvider;
-  const TlsFiles files = parts_->published();
+  const tls::Files files = parts_->published();
   grpc::experimental::TlsServerCredentialsOptions options(std::make_shared<FileWatcherCertificateProvider>(
       files.key, files.certificate, files.clientAuthorities, kGrpcLooksEverySeconds));
   options.watch_identity_key_cert_pairs();

@@ -8,10 +8,8 @@
 
 #include <utility>
 
-#include "api/call/address_limit.h"
 #include "grpc/call.h"
 #include "grpc/library_log.h"
-#include "grpc/listener.h"
 #include "session/limits.h"
 #include "wire/message_size.h"
 
@@ -53,7 +51,7 @@ void reflect(grpc::ServerBuilder& builder, bool wanted) {
 }  // namespace
 
 Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const DoorOptions& options) {
-  Expected<std::unique_ptr<Listener>> listener = Listener::bind(options.address);
+  Expected<std::unique_ptr<api::Listener>> listener = api::Listener::bind("listen", options.address);
   if (!listener) return listener.status();
   takeLibraryLog();
   grpc::EnableDefaultHealthCheckService(true);
@@ -61,10 +59,10 @@ Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const Do
   std::unique_ptr<Door> door(new Door);
   door->listener_ = std::move(*listener);
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
-  if (options.tls.given()) {
-    Expected<std::unique_ptr<Certificates>> followed = Certificates::follow(options.tls, options.onTlsTrouble);
-    if (!followed) return followed.status();
-    door->certificates_ = std::move(*followed);
+  if (options.certificates) {
+    Expected<std::unique_ptr<Certificates>> certificates = Certificates::of(*options.certificates);
+    if (!certificates) return certificates.status();
+    door->certificates_ = std::move(*certificates);
     credentials = door->certificates_->credentials();
   }
   grpc::ServerBuilder builder;
@@ -80,8 +78,11 @@ Expected<std::unique_ptr<Door>> Door::open(const api::Context& context, const Do
     const std::string& service = method.descriptor().service()->full_name();
     door->server_->GetHealthCheckService()->SetServingStatus(service, true);
   }
-  door->listener_->start(std::move(acceptor), [limit = context.addresses](const std::string& remote) {
-    return !limit || !limit->banned(remote, Clock::now());
+  door->listener_->start(context.addresses, [acceptor = std::shared_ptr(std::move(acceptor))](int listening, int file) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+    connection.listener_fd = listening;
+    connection.fd = file;
+    acceptor->HandleNewConnection(&connection);
   });
   return door;
 }

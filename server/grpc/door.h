@@ -8,19 +8,17 @@
 #include <vector>
 
 #include "api/call/context.h"
+#include "api/call/listener.h"
 #include "base/status.h"
 #include "grpc/certificates.h"
 
 namespace lpv::grpc_door {
 
-class Listener;  // grpc/listener.h
-
 /// Where the door is, and what it looks like.
 struct DoorOptions {
-  std::string address;      ///< "host:port", port 0 = any free one
-  TlsFiles tls;             ///< checked, and followed when they change
-  OnTlsTrouble onTlsTrouble = [](const Status&) {};  ///< called on a thread of the door
-  bool reflection = true;   ///< tells anybody what can be called
+  std::string address;  ///< "host:port", port 0 = any free one
+  tls::Follower* certificates = nullptr;  ///< outlives the door; null: plain text
+  bool reflection = true;  ///< tells anybody what can be called
 };
 
 /// A listening gRPC server: health on, identity encoding only, no shared ports, messages of at most
@@ -42,7 +40,7 @@ class Door {
   std::unique_ptr<Certificates> certificates_;  ///< outlive the server, as services_ do; null for plain text
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<Listener> listener_;
+  std::unique_ptr<api::Listener> listener_;
 };
 
 }  // namespace lpv::grpc_door

@@ -134,6 +134,9 @@ void addCalls(const Counters& c, Scrape& out) {
               c.editsRejected);
   out.counter("lpv_address_bans_total", "Times that an address lost its connections for flooding with calls.",
               double(c.addressBans));
+  out.gauge("lpv_web_sockets", "Open sockets of browsers.", double(c.webSockets));
+  out.family(MetricType::Counter, "lpv_web_refused_total", "Requests and sockets of browsers that were refused.");
+  for (std::size_t i = 0; i < kWebRefusals.size(); ++i) out.add(double(c.webRefused[i]), {{"why", kWebRefusals[i]}});
   out.reasons("lpv_calls_refused_total", "Calls that ended with an error before anything was answered.",
               c.callsRefused);
 }

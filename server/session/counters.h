@@ -100,6 +100,11 @@ class TickWatch {
 };
 
 /// Counters of the whole server.
+/// What the door for browsers refuses.
+enum class WebRefusal { kHost, kOrigin, kPlaces, kTokenInAddress, kRequest, kFirstMessage, kToken, kMessage, kSize };
+inline constexpr std::array kWebRefusals = {
+    "host", "origin", "places", "token_in_address", "request", "first_message", "token", "message", "size"};
+
 struct Counters {
   struct Sent {
     std::atomic<std::int64_t> results{0};
@@ -115,6 +120,8 @@ struct Counters {
   std::atomic<int> sessionFiles{0};  ///< on their way in or out
   std::atomic<int> uploads{0};       ///< of blobs, on their way
   std::atomic<std::int64_t> addressBans{0};  ///< for flooding with calls
+  std::atomic<int> webSockets{0};            ///< open ones of browsers
+  std::array<std::atomic<std::int64_t>, kWebRefusals.size()> webRefused{};  ///< by WebRefusal
   ReasonCounter editsRejected;
   ReasonCounter callsRefused;  ///< calls that ended with an error before anything was answered
 
@@ -129,6 +136,7 @@ struct Counters {
   /// When the once-a-second sweep over all sessions was last through.
   std::atomic<TickWatch::Clock::time_point> lastSweep{TickWatch::Clock::now()};
 
+  void countWebRefusal(WebRefusal why) { ++webRefused[std::size_t(why)]; }
   void countSent(SentAs as, std::int64_t bytes);
   std::int64_t resultBytesSent() const;
   /// `stage` as TickReport names it.

@@ -58,6 +58,8 @@ class AddressLimit {
   /// is. Each call that began, refused or not, ends by ended().
   Verdict begin(const std::string& peer, double perSecond, Clock::time_point now);
   void ended(const std::string& peer);
+  /// Many clients may be behind the address (of addressOf()): limits by address are those of a proxy.
+  bool exempts(const std::string& address) const { return exempt_.contains(address); }
   /// No connections are taken from the address (of addressOf()) now.
   bool banned(const std::string& address, Clock::time_point now) const;
 

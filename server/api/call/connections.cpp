@@ -1,4 +1,4 @@
-#include "grpc/connection.h"
+#include "api/call/connections.h"
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -11,7 +11,7 @@
 
 #include "api/call/address_limit.h"
 
-namespace lpv::grpc_door {
+namespace lpv::api {
 namespace {
 
 std::optional<int> numberIn(const std::string& text) {
@@ -28,22 +28,28 @@ std::string remoteAddress(int socket) {
   socklen_t size = sizeof found;
   if (getpeername(socket, reinterpret_cast<sockaddr*>(&found), &size) != 0) return {};
   if (found.ss_family == AF_INET) {
-    return api::ipv4Address(&reinterpret_cast<const sockaddr_in&>(found).sin_addr);
+    return ipv4Address(&reinterpret_cast<const sockaddr_in&>(found).sin_addr);
   }
   if (found.ss_family != AF_INET6) return {};
   const in6_addr& v6 = reinterpret_cast<const sockaddr_in6&>(found).sin6_addr;
   return {reinterpret_cast<const char*>(&v6), sizeof v6};
 }
 
+int familyOf(int socket) {
+  sockaddr_storage found{};
+  socklen_t size = sizeof found;
+  return getsockname(socket, reinterpret_cast<sockaddr*>(&found), &size) == 0 ? found.ss_family : 0;
+}
+
 void shutDownConnectionsFrom(const std::string& address) {
-  const std::string network = api::networkOf(address);
+  const std::string network = networkOf(address);
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", failed)) {
     const std::optional<int> file = numberIn(entry.path().filename());
     if (!file) continue;
     const std::string remote = remoteAddress(*file);
-    if (!remote.empty() && api::networkOf(remote) == network) (void)shutdown(*file, SHUT_RDWR);
+    if (!remote.empty() && networkOf(remote) == network) (void)shutdown(*file, SHUT_RDWR);
   }
 }
 
-}  // namespace lpv::grpc_door
+}  // namespace lpv::api

@@ -1,4 +1,4 @@
-#include "grpc/pem_files.h"
+#include "tls/pem_files.h"
 
 #include <openssl/err.h>
 #include <openssl/pem.h>
@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace lpv::grpc_door {
+namespace lpv::tls {
 namespace {
 
 using Memory = std::unique_ptr<BIO, int (*)(BIO*)>;
@@ -71,7 +71,7 @@ Status checkChain(const std::vector<Certificate>& chain, const std::string& path
   return {};
 }
 
-Status checkKey(const TlsFiles& names, const std::string& text, X509& certificate) {
+Status checkKey(const Files& names, const std::string& text, X509& certificate) {
   const Key key(PEM_read_bio_PrivateKey(memoryOf(text).get(), nullptr, noPassphrase, nullptr), EVP_PKEY_free);
   if (!key) return wrong(kKeyFlag, names.key, "is no PEM file of a private key, or needs a passphrase");
   if (X509_check_private_key(&certificate, key.get()) == 1) return {};
@@ -80,7 +80,7 @@ Status checkKey(const TlsFiles& names, const std::string& text, X509& certificat
 
 }  // namespace
 
-Expected<PemFiles> readPemFiles(const TlsFiles& files) {
+Expected<PemFiles> readPemFiles(const Files& files) {
   Expected<std::string> certificate = contentOf(kCertificateFlag, files.certificate);
   if (!certificate) return certificate.status();
   Expected<std::string> key = contentOf(kKeyFlag, files.key);
@@ -90,7 +90,7 @@ Expected<PemFiles> readPemFiles(const TlsFiles& files) {
   return PemFiles{std::move(*certificate), std::move(*key), std::move(*authorities)};
 }
 
-Status checkPem(const TlsFiles& names, const PemFiles& files) {
+Status checkPem(const Files& names, const PemFiles& files) {
   const auto chain = certificatesOf(kCertificateFlag, names.certificate, files.certificate);
   if (!chain) return chain.status();
   if (Status s = checkKey(names, files.key, *chain->front()); !s.ok()) return s;
@@ -99,4 +99,4 @@ Status checkPem(const TlsFiles& names, const PemFiles& files) {
   return certificatesOf(kAuthoritiesFlag, names.clientAuthorities, files.clientAuthorities).status();
 }
 
-}  // namespace lpv::grpc_door
+}  // namespace lpv::tls

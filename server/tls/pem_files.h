@@ -3,11 +3,11 @@
 #include <string>
 
 #include "base/status.h"
-#include "grpc/certificates.h"
+#include "tls/files.h"
 
-namespace lpv::grpc_door {
+namespace lpv::tls {
 
-/// The bytes of TlsFiles.
+/// The bytes of Files.
 struct PemFiles {
   std::string certificate;
   std::string key;
@@ -16,9 +16,9 @@ struct PemFiles {
 };
 
 /// INVALID_ARGUMENT for a file that cannot be read.
-Expected<PemFiles> readPemFiles(const TlsFiles& files);
+Expected<PemFiles> readPemFiles(const Files& files);
 
 /// What check() says of these bytes; `names` are for the messages.
-Status checkPem(const TlsFiles& names, const PemFiles& files);
+Status checkPem(const Files& names, const PemFiles& files);
 
-}  // namespace lpv::grpc_door
+}  // namespace lpv::tls

@@ -1,4 +1,4 @@
-#include "grpc/listener.h"
+#include "api/call/listener.h"
 
 #include <netdb.h>
 #include <netinet/in.h>
@@ -15,10 +15,11 @@
 #include <optional>
 #include <utility>
 
+#include "api/call/address_limit.h"
+#include "api/call/connections.h"
 #include "base/address.h"
-#include "grpc/connection.h"
 
-namespace lpv::grpc_door {
+namespace lpv::api {
 namespace {
 
 /// After a connection could not be accepted, as where the process has no file descriptors left.
@@ -63,16 +64,17 @@ int portOf(int file) {
   return ntohs(reinterpret_cast<sockaddr_in&>(place).sin_port);
 }
 
-Status cannotListen(const std::string& address, const char* why) {
-  return {Code::kUnavailable, "cannot listen on " + address + ": " + why, "listen"};
-}
-
 }  // namespace
 
-Expected<std::unique_ptr<Listener>> Listener::bind(const std::string& address) {
-  const Expected<HostPort> at = parseHostPort("listen", address);
+Status Listener::cannotListen(const std::string& address, const char* why) const {
+  return {Code::kUnavailable, "cannot listen on " + address + ": " + why, flag_};
+}
+
+Expected<std::unique_ptr<Listener>> Listener::bind(const std::string& flag, const std::string& address) {
+  const Expected<HostPort> at = parseHostPort(flag, address);
   if (!at) return at.status();
   std::unique_ptr<Listener> listener(new Listener);
+  listener->flag_ = flag;
   Status bound = isEverywhere(at->host) ? listener->bindTo("::", at->port) : Status(Code::kUnavailable, "");
   if (!bound.ok()) bound = listener->bindTo(at->host, at->port);  // 0.0.0.0 also where there is no IPv6
   if (!bound.ok()) return bound;
@@ -102,9 +104,9 @@ Status Listener::bindTo(const std::string& host, int port) {
   return listening_.empty() ? cannotListen(text, std::strerror(why)) : Status();
 }
 
-void Listener::start(std::unique_ptr<Acceptor> acceptor, Admits admits) {
-  acceptor_ = std::move(acceptor);
-  admits_ = std::move(admits);
+void Listener::start(std::shared_ptr<const AddressLimit> limit, Take take) {
+  limit_ = std::move(limit);
+  take_ = std::move(take);
   ending_ = eventfd(0, EFD_CLOEXEC);
   thread_ = std::thread([this] { run(); });
 }
@@ -137,15 +139,12 @@ void Listener::run() {
 bool Listener::acceptFrom(int listening) {
   const int file = accept4(listening, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (file < 0) return errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM;
-  if (!admits_(remoteAddress(file))) {
+  if (limit_ && limit_->banned(remoteAddress(file), Clock::now())) {
     close(file);
-    return true;
+  } else {
+    take_(listening, file);
   }
-  Acceptor::NewConnectionParameters connection;
-  connection.listener_fd = listening;
-  connection.fd = file;
-  acceptor_->HandleNewConnection(&connection);
   return true;
 }
 
-}  // namespace lpv::grpc_door
+}  // namespace lpv::api
