@@ -86,8 +86,9 @@ WebSocketClient::WebSocketClient(int port, Knock knock) : socket_(connectTo(port
     in_.erase(0, end + 4);
     return;
   }
-  while (fill(in_.size() + 1)) {
-  }
+  const std::string length = "Content-Length: ";
+  const std::size_t stated = in_.find(length);
+  if (stated < end) (void)fill(end + 4 + std::size_t(std::atoi(in_.c_str() + stated + length.size())));
   answer_ = std::exchange(in_, {});
 }
 
@@ -160,7 +161,10 @@ Arrived WebSocketClient::receive() {
     if (opcode == kPong) continue;
     if (opcode != 0) out.opcode = opcode;
     out.payload += payload;
-    if (opcode == kClose) send(kClose, payload);
+    if (opcode == kClose) {
+      send(kClose, payload);
+      shutdown(socket_, SHUT_WR);
+    }
     if (last) return out;
   }
   return {};

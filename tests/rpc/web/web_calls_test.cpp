@@ -203,10 +203,15 @@ TEST(WebTokens, AreShownInTheFirstMessage) {
 
 TEST(WebDrain, StreamsHaveTheirNoticeAndSocketsAreClosed) {
   Browsers leaving;
-  Stubs stubs(leaving.server().address());
+  std::string session;
+  {
+    // An idle channel looks every 5 s whether its server has ended, and would keep it for so long.
+    Stubs stubs(leaving.server().address());
+    session = makeLitSession(stubs);
+  }
   PageClient page(leaving.port());
   const std::uint32_t frames = page.begin("ResultService/StreamFrames");
-  page.message(frames, watchFrames(makeLitSession(stubs)));
+  page.message(frames, watchFrames(session));
   pb::StreamFramesResponse response;
   ASSERT_TRUE(page.next(frames, &response));
   leaving.server().process().signal(SIGTERM);
