@@ -14,6 +14,14 @@ listed_packages() {
   awk -v groups="$groups" '!/^#/ && NF >= 2 && index(groups, " " $1 " ") { print $2 }' "$PACKAGE_LIST"
 }
 
+# page_group: "page", or nothing where node 18 or newer and npm are there from elsewhere.
+page_group() {
+  local major
+  major=$(node --version 2>/dev/null | sed -n 's/^v\([0-9]*\).*/\1/p')
+  if command -v npm >/dev/null && [ "${major:-0}" -ge 18 ]; then return; fi
+  echo page
+}
+
 # missing_packages GROUP...: the packages of these groups that are not installed.
 missing_packages() {
   local installed name

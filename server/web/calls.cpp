@@ -200,7 +200,7 @@ void Calls::receive(std::string_view bytes) {
     default:
       break;
   }
-  if (!greeted_) return socket_->close(CloseCode::kPolicy, "hello: must be the socket's first message");
+  if (!helloCame_) return socket_->close(CloseCode::kPolicy, "hello: must be the socket's first message");
   if (step.has_begin()) return begin(id, step.begin());
   if (id > last_) {
     return socket_->close(CloseCode::kPolicy, "call: " + std::to_string(id) + " has not begun; send begin first");
@@ -211,7 +211,7 @@ void Calls::receive(std::string_view bytes) {
 
 void Calls::hello(const std::string& token) {
   token_ = token;
-  greeted_ = true;
+  helloCame_ = true;
   ToClient welcome;
   welcome.mutable_welcome()->set_version(server_.version);
   say(welcome);

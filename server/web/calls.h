@@ -58,7 +58,7 @@ class Calls : public std::enable_shared_from_this<Calls> {
   std::shared_ptr<Socket> socket_;
   std::map<std::uint32_t, std::shared_ptr<Call>> calls_;
   std::string token_;
-  bool greeted_ = false;
+  bool helloCame_ = false;
   bool full_ = false;
   std::uint32_t last_ = 0;        ///< the latest call that has begun
   std::size_t untakenBytes_ = 0;  ///< of all calls

@@ -35,9 +35,15 @@ TEST(CommandLine, RefusesWhatItCannotDo) {
   EXPECT_THAT(open.errors, HasSubstr("--insecure"));
   EXPECT_EQ(runServer({"--no-such-option"}).status, 2);
   EXPECT_EQ(runServer({"--max-sessions", "0"}).status, 2);
-  const Finished later = runServer({"--web", "127.0.0.1:0"});
-  EXPECT_EQ(later.status, 2);
-  EXPECT_THAT(later.errors, HasSubstr("--web"));
+  const Finished web = runServer({"--web", "0.0.0.0:0"});
+  EXPECT_EQ(web.status, 2);
+  EXPECT_THAT(web.errors, testing::AllOf(HasSubstr("--web 0.0.0.0:0"), HasSubstr("--insecure")));
+  const Finished origins = runServer({"--web-origins", "light.example.org"});
+  EXPECT_EQ(origins.status, 2);
+  EXPECT_THAT(origins.errors, HasSubstr("https://light.example.org"));
+  const Finished files = runServer({"--listen", "127.0.0.1:0", "--web", ":0", "--web-files", "/nowhere"});
+  EXPECT_EQ(files.status, 1);
+  EXPECT_THAT(files.errors, HasSubstr("--web-files /nowhere"));
 }
 
 TEST(CommandLine, RefusesAPortInUse) {
