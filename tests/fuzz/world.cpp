@@ -64,7 +64,7 @@ World::World(bool tokens)
   check(room.ok() && (*room)->apply({}, furniture()).status.ok(), "the room is made");
   a_ = *(*room)->join();
   b_ = *(*room)->join();
-  if (tokens) check(access_.require("an admin's token of this test").ok(), "the admin token is taken");
+  if (tokens) check(access_.require(kAdminToken).ok(), "the admin token is taken");
 }
 
 World::~World() {

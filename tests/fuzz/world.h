@@ -13,6 +13,8 @@
 
 namespace lpv::fuzz {
 
+inline constexpr const char* kAdminToken = "an admin's token of this test";
+
 /// Limits that an input of a few hundred bytes can reach.
 Limits smallLimits();
 
@@ -36,6 +38,8 @@ class World {
   explicit World(bool tokens);
   ~World();
 
+  /// What a door has.
+  api::Context serverContext() { return contextOf(Role::kAdmin); }
   /// A call's context; Role::kAdmin is everybody's where no tokens are asked for.
   api::Context contextOf(Role role);
   const ClientIdentity& a() const { return a_; }

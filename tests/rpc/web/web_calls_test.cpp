@@ -158,7 +158,7 @@ TEST_F(WebCalls, TimeoutsEndCalls) {
   EXPECT_THAT(page_.endOf(call).message(), HasSubstr("timeout_ms"));
 }
 
-// What a page leaves open when its socket goes is given up. Broken by: Calls::lost() that cancels nothing.
+// What a page leaves open when its socket goes is given up. Broken by: a socket that goes without telling its calls.
 TEST_F(WebCalls, ALostSocketEndsItsStreams) {
   const std::string session = makeLitSession(stubs_);
   {
