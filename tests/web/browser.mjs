@@ -21,9 +21,9 @@ export function launch() {
 export class RoomPage {
   errors = [];
 
-  static async open(browser, address) {
+  static async open(browser, address, given) {
     const room = new RoomPage();
-    const context = await browser.newContext({ viewport: { width: 1280, height: 720 } });
+    const context = given ?? (await browser.newContext({ viewport: { width: 1280, height: 720 } }));
     room.page = await context.newPage();
     room.page.on("pageerror", (error) => room.errors.push(error.message));
     room.page.on("request", (request) => {

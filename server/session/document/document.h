@@ -239,6 +239,9 @@ class Document {
   }
   template <typename T>
   void put(const std::string& name, std::shared_ptr<const T> object, Rollback& rollback);
+  /// The fields with the mesh that they name, where no blob but an object has it.
+  template <typename Fields>
+  Fields withMeshInUse(const Fields& fields, const Blobs& blobs) const;
   template <typename T>
   Expected<std::string> create(const std::string& name, const auto& fields, const Blobs& blobs, Rollback& rollback);
   template <typename T>

@@ -15,6 +15,15 @@ Status noSuch(const char* what, const std::string& name, const char* field = "na
                 std::string("there is no ") + what + " \"" + truncatedUtf8(name) + "\" in this session", field);
 }
 
+/// The mesh of that hash that an object has: meshes that came within an edit are no blobs.
+template <typename Objects>
+MeshPtr meshAmong(const Objects& objects, const BlobHash& hash) {
+  for (const auto& [name, entry] : objects) {
+    if (entry.object->mesh && entry.object->mesh->hash == hash) return entry.object->mesh;
+  }
+  return nullptr;
+}
+
 Expected<MeshPtr> resolveMesh(const MeshReference& reference, const Blobs& blobs) {
   if (reference.mesh) return reference.mesh;
   const BlobPtr blob = blobs.find(reference.hash);
@@ -114,6 +123,15 @@ void Document::put(const std::string& name, std::shared_ptr<const T> object, Rol
   objects<T>()[name] = {std::move(object), revision_};
 }
 
+template <typename Fields>
+Fields Document::withMeshInUse(const Fields& fields, const Blobs& blobs) const {
+  Fields out = fields;
+  if (!out.mesh || out.mesh->mesh || blobs.find(out.mesh->hash)) return out;
+  out.mesh->mesh = meshAmong(lights_, out.mesh->hash);
+  if (!out.mesh->mesh) out.mesh->mesh = meshAmong(surfaces_, out.mesh->hash);
+  return out;
+}
+
 template <typename T>
 Expected<std::string> Document::create(const std::string& name, const auto& fields, const Blobs& blobs,
                                        Rollback& rollback) {
@@ -124,7 +142,7 @@ Expected<std::string> Document::create(const std::string& name, const auto& fiel
                    std::string("a ") + W::kNoun + " needs a mesh: set mesh or inline_mesh");
   }
   auto object = std::make_shared<T>();
-  if (Status s = assign(*object, fields, blobs); !s.ok()) return s.within(W::kCreate);
+  if (Status s = assign(*object, withMeshInUse(fields, blobs), blobs); !s.ok()) return s.within(W::kCreate);
   object->name = freeName(name);
   put<T>(object->name, object, rollback);
   rollback.contentAdded = true;
@@ -138,7 +156,7 @@ Expected<std::string> Document::update(const std::string& name, const auto& fiel
   const auto found = objects<T>().find(name);
   if (found == objects<T>().end()) return noSuch(W::kNoun, name).within(W::kUpdate);
   auto object = std::make_shared<T>(*found->second.object);
-  if (Status s = assign(*object, fields, blobs); !s.ok()) return s.within(W::kUpdate);
+  if (Status s = assign(*object, withMeshInUse(fields, blobs), blobs); !s.ok()) return s.within(W::kUpdate);
   put<T>(name, object, rollback);
   return name;
 }

@@ -15,6 +15,7 @@ export class SceneList {
 
   focus(): void {
     this.search.focus();
+    this.search.select(); // what is typed now is another search
   }
 
   draw(): void {

@@ -1,0 +1,216 @@
+// The page as people use it who have no mouse, on a tablet, for hours.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { after, before, test } from "node:test";
+import { difference, launch, RoomPage } from "./browser.mjs";
+import { Server, until } from "./server.mjs";
+
+const AXE = readFileSync(createRequire(pathToFileURL(join(process.env.LPV_PAGE_SOURCE, "package.json"))).resolve("axe-core"), "utf8");
+const EDITS = Number(process.env.LPV_PAGE_EDITS ?? 600);
+
+let browser;
+let server;
+before(async () => {
+  browser = await launch();
+  server = await new Server().start("--max-edits-per-second", "100000");
+});
+after(async () => {
+  await browser.close();
+  await server.close();
+});
+
+const light = (session) => JSON.parse(server.lpvctl("--json", "light", "list", session).split("\n")[0]);
+const lights = (session) => server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).length;
+
+// Faults that axe-core calls serious or critical. Its script is put into the page past the page's own policy.
+async function faults(room) {
+  await room.page.evaluate(AXE);
+  return room.page.evaluate(async () => {
+    const { violations } = await window.axe.run(document, { resultTypes: ["violations"] });
+    return violations.filter(({ impact }) => impact === "serious" || impact === "critical")
+      .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(" ")}`);
+  });
+}
+
+test("axe-core finds no serious fault, in light and in dark", { timeout: 120_000 }, async () => {
+  const room = await RoomPage.open(browser, server.page);
+  for (const colorScheme of ["light", "dark"]) {
+    await room.page.emulateMedia({ colorScheme });
+    assert.deepEqual(await faults(room), [], `landing, ${colorScheme}`);
+  }
+  await room.makeDemoRoom();
+  await room.select("lamp");
+  for (const colorScheme of ["light", "dark"]) {
+    await room.page.emulateMedia({ colorScheme });
+    assert.deepEqual(await faults(room), [], `room, ${colorScheme}`);
+  }
+  await room.shot("dark");
+  await room.page.keyboard.press("Escape");
+  await room.page.keyboard.press("?");
+  assert.deepEqual(await faults(room), [], "keys");
+});
+
+// What each key does, seen where it can be: in the page, or on the server.
+test("every action of ? is done by keys alone", { timeout: 180_000 }, async () => {
+  const room = await RoomPage.open(browser, server.page);
+  const { page } = room;
+  await page.keyboard.press("Tab");
+  await until("the demo room's button has the focus", async () => {
+    if ((await page.evaluate(() => document.activeElement?.id)) === "demo") return true;
+    await page.keyboard.press("Tab");
+    return false;
+  });
+  await page.keyboard.press("Enter");
+  await room.seesPicture();
+  const session = await room.session;
+  const pressed = (keys) => page.locator(`[data-keys="${keys}"]`).getAttribute("aria-pressed");
+  const tried = new Set();
+  const press = async (keys) => {
+    tried.add(keys);
+    await page.keyboard.press(keys.replace("Ctrl+", "Control+"));
+  };
+
+  await press("/");
+  await page.keyboard.type("lamp");
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await page.locator("#object-name").waitFor();
+  await press("v");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "stage");
+  for (const keys of ["g", "r", "y"]) await press(keys);
+  for (const keys of ["x", "b"]) {
+    await press(keys);
+    assert.equal(await pressed(keys), "true");
+  }
+  await press("t");
+  await until("t turns the lamp off", () => light(session).enabled === false);
+  await press("Ctrl+Z");
+  await until("Ctrl+Z turns it on", () => light(session).enabled !== false);
+  await press("Ctrl+Y");
+  await until("Ctrl+Y turns it off again", () => light(session).enabled === false);
+  await press("Ctrl+D");
+  await until("there is a second lamp", () => lights(session) === 2);
+  await until("it is selected", async () => (await page.inputValue("#object-name")) !== "lamp");
+  await press("Delete");
+  await until("it is gone", () => lights(session) === 1);
+  await press("t");
+  await press("Escape");
+  assert.equal(await page.locator("#object-name").count(), 0);
+
+  await until("the lamp is on", () => light(session).enabled !== false);
+  await press("/");
+  await page.keyboard.type("ball");
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await until("the ball is selected", async () => (await page.inputValue("#object-name")) === "ball");
+  await press("v");
+  await page.waitForTimeout(1500);
+  const home = await room.pixels();
+  await press("f");
+  await until("f comes closer", async () => difference(home, await room.pixels()) > 5);
+  await press("h");
+  await press("n");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "object-name");
+  await page.keyboard.press("Escape");
+  await press("v");
+  for (const [listed, keys] of [["W A S D, Q E", ["w", "a", "s", "d", "q", "e"]], ["Arrows", ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"]]]) {
+    tried.add(listed);
+    for (const key of keys) {
+      const before = await room.pixels();
+      await page.keyboard.down(key);
+      await page.waitForTimeout(500);
+      await page.keyboard.up(key);
+      await until(`${key} steers`, async () => difference(before, await room.pixels()) > 2);
+    }
+  }
+  for (const keys of ["p", "o"]) {
+    const download = page.waitForEvent("download");
+    await press(keys);
+    assert.match((await download).suggestedFilename(), /\.(png|lpv)$/);
+  }
+  await press("l");
+  await page.keyboard.press("Escape");
+  await press("?");
+  const listed = await page.locator("dialog[open] kbd").allTextContents();
+  assert.ok(listed.length > 15);
+  assert.deepEqual(listed.filter((keys) => !tried.has(keys)), [], "listed and not tried");
+  assert.deepEqual(room.errors, []);
+});
+
+async function touch(page, paths) {
+  const cdp = await page.context().newCDPSession(page);
+  const points = (step) => paths.map(([from, to], id) => ({
+    id, x: from[0] + (to[0] - from[0]) * step, y: from[1] + (to[1] - from[1]) * step,
+  }));
+  await cdp.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: points(0) });
+  for (let step = 1; step <= 10; ++step) {
+    await cdp.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: points(step / 10) });
+    await page.waitForTimeout(30);
+  }
+  await cdp.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+}
+
+test("a tablet: one finger orbits, two come closer, a handle is dragged", { timeout: 120_000 }, async () => {
+  const context = await browser.newContext({ viewport: { width: 1024, height: 768 }, hasTouch: true });
+  const room = await RoomPage.open(browser, server.page, context);
+  const { page } = room;
+  await page.tap("#demo");
+  await room.seesPicture();
+  const session = await room.session;
+  const box = await page.locator("#stage").boundingBox();
+  const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  const at = (dx, dy) => [middle[0] + dx, middle[1] + dy];
+  const first = await room.pixels();
+  await touch(page, [[at(-80, 60), at(80, 60)]]);
+  await until("one finger orbits", async () => difference(first, await room.pixels()) > 3);
+  const orbited = await room.pixels();
+  await touch(page, [[at(-40, 0), at(-150, 0)], [at(40, 0), at(150, 0)]]);
+  await until("two fingers come closer", async () => difference(orbited, await room.pixels()) > 3);
+  await page.keyboard.press("h");
+  await page.tap("[data-name=lamp]");
+  await page.locator("#object-name").waitFor();
+  const scale = box.height / (2 * Math.tan((38 * Math.PI) / 360));
+  const handle = at(55, -(scale * (2.7 - 1.5)) / 6.6 + 4);
+  await page.waitForTimeout(500);
+  await touch(page, [[handle, [handle[0] + 100, handle[1]]]]);
+  await until("the lamp has moved", () => (light(session).transform?.translation?.x ?? 0) > 0.2);
+  await room.shot("tablet");
+  assert.deepEqual(room.errors, []);
+});
+
+// The session's heap and GL objects do not grow with what is done in it.
+test(`${EDITS} edits leave the page as large as it was`, { timeout: 900_000 }, async () => {
+  const room = await RoomPage.open(browser, server.page);
+  await room.makeDemoRoom();
+  await room.select("lamp");
+  const session = await room.session;
+  const cdp = await room.page.context().newCDPSession(room.page);
+  await cdp.send("HeapProfiler.enable");
+  const heap = async () => {
+    for (let i = 0; i < 3; ++i) await cdp.send("HeapProfiler.collectGarbage");
+    return (await cdp.send("Runtime.getHeapUsage")).usedSize;
+  };
+  const x = room.input("Position, m x");
+  const edit = async (from, to) => {
+    await room.page.evaluate(async ([label, first, last]) => {
+      for (let i = first; i < last; ++i) {
+        const input = document.querySelector(`[aria-label="${label}"]`);
+        input.value = String(((i % 100) + 1) / 100);
+        input.dispatchEvent(new Event("change", { bubbles: true }));
+        await new Promise((resolve) => setTimeout(resolve, 4));
+      }
+    }, ["Position, m x", from, to]);
+    const wanted = (((to - 1) % 100) + 1) / 100;
+    await until("the last edit arrives", () => Math.abs((light(session).transform?.translation?.x ?? 0) - wanted) < 1e-6, 60_000);
+  };
+  await edit(0, Math.round(EDITS / 20));
+  const before = await heap();
+  await edit(Math.round(EDITS / 20), EDITS);
+  const after = await heap();
+  assert.ok(after <= 1.1 * before, `${before} bytes after a twentieth of the edits, ${after} after all`);
+  assert.ok(Math.abs(Number(await x.inputValue()) - (light(session).transform?.translation?.x ?? 0)) < 1e-6);
+  assert.deepEqual(room.errors, []);
+});
