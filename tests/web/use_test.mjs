@@ -73,11 +73,15 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
     await page.keyboard.press(keys.replace("Ctrl+", "Control+"));
   };
 
-  await press("/");
-  await page.keyboard.type("lamp");
-  await page.keyboard.press("Tab");
-  await page.keyboard.press("Enter");
-  await page.locator("#object-name").waitFor();
+  const find = async (name) => {
+    await press("/");
+    await page.keyboard.type(name);
+    await page.keyboard.press("Tab");
+    await page.keyboard.press("Enter");
+    await until(`${name} is selected`, async () => (await page.locator("#object-name").count()) === 1 && (await page.inputValue("#object-name")) === name);
+  };
+
+  await find("lamp");
   await press("v");
   assert.equal(await page.evaluate(() => document.activeElement.id), "stage");
   for (const keys of ["g", "r", "y"]) await press(keys);
@@ -96,16 +100,13 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   await until("it is selected", async () => (await page.inputValue("#object-name")) !== "lamp");
   await press("Delete");
   await until("it is gone", () => lights(session) === 1);
+  await find("lamp");
   await press("t");
+  await until("the lamp is on", () => light(session).enabled !== false);
   await press("Escape");
   assert.equal(await page.locator("#object-name").count(), 0);
 
-  await until("the lamp is on", () => light(session).enabled !== false);
-  await press("/");
-  await page.keyboard.type("ball");
-  await page.keyboard.press("Tab");
-  await page.keyboard.press("Enter");
-  await until("the ball is selected", async () => (await page.inputValue("#object-name")) === "ball");
+  await find("ball");
   await press("v");
   await page.waitForTimeout(1500);
   const home = await room.pixels();
