@@ -25,6 +25,7 @@ function open(to: Link): void {
     land(to.token);
   });
   page?.replaceChildren(room.element);
+  Object.assign(window, { lpvRoom: room }); // for the console, and tests
 }
 
 if (link.session) open(link);

@@ -15,6 +15,8 @@ import { SceneModel, type SceneObject } from "./scene/model.ts";
 import { placementOf, type Placement } from "./scene/placement.ts";
 import { accessOf, type Access } from "./scene/role.ts";
 import { watchScene } from "./scene/watch.ts";
+import type { LocalView } from "./local/view.ts";
+import type { View } from "./view/camera_rig.ts";
 import { Stage } from "./view/stage.ts";
 
 const PRESENCE_MS = 250;
@@ -58,8 +60,11 @@ export class Room {
     });
     this.areas = new LightAreas(connection, session, () => this.changed());
     this.share = new ShareDialog(connection, session);
-    this.stage = new Stage(connection, session, this.editor, this.model, {
+    this.stage = new Stage(connection, session, this.editor, this.model, (light) => this.areas.of(light), {
       shown: (frame) => this.strip.frame(frame),
+      volume: (field, bytes) => this.strip.volume(field.header.result?.revision ?? 0n, bytes),
+      drew: () => this.strip.drew(),
+      looking: (local) => this.buttons.get("m")?.setAttribute("aria-pressed", String(local)),
       picked: (name) => this.select(name),
       cameraMoved: () => this.presenceChanged(),
       dragging: (on) => this.dragging(on),
@@ -73,9 +78,14 @@ export class Room {
     connection.onState((state) => this.showState(state));
     this.model.onChange(() => this.changed());
     setInterval(() => {
-      if (!this.stop.signal.aborted) this.strip.draw(this.model.revision, this.model.people.size);
+      if (!this.stop.signal.aborted) this.strip.draw(this.model.revision, this.model.people.size, this.stage.isLocal);
     }, 500);
     void this.enter();
+  }
+
+  // Local shading, where it is on; its camera.
+  get shading(): { local: LocalView | undefined; view: View } {
+    return { local: this.stage.shading, view: this.stage.rig.view() };
   }
 
   close(): void {
@@ -237,6 +247,7 @@ export class Room {
       { keys: "n", does: "name of the selected object", run: () => document.getElementById("object-name")?.focus() },
       { keys: "v", does: "focus the picture", run: () => this.stage.element.focus() },
       { keys: "Escape", does: "select nothing", run: () => this.select("") },
+      { keys: "m", does: "this browser's own shading of the light, or the server's pictures", run: () => void this.stage.flipLook() },
       { keys: "p", does: "save the picture", run: () => this.stage.savePicture() },
       { keys: "o", does: "save the session as a file", run: () => void this.saveSession() },
       { keys: "l", does: "share: links by role", run: () => this.access.mayShare && this.share.open() },
@@ -262,14 +273,14 @@ export class Room {
   };
 
   private layout(): HTMLElement {
-    const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["b", "Own axes"],
-      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["p", "Save picture"], ["o", "Save session"], ["l", "Share"], ["?", "Keys"]];
+    const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["b", "Axes"],
+      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["m", "Shade here"], ["p", "Picture"], ["o", "Save"], ["l", "Share"], ["?", "Keys"]];
     for (const [keys, label] of shown) {
       const action = this.actions.find((one) => one.keys === keys);
       if (!action) continue;
       const button = el("button", { title: `${action.does} (${keys})`, "data-keys": keys, onclick: action.run }, label);
       if (action.edits) button.disabled = true;
-      if (keys === "x" || keys === "b") button.setAttribute("aria-pressed", "false");
+      if (keys === "x" || keys === "b" || keys === "m") button.setAttribute("aria-pressed", "false");
       this.buttons.set(keys, button);
     }
     return el("div", { class: "room" },

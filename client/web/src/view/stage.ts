@@ -7,6 +7,9 @@ import { boxOf, type SceneModel } from "../scene/model.ts";
 import type { Placement } from "../scene/placement.ts";
 import { CameraRig } from "./camera_rig.ts";
 import { FrameView, type ShownFrame } from "./frames.ts";
+import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
+import type { Field } from "../local/field.ts";
+import type { LocalView } from "../local/view.ts";
 import type { Gizmo, GizmoMode } from "./gizmo.ts";
 import { navigate } from "./navigate.ts";
 
@@ -14,6 +17,9 @@ const MOST_PIXELS = 960 * 540; // larger windows are shown smaller pictures, enl
 
 export interface StageReports {
   shown(frame: ShownFrame): void;
+  volume(field: Field, bytes: number): void;
+  drew(): void;
+  looking(local: boolean): void;
   picked(name: string): void;
   cameraMoved(): void;
   dragging(on: boolean): void;
@@ -25,19 +31,18 @@ export interface StageReports {
 export class Stage {
   readonly rig = new CameraRig();
   private readonly picture = el("canvas", { id: "picture", role: "img", "aria-label": "The room, as the server draws it" });
+  private shaded = el("canvas", { id: "shaded", role: "img", "aria-label": "The room, as this browser shades it", hidden: true });
   private readonly handles = el("canvas", { class: "handles", "aria-hidden": "true" });
   private readonly trouble = el("p", { class: "trouble", role: "status", hidden: true });
-  readonly element = el("section", { class: "stage", tabindex: 0, id: "stage", "aria-label": "View" }, this.picture, this.handles, this.trouble);
-  private readonly frames: FrameView;
+  readonly element = el("section", { class: "stage", tabindex: 0, id: "stage", "aria-label": "View" }, this.picture, this.shaded, this.handles, this.trouble);
+  private frames: FrameView | undefined;
+  private local: LocalView | undefined;
+  private ev: number | undefined;
   private gizmo: Gizmo | undefined;
   private aimed = false;
 
-  constructor(private readonly connection: Connection, private readonly session: string, editor: Editor,
-    private readonly model: SceneModel, private readonly reports: StageReports) {
-    this.frames = new FrameView(this.picture, connection, session, () => editor.identity, () => this.rig.view(), {
-      shown: (frame) => reports.shown(frame),
-      trouble: (message) => this.say(message),
-    });
+  constructor(private readonly connection: Connection, private readonly session: string, private readonly editor: Editor,
+    private readonly model: SceneModel, private readonly areaOf: (light: Light) => number | undefined, private readonly reports: StageReports) {
     navigate(this.element, this.rig, {
       busy: () => this.gizmo?.busy ?? false,
       moved: () => this.cameraChanged(),
@@ -49,17 +54,81 @@ export class Stage {
   // Called when the scene is known for the first time.
   async start(mayEdit: boolean): Promise<void> {
     this.home();
-    const { width, height } = this.pixels();
-    this.frames.start(width, height);
+    this.showFrames();
     if (mayEdit) await this.loadHandles();
   }
 
   close(): void {
-    this.frames.close();
+    this.frames?.close();
+    this.local?.close();
   }
 
   setExposure(ev: number | undefined): void {
-    this.frames.setExposure(ev);
+    this.ev = ev;
+    this.frames?.setExposure(ev);
+    this.local?.setExposure(ev);
+  }
+
+  get isLocal(): boolean {
+    return this.local !== undefined;
+  }
+
+  get shading(): LocalView | undefined {
+    return this.local;
+  }
+
+  // The server's pictures, or this browser's own shading of the light.
+  async flipLook(): Promise<void> {
+    if (this.local) return this.showFrames();
+    try {
+      const { LocalView } = await import("../local/view.ts");
+      if (this.local) return;
+      this.local = new LocalView({
+        canvas: this.freshCanvas(), connection: this.connection, session: this.session, model: this.model,
+        identity: () => this.editor.identity, areaOf: this.areaOf, view: () => this.rig.view(), size: () => this.pixels(),
+        reports: {
+          volume: (field, bytes) => this.reports.volume(field, bytes),
+          drew: () => this.reports.drew(),
+          trouble: (message) => this.say(message),
+          cannot: (message) => {
+            this.showFrames();
+            this.say(message);
+          },
+        },
+      });
+    } catch {
+      return this.say("This browser has no WebGL2: the server's pictures are shown.");
+    }
+    this.frames?.close();
+    this.frames = undefined;
+    this.local.setExposure(this.ev);
+    this.picture.hidden = true;
+    this.say("");
+    this.reports.looking(true);
+  }
+
+  private showFrames(): void {
+    this.local?.close();
+    this.local = undefined;
+    this.shaded.hidden = true;
+    this.picture.hidden = false;
+    this.frames = new FrameView(this.picture, this.connection, this.session, () => this.editor.identity, () => this.rig.view(), {
+      shown: (frame) => this.reports.shown(frame),
+      trouble: (message) => this.say(message),
+    });
+    if (this.ev !== undefined) this.frames.setExposure(this.ev);
+    const { width, height } = this.pixels();
+    this.frames.start(width, height);
+    this.reports.looking(false);
+  }
+
+  // A canvas whose context was given up takes no other.
+  private freshCanvas(): HTMLCanvasElement {
+    const fresh = this.shaded.cloneNode() as HTMLCanvasElement;
+    this.shaded.replaceWith(fresh);
+    this.shaded = fresh;
+    fresh.hidden = false;
+    return fresh;
   }
 
   setMode(mode: GizmoMode): void {
@@ -101,7 +170,8 @@ export class Stage {
   }
 
   savePicture(): void {
-    this.picture.toBlob((blob) => {
+    if (this.local) this.local.redraw();
+    (this.local ? this.shaded : this.picture).toBlob((blob) => {
       if (!blob) return;
       const address = URL.createObjectURL(blob);
       el("a", { href: address, download: `${this.session.replace("sessions/", "")}.png` }).click();
@@ -126,7 +196,8 @@ export class Stage {
 
   private cameraChanged(): void {
     if (!this.aimed) return;
-    this.frames.cameraMoved();
+    this.frames?.cameraMoved();
+    this.local?.cameraMoved();
     this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
     this.reports.cameraMoved();
   }
@@ -134,7 +205,8 @@ export class Stage {
   private resized(): void {
     if (!this.aimed) return;
     const { width, height } = this.pixels();
-    this.frames.resize(width, height);
+    this.frames?.resize(width, height);
+    this.local?.cameraMoved();
     this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
   }
 

@@ -1,0 +1,81 @@
+// The browser's own shading of the light against the server's.
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, RoomPage } from "./browser.mjs";
+import { Server, until } from "./server.mjs";
+
+const LOOK = { width: 160, height: 90 };
+
+let browser;
+let server;
+before(async () => {
+  browser = await launch();
+  server = await new Server().start("--max-edits-per-second", "100000");
+});
+after(async () => {
+  await browser.close();
+  await server.close();
+});
+
+async function shadedRoom() {
+  const room = await RoomPage.open(browser, server.page);
+  await room.makeDemoRoom();
+  await room.page.click("[data-keys=m]");
+  await until("a volume is shown", () => room.page.evaluate(() => (lpvRoom.shading.local?.arrived ?? 0) > 0));
+  await until("everything has its mesh", () => room.page.evaluate(() => lpvRoom.shading.local.renderer.drawn.size === 7));
+  await room.page.waitForTimeout(600); // the last blend is over
+  return room;
+}
+
+// What the page has at its pixels, and points of surfaces among them.
+async function measured(room, exact) {
+  const { irradiance, position, normal } = await room.page.evaluate(async ([{ width, height }, eight]) => {
+    const { local, view } = lpvRoom.shading;
+    const out = local.measured(view, width, height, eight);
+    return Object.fromEntries(Object.entries(out).map(([name, values]) => [name, Array.from(values)]));
+  }, [LOOK, exact]);
+  const at = (values, i) => [values[4 * i], values[4 * i + 1], values[4 * i + 2]];
+  const out = [];
+  for (let i = 0; i < LOOK.width * LOOK.height; i += 7) {
+    if (irradiance[4 * i + 3] > 0) out.push({ irradiance: at(irradiance, i), position: at(position, i), normal: at(normal, i) });
+  }
+  return out;
+}
+
+// The server's lookup of the volume before it was made into half floats: lpvctl probe --volume-only.
+function probed(session, points) {
+  const file = join(server.folder, "points.csv");
+  writeFileSync(file, points.map(({ position, normal }) => `${[...position, ...normal].join(",")}\n`).join(""));
+  return server.lpvctl("probe", session, "--volume-only", "--points", file).trim().split("\n").map((line) => line.split(",").slice(6).map(Number));
+}
+
+function errors(points, truth) {
+  const largest = Math.max(...truth.flat());
+  let square = 0;
+  let mean = 0;
+  let worst = 0;
+  points.forEach(({ irradiance }, i) => irradiance.forEach((value, c) => {
+    const wanted = truth[i][c];
+    square += (value - wanted) ** 2;
+    mean += wanted;
+    worst = Math.max(worst, Math.abs(value - wanted) / Math.max(Math.abs(wanted), 0.01 * largest));
+  }));
+  const count = 3 * points.length;
+  return { nrmse: Math.sqrt(square / count) / (mean / count), worst };
+}
+
+test("what surfaces receive is what the server's lookup says", { timeout: 180_000 }, async () => {
+  const room = await shadedRoom();
+  await room.shot("local");
+  const session = await room.session;
+  for (const [exact, allowed] of [[true, 1e-3], [false, 1e-2]]) {
+    const points = await measured(room, exact);
+    assert.ok(points.length > 500, `${points.length} points`);
+    const { nrmse, worst } = errors(points, probed(session, points));
+    console.log(`${exact ? "eight texels" : "filtered"}: NRMSE ${nrmse.toExponential(2)}, largest ${worst.toExponential(2)}`);
+    assert.ok(nrmse <= allowed, `NRMSE ${nrmse}`);
+  }
+  assert.deepEqual(room.errors, []);
+});
