@@ -148,7 +148,9 @@ export class Room {
 
   private moved(to: Placement): void {
     const object = this.model.find(this.selected);
-    if (object) void this.edit(() => place(this.editor, object, to, this.drag));
+    if (!object) return;
+    this.stage.moving();
+    void this.edit(() => place(this.editor, object, to, this.drag));
   }
 
   private async edit(apply: () => ReturnType<Editor["apply"]>): Promise<string[]> {

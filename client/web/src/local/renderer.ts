@@ -25,6 +25,7 @@ interface Uploaded {
 }
 interface Drawn {
   mesh: Mesh<BufferGeometry, RawShaderMaterial>;
+  variants: Map<string, RawShaderMaterial>; // of the same material, by what else is defined; "" is the shown one
   of: Light | Surface;
   data: MeshData;
 }
@@ -130,10 +131,9 @@ export class LocalRenderer {
     for (const light of model?.lights.values() ?? []) {
       if (light.visibleToCamera !== false && light.enabled !== false) this.put(light, "emits", meshes, wanted);
     }
-    for (const [name, { mesh }] of this.drawn) {
+    for (const [name, drawn] of this.drawn) {
       if (wanted.has(name)) continue;
-      this.scene.remove(mesh);
-      mesh.material.dispose();
+      this.drop(drawn);
       this.drawn.delete(name);
     }
     const used = new Set([...this.drawn.values()].map(({ data }) => data));
@@ -183,23 +183,14 @@ export class LocalRenderer {
   }
 
   private as(defines: readonly string[], target: WebGLRenderTarget, read: () => void): void {
-    const set = (on: boolean): void => {
-      for (const { mesh } of this.drawn.values()) {
-        for (const define of defines) {
-          if (on) mesh.material.defines[define] = "";
-          else delete mesh.material.defines[define];
-        }
-        mesh.material.needsUpdate = true;
-      }
-    };
-    set(true);
+    for (const drawn of this.drawn.values()) drawn.mesh.material = variantOf(drawn, defines);
     this.renderer.setRenderTarget(target);
     this.renderer.setClearAlpha(0);
     this.renderer.render(this.scene, this.camera);
     read();
     this.renderer.setRenderTarget(null);
     this.renderer.setClearAlpha(1);
-    set(false);
+    for (const drawn of this.drawn.values()) drawn.mesh.material = variantOf(drawn, []);
   }
 
   private look(view: View, aspect: number): void {
@@ -226,7 +217,8 @@ export class LocalRenderer {
       return;
     }
     wanted.add(object.name);
-    const mesh = before?.data === data ? before.mesh : this.meshOf(data, kind, before?.mesh);
+    if (before && before.data !== data) this.drop(before);
+    const mesh = before?.data === data ? before.mesh : this.meshOf(data, kind);
     mesh.matrixWorld.copy(matrixOf(object.transform));
     const { uniforms } = mesh.material;
     (uniforms["worldNormal"]?.value as Matrix3).getNormalMatrix(mesh.matrixWorld);
@@ -238,14 +230,16 @@ export class LocalRenderer {
       (uniforms["front"]?.value as Vector3).set(radiance.x, radiance.y, radiance.z);
       (uniforms["back"]?.value as Vector3).set(radiance.x, radiance.y, radiance.z).multiplyScalar(object.twoSided ? 1 : 0);
     }
-    this.drawn.set(object.name, { mesh, of: object, data });
+    const variants = before?.data === data ? before.variants : new Map([["", mesh.material]]);
+    this.drawn.set(object.name, { mesh, variants, of: object, data });
   }
 
-  private meshOf(data: MeshData, kind: "albedo" | "emits", before: Drawn["mesh"] | undefined): Drawn["mesh"] {
-    if (before) {
-      this.scene.remove(before);
-      before.material.dispose();
-    }
+  private drop({ mesh, variants }: Drawn): void {
+    this.scene.remove(mesh);
+    for (const material of variants.values()) material.dispose();
+  }
+
+  private meshOf(data: MeshData, kind: "albedo" | "emits"): Drawn["mesh"] {
     const material = new RawShaderMaterial({
       glslVersion: GLSL3, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide,
       defines: { ...(data.normals ? { NORMALS: "" } : {}), ...(kind === "emits" ? { EMITS: "" } : {}) },
@@ -284,6 +278,20 @@ export class LocalRenderer {
     };
     return { textures: [one(), one(), one()], shape, scales: field.scales };
   }
+}
+
+// Made once: a program that no material has is thrown away, and compiled again when it is wanted.
+function variantOf({ variants }: Drawn, defines: readonly string[]): RawShaderMaterial {
+  const shown = variants.get("") as RawShaderMaterial;
+  const key = defines.join(" ");
+  let variant = variants.get(key);
+  if (!variant) {
+    variant = shown.clone();
+    variant.uniforms = shown.uniforms; // the same values, not copies
+    for (const define of defines) variant.defines[define] = "";
+    variants.set(key, variant);
+  }
+  return variant;
 }
 
 function matrixOf(transform: Transform | undefined): Matrix4 {

@@ -98,23 +98,23 @@ vec4 incidentAt(highp sampler3D volume, int layer, vec3 at) {
 #endif
 }
 
-vec3 irradianceIn(highp sampler3D volume[3], float scale[${MOST_LAYERS}], vec3 at, vec3 n) {
-  vec3 sum = vec3(0.0);
-  for (int layer = 0; layer < layers; ++layer) {
-    float s = scale[layer];
-    sum += weight[layer] * vec3(irradianceOf(s * incidentAt(volume[0], layer, at), n),
-                                irradianceOf(s * incidentAt(volume[1], layer, at), n),
-                                irradianceOf(s * incidentAt(volume[2], layer, at), n));
-  }
-  return sum;
+// Light on its way from one volume to the next: the field is blended, then looked up once.
+float received(highp sampler3D before, highp sampler3D after, int layer, vec3 at, vec3 n) {
+  vec4 c = newerScale[layer] * incidentAt(after, layer, at);
+  if (blend < 1.0) c = mix(olderScale[layer] * incidentAt(before, layer, at), c, blend);
+  return irradianceOf(c, n);
 }
 
 // W/m^2; 0 further than half a cell outside the grid.
 vec3 irradianceAt(vec3 world, vec3 n) {
   vec3 at = (world - origin) / cellSize;
   if (any(lessThan(at, vec3(guard - 0.5))) || any(greaterThan(at, vec3(dims) - guard + 0.5))) return vec3(0.0);
-  vec3 now = irradianceIn(newer, newerScale, at, n);
-  return blend < 1.0 ? mix(irradianceIn(older, olderScale, at, n), now, blend) : now;
+  vec3 sum = vec3(0.0);
+  for (int layer = 0; layer < layers; ++layer) {
+    sum += weight[layer] * vec3(received(older[0], newer[0], layer, at, n), received(older[1], newer[1], layer, at, n),
+                                received(older[2], newer[2], layer, at, n));
+  }
+  return sum;
 }
 `;
 
@@ -158,14 +158,14 @@ void main() {
   float surface = 0.0;
 #else
   vec3 n = surfaceNormal();
-  vec3 received = irradianceAt(world, n);
-  vec3 radiance = albedo * received / kPi;
+  vec3 incoming = irradianceAt(world, n);
+  vec3 radiance = albedo * incoming / kPi;
   float surface = 1.0;
 #endif
 #if defined(MEASURED)
   colour = vec4(0.0);
 #ifndef EMITS
-  colour = vec4(received, surface);
+  colour = vec4(incoming, surface);
   place = vec4(world, 1.0);
   facing = vec4(n, 0.0);
 #endif

@@ -6,6 +6,9 @@ import { converse } from "../net/calls.ts";
 import type { Connection } from "../net/connection.ts";
 import { CallError, Code, wordsOf } from "../net/errors.ts";
 import type { View } from "./camera_rig.ts";
+import { Pace } from "./pace.ts";
+
+const REST_MS = 500;
 
 export interface ShownFrame {
   header: FrameHeader;
@@ -31,6 +34,11 @@ export class FrameView {
   private readonly stop = new AbortController();
   private width = 640;
   private height = 360;
+  private readonly pace = new Pace();
+  private asked = 1; // share of width and height that the server was last asked for
+  private lastShown = -Infinity;
+  private lastMoved = -Infinity;
+  private rest: ReturnType<typeof setTimeout> | undefined;
   subscriber = "";
 
   constructor(
@@ -46,10 +54,12 @@ export class FrameView {
   }
 
   close(): void {
+    clearTimeout(this.rest);
     this.stop.abort();
   }
 
   cameraMoved(): void {
+    this.moving();
     this.pendingCamera = this.view();
     void this.sendCameras();
   }
@@ -58,7 +68,33 @@ export class FrameView {
     if (width === this.width && height === this.height) return;
     this.width = width;
     this.height = height;
-    this.say({ width, height });
+    this.say(this.size());
+  }
+
+  // Camera or objects are being moved: pictures that the server cannot make often enough become smaller, and large again
+  // when everything rests.
+  moving(): void {
+    this.lastMoved = performance.now();
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => this.ask(1), REST_MS);
+  }
+
+  private ask(share: number): void {
+    if (share === this.asked) return;
+    this.asked = share;
+    this.say(this.size());
+  }
+
+  private size(): { width: number; height: number } {
+    const part = (edge: number): number => Math.max(16, Math.round(edge * this.asked));
+    return { width: part(this.width), height: part(this.height) };
+  }
+
+  private paced(now: number): void {
+    const since = now - this.lastShown;
+    this.lastShown = now;
+    if (now - this.lastMoved > REST_MS) return;
+    this.ask(this.pace.next(this.asked, since));
   }
 
   setExposure(ev: number | undefined): void {
@@ -95,7 +131,7 @@ export class FrameView {
       message: {
         case: "subscription",
         value: {
-          session: this.session, width: this.width, height: this.height, format: FrameFormat.JPEG, quality: 85,
+          session: this.session, ...this.size(), format: FrameFormat.JPEG, quality: 85,
           maxRate: 30, adaptRate: 15, exposure: { exposure: this.exposure }, camera: this.nextCamera(this.view()),
           ...(client ? { client } : {}),
         },
@@ -125,6 +161,7 @@ export class FrameView {
     if (this.canvas.height !== picture.height) this.canvas.height = picture.height;
     this.canvas.getContext("2d")?.drawImage(picture, 0, 0);
     picture.close();
+    this.paced(performance.now());
     const sent = this.cameraSent.get(header.cameraSequence);
     for (const sequence of this.cameraSent.keys()) if (sequence <= header.cameraSequence) this.cameraSent.delete(sequence);
     this.reports.trouble("");

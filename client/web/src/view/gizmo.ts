@@ -1,4 +1,4 @@
-import { Object3D, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from "three";
+import { Object3D, PerspectiveCamera, Quaternion, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { Placement } from "../scene/placement.ts";
 import type { View } from "./camera_rig.ts";
@@ -13,7 +13,7 @@ export class Gizmo {
   private readonly held = new Object3D();
   private readonly controls: TransformControls;
 
-  constructor(canvas: HTMLCanvasElement, pointer: HTMLElement, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
+  constructor(private readonly canvas: HTMLCanvasElement, pointer: HTMLElement, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
     this.controls = new TransformControls(this.camera, pointer);
@@ -36,7 +36,7 @@ export class Gizmo {
   attach(placement: Placement | undefined): void {
     if (this.dragged) return;
     if (!placement) {
-      this.controls.detach();
+      if (this.controls.object) this.controls.detach();
     } else {
       const { translation: t, rotation: r, scale: s } = placement;
       this.held.position.set(t.x, t.y, t.z);
@@ -72,7 +72,8 @@ export class Gizmo {
     this.camera.lookAt(view.target.x, view.target.y, view.target.z);
     this.camera.updateProjectionMatrix();
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
-    this.renderer.setSize(width, height, false);
+    const now = this.renderer.getSize(new Vector2());
+    if (now.x !== width || now.y !== height) this.renderer.setSize(width, height, false);
     this.draw();
   }
 
@@ -85,7 +86,10 @@ export class Gizmo {
     };
   }
 
+  // An empty layer over the picture would be composed with every frame for nothing.
   private draw(): void {
+    this.canvas.hidden = this.controls.object === undefined;
+    if (this.canvas.hidden) return;
     this.camera.updateMatrixWorld();
     this.renderer.render(this.scene, this.camera);
   }

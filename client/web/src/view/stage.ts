@@ -143,6 +143,11 @@ export class Stage {
     this.gizmo?.setSnap(on);
   }
 
+  // Objects are being moved.
+  moving(): void {
+    this.frames?.moving();
+  }
+
   hold(placement: Placement | undefined): void {
     this.gizmo?.attach(placement);
   }
