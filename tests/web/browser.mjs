@@ -94,7 +94,7 @@ export function mean(values) {
   return values.reduce((sum, value) => sum + value, 0) / values.length;
 }
 
+// Of two pictures of any size, both made as small.
 export function difference(a, b) {
-  if (a.width !== b.width || a.height !== b.height) return Infinity;
   return mean(a.rgb.map((value, i) => Math.abs(value - b.rgb[i])));
 }

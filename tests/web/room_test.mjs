@@ -34,6 +34,7 @@ test("the page shows what lpvctl frame get writes", { timeout: 120_000 }, () => 
   const file = join(server.folder, "frame.png");
   server.lpvctl("frame", "get", await room.session, "-o", file, "--camera", "front", "--size", `${seen.width}x${seen.height}`, "--samples", "1");
   const wanted = await room.decode(readFileSync(file));
+  assert.deepEqual([seen.width, seen.height], [wanted.width, wanted.height]);
   const error = difference(seen, wanted);
   assert.ok(error <= JPEG_ERROR, `the mean difference is ${error}`);
   assert.ok(mean(wanted.rgb) > 30);

@@ -51,6 +51,10 @@ test("axe-core finds no serious fault, in light and in dark", { timeout: 120_000
   await room.page.keyboard.press("Escape");
   await room.page.keyboard.press("?");
   assert.deepEqual(await faults(room), [], "keys");
+  await room.page.keyboard.press("Escape");
+  await room.page.keyboard.press("c");
+  await room.page.locator("#settings select").first().waitFor();
+  assert.deepEqual(await faults(room), [], "settings");
 });
 
 // What each key does, seen where it can be: in the page, or on the server.
@@ -133,6 +137,16 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
     assert.match((await download).suggestedFilename(), /\.(png|lpv)$/);
   }
   await press("l");
+  await page.keyboard.press("Escape");
+  await press("m");
+  await until("m shades here", async () => (await pressed("m")) === "true");
+  await press("m");
+  await press("c");
+  await page.locator("#settings select").first().waitFor();
+  await page.locator('[aria-label="Bounces"]').focus();
+  await page.keyboard.type("none");
+  await until("bounces are off", () => /bounces\W+(none|0)/i.test(server.lpvctl("session", "show", session)));
+  await room.shot("settings");
   await page.keyboard.press("Escape");
   await press("?");
   const listed = await page.locator("dialog[open] kbd").allTextContents();

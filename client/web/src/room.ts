@@ -5,6 +5,7 @@ import type { Connection, ConnectionState } from "./net/connection.ts";
 import { helpDialog, keyOf, takesText, type Action } from "./panels/keys.ts";
 import { Properties } from "./panels/properties.ts";
 import { SceneList } from "./panels/scene_list.ts";
+import { SettingsDialog } from "./panels/settings.ts";
 import { ShareDialog } from "./panels/share.ts";
 import { Strip } from "./panels/strip.ts";
 import { Words } from "./panels/words.ts";
@@ -32,6 +33,7 @@ export class Room {
   private readonly list: SceneList;
   private readonly properties: Properties;
   private readonly share: ShareDialog;
+  private readonly settings: SettingsDialog;
   private readonly areas: LightAreas;
   private displayName = "";
   private readonly state = el("span", { class: "state", id: "state", role: "status" });
@@ -60,6 +62,7 @@ export class Room {
     });
     this.areas = new LightAreas(connection, session, () => this.changed());
     this.share = new ShareDialog(connection, session);
+    this.settings = new SettingsDialog(connection, session);
     this.stage = new Stage(connection, session, this.editor, this.model, (light) => this.areas.of(light), {
       shown: (frame) => this.strip.frame(frame),
       volume: (field, bytes) => this.strip.volume(field.header.result?.revision ?? 0n, bytes),
@@ -252,6 +255,7 @@ export class Room {
       { keys: "m", does: "this browser's own shading of the light, or the server's pictures", run: () => void this.stage.flipLook() },
       { keys: "p", does: "save the picture", run: () => this.stage.savePicture() },
       { keys: "o", does: "save the session as a file", run: () => void this.saveSession() },
+      { keys: "c", does: "settings of the session, and what the server chose", run: () => this.settings.open(this.access.mayEdit) },
       { keys: "l", does: "share: links by role", run: () => this.access.mayShare && this.share.open() },
       { keys: "?", does: "this list", run: help },
     ];
@@ -276,7 +280,7 @@ export class Room {
 
   private layout(): HTMLElement {
     const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["b", "Axes"],
-      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["m", "Shade here"], ["p", "Picture"], ["o", "Save"], ["l", "Share"], ["?", "Keys"]];
+      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["m", "Shade here"], ["p", "Picture"], ["o", "Save"], ["c", "Settings"], ["l", "Share"], ["?", "Keys"]];
     for (const [keys, label] of shown) {
       const action = this.actions.find((one) => one.keys === keys);
       if (!action) continue;
@@ -290,7 +294,7 @@ export class Room {
         el("button", { onclick: this.leave }, "Leave")),
       this.list.element, this.stage.element,
       el("aside", { class: "side right", "aria-label": "Selected object" }, this.properties.element),
-      this.strip.element, this.words.element, this.help, this.share.element);
+      this.strip.element, this.words.element, this.help, this.share.element, this.settings.element);
   }
 
   private exposure(): HTMLElement {
