@@ -48,7 +48,7 @@ const ROWS: readonly Row[] = [
     chosen: ({ quality }) => (quality === Quality.ACCURATE ? 1 : 0),
   },
   {
-    label: "Transport", costs: "Propagate is the paper's: cheap, and not to be measured by.", path: "settings.transport",
+    label: "Transport", costs: "Propagate is the paper's: cheap, with a brightness that follows the grid.", path: "settings.transport",
     choices: [["the server's choice", { transport: Transport.AUTO }], ["gather", { transport: Transport.GATHER }],
       ["direct", { transport: Transport.DIRECT }], ["propagate", { transport: Transport.PROPAGATE }]],
     chosen: ({ transport }) => pick([Transport.AUTO, Transport.GATHER, Transport.DIRECT, Transport.PROPAGATE], transport),
