@@ -69,7 +69,7 @@ constexpr std::size_t kMostQueued = 4 * kMostCalls;
 
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kPolicy =
-    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; "
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self'; worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 constexpr const char* kNoPage =
     "This lpvd was built without its page: npm was missing, or could fetch nothing. Build it where npm is installed, "
@@ -236,9 +236,9 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
     end(code, reason);
   }
   void greeted(bool good) override {
-    if (!good) return;
+    if (!good || known_) return;
+    known_ = true;
     timer_.cancel();
-    most_ = kMostBytes;
     place_.reset();
   }
   void roomAgain() override { readOn(); }
@@ -265,7 +265,9 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
     std::function<void(bool)> sent;
   };
 
+  /// The timer may have run out in the very turn in which a good token came.
   void late(std::chrono::seconds first) {
+    if (known_) return;
     const std::string seconds = std::to_string(first.count());
     if (welcomed_) return close(CloseCode::kNoToken, "no good access token was shown within " + seconds + " s");
     house_.context.counters->countWebRefusal(WebRefusal::kFirstMessage);
@@ -274,7 +276,7 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
 
   void read() {
     reading_ = true;
-    stream_.async_read_some(in_, most_ + 1 - in_.size(), [self = this->shared_from_this()](Error error, std::size_t) {
+    stream_.async_read_some(in_, most() + 1 - in_.size(), [self = this->shared_from_this()](Error error, std::size_t) {
       self->reading_ = false;
       self->onRead(error);
     });
@@ -289,10 +291,9 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
     if (!stream_.got_binary()) {
       return close(CloseCode::kNotBinary, "text is refused; send lpv.web.v1.ToServer in binary messages");
     }
-    if (in_.size() > most_) {
-      const bool stranger = most_ == kMostStrangerBytes;
-      return close(CloseCode::kTooLarge, "a message has more than " + std::to_string(most_) + " bytes, the most " +
-                                             (stranger ? "before a good token was shown" : "that is allowed"));
+    if (in_.size() > most()) {
+      return close(CloseCode::kTooLarge, "a message has more than " + std::to_string(most()) + " bytes, the most " +
+                                             (known_ ? "that is allowed" : "before a good token was shown"));
     }
     if (stream_.is_message_done()) {
       welcomed_ = true;
@@ -302,6 +303,9 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
     }
     if (!gone_) readOn();
   }
+
+  /// Bytes of a message of the page.
+  std::size_t most() const { return known_ ? kMostBytes : kMostStrangerBytes; }
 
   void write() {
     writing_ = true;
@@ -355,8 +359,8 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
   net::steady_timer timer_;
   std::shared_ptr<Calls> calls_;  ///< null once the socket has gone
   beast::flat_buffer in_;
-  std::size_t most_ = kMostStrangerBytes;  ///< bytes of a message of the page
   std::deque<Outgoing> queue_;             ///< the first is being written where writing_ is set
+  bool known_ = false;  ///< has shown a good token
   bool welcomed_ = false;                  ///< a message has come
   bool reading_ = false;
   bool writing_ = false;
