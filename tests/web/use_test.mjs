@@ -2,10 +2,11 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { after, before, test } from "node:test";
 import { difference, launch, RoomPage } from "./browser.mjs";
+import { gltf, obj, ply, png } from "./files.mjs";
 import { Server, until } from "./server.mjs";
 
 const AXE = readFileSync(createRequire(pathToFileURL(join(process.env.LPV_PAGE_SOURCE, "package.json"))).resolve("axe-core"), "utf8");
@@ -61,6 +62,8 @@ test("axe-core finds no serious fault, in light and in dark", { timeout: 120_000
 test("every action of ? is done by keys alone", { timeout: 180_000 }, async () => {
   const room = await RoomPage.open(browser, server.page);
   const { page } = room;
+  let choosers = 0;
+  page.on("filechooser", () => (choosers += 1));
   await page.keyboard.press("Tab");
   await until("the demo room's button has the focus", async () => {
     if ((await page.evaluate(() => document.activeElement?.id)) === "demo") return true;
@@ -86,6 +89,8 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   };
 
   await find("lamp");
+  await press("i");
+  await until("files can be chosen", () => choosers === 1);
   await press("v");
   assert.equal(await page.evaluate(() => document.activeElement.id), "stage");
   for (const keys of ["g", "r", "y"]) await press(keys);
@@ -154,6 +159,50 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   assert.deepEqual(listed.filter((keys) => !tried.has(keys)), [], "listed and not tried");
   assert.deepEqual(room.errors, []);
 });
+
+const all = (session) => server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).map((line) => JSON.parse(line));
+const shape = (one) => [Number(one.status.triangleCount), Math.round(1e6 * one.status.area), one.radiance?.x, one.radiance?.y, one.radiance?.z];
+
+test("files become lights, the same as lpvctl makes of them", { timeout: 120_000 }, async () => {
+  const room = await RoomPage.open(browser, server.page);
+  await room.makeDemoRoom();
+  const session = await room.session;
+  const other = server.lpvctl("session", "create").trim();
+  const found = async (name) => {
+    await until(`${name} is there`, () => all(session).some((one) => one.name === name));
+    return all(session).find((one) => one.name === name);
+  };
+  for (const [name, file] of [["panel", obj(server.folder)], ["plate", ply(server.folder)]]) {
+    await room.page.setInputFiles("#files", file);
+    const here = await found(name);
+    server.lpvctl("light", "add", other, file, "--name", name, "--radiance", "5,5,5");
+    assert.deepEqual(shape(here), shape(all(other).find((one) => one.name === name)), name);
+    await until("it is selected", async () => (await room.page.inputValue("#object-name")) === name);
+  }
+  const tile = gltf(server.folder);
+  await room.page.setInputFiles("#files", tile[0]);
+  await room.page.locator("text=tile.gltf needs tile.bin: drop both together.").waitFor();
+  await drop(room.page, tile);
+  assert.deepEqual(shape(await found("tile")), [2, Math.round(1e6 * 0.4 * 0.2 * 4), 6, 3, 1.5]);
+  await drop(room.page, [png(server.folder)]);
+  const screen = await found("screen");
+  assert.deepEqual(shape(screen).slice(0, 2), [2, Math.round(1e6 * 1.6 * 0.8)]);
+  assert.match(screen.texture, /^[0-9a-f]{64}$/);
+  await drop(room.page, [join(server.folder, "nonsense.txt")], "nothing");
+  await room.page.locator("text=nonsense.txt: what can be dropped is").waitFor();
+  await room.shot("dropped");
+  assert.deepEqual(room.errors, []);
+});
+
+// As the browser hands over what somebody drops.
+async function drop(page, files, content) {
+  const given = files.map((file) => ({ name: basename(file), bytes: content ? Buffer.from(content).toString("base64") : readFileSync(file).toString("base64") }));
+  await page.evaluate((all) => {
+    const data = new DataTransfer();
+    for (const { name, bytes } of all) data.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
+    document.getElementById("stage").dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, given);
+}
 
 async function touch(page, paths) {
   const cdp = await page.context().newCDPSession(page);

@@ -2,6 +2,7 @@ import { SessionService } from "../gen/lpv/v1/session_pb.ts";
 import { el } from "./dom.ts";
 import { serverStream } from "./net/calls.ts";
 import type { Connection, ConnectionState } from "./net/connection.ts";
+import { CallError } from "./net/errors.ts";
 import { helpDialog, keyOf, takesText, type Action } from "./panels/keys.ts";
 import { Properties } from "./panels/properties.ts";
 import { SceneList } from "./panels/scene_list.ts";
@@ -12,7 +13,7 @@ import { Words } from "./panels/words.ts";
 import { duplicate, place, remove, rename, update } from "./scene/actions.ts";
 import { LightAreas } from "./scene/areas.ts";
 import { Editor } from "./scene/editor.ts";
-import { SceneModel, type SceneObject } from "./scene/model.ts";
+import { boxOf, SceneModel, type SceneObject } from "./scene/model.ts";
 import { placementOf, type Placement } from "./scene/placement.ts";
 import { accessOf, type Access } from "./scene/role.ts";
 import { watchScene } from "./scene/watch.ts";
@@ -34,6 +35,7 @@ export class Room {
   private readonly properties: Properties;
   private readonly share: ShareDialog;
   private readonly settings: SettingsDialog;
+  private readonly chooser = el("input", { type: "file", multiple: true, hidden: true, id: "files", accept: ".glb,.gltf,.bin,.obj,.ply,image/*", "aria-label": "Files of lights" });
   private readonly areas: LightAreas;
   private displayName = "";
   private readonly state = el("span", { class: "state", id: "state", role: "status" });
@@ -77,6 +79,7 @@ export class Room {
     this.actions = this.allActions();
     this.help = helpDialog(this.actions);
     this.element = this.layout();
+    this.takeFiles();
     document.addEventListener("keydown", this.pressed);
     connection.onState((state) => this.showState(state));
     this.model.onChange(() => this.changed());
@@ -170,6 +173,42 @@ export class Room {
     }
   }
 
+  // Files that are dropped on the page, or chosen.
+  private takeFiles(): void {
+    this.chooser.addEventListener("change", () => {
+      void this.add([...(this.chooser.files ?? [])]);
+      this.chooser.value = "";
+    });
+    this.element.addEventListener("dragover", (event) => event.preventDefault());
+    this.element.addEventListener("drop", (event) => {
+      event.preventDefault();
+      void this.add([...(event.dataTransfer?.files ?? [])]);
+    });
+  }
+
+  private async add(files: File[]): Promise<void> {
+    if (files.length === 0) return;
+    if (!this.access.mayEdit) return this.words.say("This link is for viewing only: nothing can be added.");
+    const stay = (event: BeforeUnloadEvent): void => event.preventDefault();
+    window.addEventListener("beforeunload", stay);
+    try {
+      const { readDropped } = await import("./scene/dropped.ts");
+      const { addLights } = await import("./scene/add_lights.ts");
+      this.words.say(`Reading ${files.map(({ name }) => name).join(", ")}.`);
+      const lights = await readDropped(files);
+      const { grid } = this.model;
+      const made = await addLights(this.connection, this.session, lights, grid && boxOf(grid), (share) =>
+        this.words.say(`Uploading: ${(100 * share).toFixed(0)} %`));
+      const names = await this.edit(() => this.editor.apply(made));
+      if (names[0]) this.select(names[0]);
+    } catch (error) {
+      if (error instanceof Error && !(error instanceof CallError)) this.words.say(error.message);
+      else this.words.refuse(error);
+    } finally {
+      window.removeEventListener("beforeunload", stay);
+    }
+  }
+
   private async rename(object: SceneObject, name: string): Promise<void> {
     if (!name || name === object.value.name) return;
     const [made] = await this.edit(() => rename(this.editor, object, name));
@@ -241,6 +280,7 @@ export class Room {
       { keys: "y", does: "scale it", run: () => this.stage.setMode("scale"), edits: true },
       { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.setSnap(on)), edits: true },
       { keys: "b", does: "handles along the object's own axes, or the world's", run: () => this.flip("b", (on) => this.stage.setSpace(on ? "local" : "world")), edits: true },
+      { keys: "i", does: "add lights from files (or drop them): GLB, glTF, OBJ, PLY, pictures", run: () => this.chooser.click(), edits: true },
       { keys: "Ctrl+D", does: "duplicate", run: () => this.duplicate(), edits: true },
       { keys: "Delete", does: "delete", run: () => this.remove(), edits: true },
       { keys: "t", does: "light on or off", run: () => this.toggle(), edits: true },
@@ -279,7 +319,7 @@ export class Room {
   };
 
   private layout(): HTMLElement {
-    const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["b", "Axes"],
+    const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["i", "Add"], ["b", "Axes"],
       ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["m", "Shade here"], ["p", "Picture"], ["o", "Save"], ["c", "Settings"], ["l", "Share"], ["?", "Keys"]];
     for (const [keys, label] of shown) {
       const action = this.actions.find((one) => one.keys === keys);
@@ -294,7 +334,7 @@ export class Room {
         el("button", { onclick: this.leave }, "Leave")),
       this.list.element, this.stage.element,
       el("aside", { class: "side right", "aria-label": "Selected object" }, this.properties.element),
-      this.strip.element, this.words.element, this.help, this.share.element, this.settings.element);
+      this.strip.element, this.words.element, this.chooser, this.help, this.share.element, this.settings.element);
   }
 
   private exposure(): HTMLElement {
