@@ -320,7 +320,7 @@ export class Room {
 
   private layout(): HTMLElement {
     const shown: [string, string][] = [["g", "Move"], ["r", "Turn"], ["y", "Scale"], ["x", "Snap"], ["i", "Add"], ["b", "Axes"],
-      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "First view"], ["m", "Shade here"], ["p", "Picture"], ["o", "Save"], ["c", "Settings"], ["l", "Share"], ["?", "Keys"]];
+      ["Ctrl+Z", "Undo"], ["Ctrl+Y", "Redo"], ["h", "Home"], ["m", "Local"], ["p", "Picture"], ["o", "Save"], ["c", "Settings"], ["l", "Share"], ["?", "Keys"]];
     for (const [keys, label] of shown) {
       const action = this.actions.find((one) => one.keys === keys);
       if (!action) continue;
