@@ -26,7 +26,7 @@ OPTIONS = [
     ("grpc.initial_reconnect_backoff_ms", 100),
     ("grpc.max_reconnect_backoff_ms", 2000),
 ]
-FIRST_ATTEMPTS = 0.5  # s, three or so by the backoff above: gRPC 1.51 may take one that is under way for one that failed
+FIRST_ATTEMPTS = 1.0  # s, four or so by the backoff above: gRPC 1.51 may take one that is under way for one that failed
 QUEUED = 64  # messages read ahead of a slow reader; gRPC stops the server beyond
 
 
