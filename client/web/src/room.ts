@@ -287,7 +287,7 @@ export class Room {
       { keys: "Ctrl+Z", does: "undo", run: step("undo"), edits: true },
       { keys: "Ctrl+Y", does: "redo", run: step("redo"), edits: true },
       { keys: "f", does: "look at the selected object", run: () => this.frameSelected() },
-      { keys: "h", does: "back to the first view", run: () => this.stage.home() },
+      { keys: "h", does: "back to the first view", run: () => void this.stage.home() },
       { keys: "/", does: "search the scene", run: () => this.list.focus() },
       { keys: "n", does: "name of the selected object", run: () => document.getElementById("object-name")?.focus() },
       { keys: "v", does: "focus the picture", run: () => this.stage.element.focus() },

@@ -13,6 +13,9 @@ import type { LocalView } from "../local/view.ts";
 import type { Gizmo, GizmoMode } from "./gizmo.ts";
 import { navigate } from "./navigate.ts";
 
+// The view of a session without cameras.
+const FIRST_FOV = 60; // degrees
+const ROOM = 0.4; // so much of the way from its middle to its front has to be free in what is looked at from within
 const MOST_PIXELS = 960 * 540; // larger windows are shown smaller pictures, enlarged
 
 export interface StageReports {
@@ -53,7 +56,7 @@ export class Stage {
 
   // Called when the scene is known for the first time.
   async start(mayEdit: boolean): Promise<void> {
-    this.home();
+    await this.home();
     this.showFrames();
     if (mayEdit) await this.loadHandles();
   }
@@ -152,8 +155,9 @@ export class Stage {
     this.gizmo?.attach(placement);
   }
 
-  // The first camera of the session, else the whole grid from the front.
-  home(): void {
+  // The first camera of the session, else the whole grid from the front: from before it, or within a closed room, from
+  // its front wall.
+  async home(): Promise<void> {
     const camera = [...this.model.cameras.values()][0];
     if (camera?.eye && camera.target) {
       this.rig.set({ eye: camera.eye, target: camera.target, fovDegrees: camera.fovDegrees });
@@ -161,8 +165,13 @@ export class Stage {
       const box = this.model.grid && boxOf(this.model.grid);
       if (box?.min && box.max) {
         const centre = { x: (box.min.x + box.max.x) / 2, y: (box.min.y + box.max.y) / 2, z: (box.min.z + box.max.z) / 2 };
-        const radius = Math.hypot(box.max.x - centre.x, box.max.y - centre.y, box.max.z - centre.z);
-        this.rig.frame(centre, radius * 0.8);
+        const depth = box.max.z - centre.z;
+        const { width, height } = this.pixels();
+        const slope = Math.tan((FIRST_FOV * Math.PI) / 360);
+        const away = Math.max((box.max.y - centre.y) / slope, (box.max.x - centre.x) / slope / (width / height));
+        const wall = await this.behind(centre);
+        const inRoom = wall !== undefined && wall > ROOM * depth;
+        this.rig.set({ eye: { ...centre, z: centre.z + (inRoom ? 0.9 * wall : depth + away) }, target: centre, fovDegrees: FIRST_FOV });
       }
     }
     this.aimed = true;
@@ -221,6 +230,18 @@ export class Stage {
     const height = Math.max(16, this.element.clientHeight);
     const smaller = Math.min(1, Math.sqrt(MOST_PIXELS / (width * height)));
     return { width: Math.max(16, Math.round(width * smaller)), height: Math.max(16, Math.round(height * smaller)) };
+  }
+
+  // How far from there, backwards, the first surface is; nothing where there is none.
+  private async behind({ x, y, z }: Placement["translation"]): Promise<number | undefined> {
+    try {
+      const hit = await unary(this.connection, ResultService.method.pick, {
+        session: this.session, camera: { eye: { x, y, z }, target: { x, y, z: z + 1 }, fovDegrees: FIRST_FOV }, width: 16, height: 16, x: 8, y: 8,
+      });
+      return hit.hit && hit.position ? hit.position.z - z : undefined;
+    } catch {
+      return undefined; // the view from the front will do
+    }
   }
 
   private async pick(x: number, y: number): Promise<void> {
