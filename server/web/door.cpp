@@ -72,9 +72,8 @@ constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self'; worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 constexpr const char* kNoPage =
-    "This lpvd was built without its page: npm was missing, or could fetch nothing. Build it where npm is installed, "
-    "or "
-    "start it with --web-files DIR, the folder that client/web was built to.\n";
+    "This lpvd was built without its page: npm was missing, or could fetch nothing. Build it where npm is installed,\n"
+    "or start it with --web-files DIR, the folder that client/web was built to.\n";
 
 std::string textOf(const net::ip::address& address) {
   if (address.is_v6() && address.to_v6().is_v4_mapped())
