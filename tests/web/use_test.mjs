@@ -279,6 +279,7 @@ test(`${EDITS} edits leave the page as large as it was`, { timeout: 900_000 }, a
   const before = await heap();
   await edit(Math.round(EDITS / 20), EDITS);
   const after = await heap();
+  console.log(`heap ${before} after a twentieth, ${after} after ${EDITS} edits`);
   assert.ok(after <= 1.1 * before, `${before} bytes after a twentieth of the edits, ${after} after all`);
   assert.ok(Math.abs(Number(await x.inputValue()) - (light(session).transform?.translation?.x ?? 0)) < 1e-6);
   assert.deepEqual(room.errors, []);
