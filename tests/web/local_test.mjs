@@ -4,23 +4,14 @@ import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, RoomPage } from "./browser.mjs";
-import { Server, until } from "./server.mjs";
+import { shared, until } from "./server.mjs";
 
 const LOOK = { width: 160, height: 90 };
 
-let browser;
-let server;
-before(async () => {
-  browser = await launch();
-  server = await new Server().start("--max-edits-per-second", "100000");
-});
-after(async () => {
-  await browser.close();
-  await server.close();
-});
+const both = shared({ before, after }, launch);
 
 async function shadedRoom() {
-  const room = await RoomPage.open(browser, server.page);
+  const room = await RoomPage.open(both.browser, both.server.page);
   await room.makeDemoRoom();
   await room.page.click("[data-keys=m]");
   await until("a volume is shown", () => room.page.evaluate(() => (lpvRoom.shading.local?.arrived ?? 0) > 0));
@@ -46,9 +37,9 @@ async function measured(room, exact) {
 
 // The server's lookup of the volume before it was made into half floats: lpvctl probe --volume-only.
 function probed(session, points) {
-  const file = join(server.folder, "points.csv");
+  const file = join(both.server.folder, "points.csv");
   writeFileSync(file, points.map(({ position, normal }) => `${[...position, ...normal].join(",")}\n`).join(""));
-  return server.lpvctl("probe", session, "--volume-only", "--points", file).trim().split("\n").map((line) => line.split(",").slice(6).map(Number));
+  return both.server.lpvctl("probe", session, "--volume-only", "--points", file).trim().split("\n").map((line) => line.split(",").slice(6).map(Number));
 }
 
 function errors(points, truth) {

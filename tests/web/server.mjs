@@ -19,6 +19,20 @@ export async function until(what, look, ms = 20_000) {
   }
 }
 
+// One server and one browser for all tests of a file, made before them and gone after.
+export function shared({ before, after }, launch) {
+  const both = {};
+  before(async () => {
+    both.browser = await launch();
+    both.server = await new Server().start("--max-edits-per-second", "100000");
+  });
+  after(async () => {
+    await both.browser.close();
+    await both.server.close();
+  });
+  return both;
+}
+
 export class Server {
   folder = mkdtempSync(join(tmpdir(), "lpv-web-"));
   webPort = 0;

@@ -7,24 +7,15 @@ import { pathToFileURL } from "node:url";
 import { after, before, test } from "node:test";
 import { difference, launch, RoomPage } from "./browser.mjs";
 import { gltf, obj, ply, png } from "./files.mjs";
-import { Server, until } from "./server.mjs";
+import { shared, until } from "./server.mjs";
 
 const AXE = readFileSync(createRequire(pathToFileURL(join(process.env.LPV_PAGE_SOURCE, "package.json"))).resolve("axe-core"), "utf8");
 const EDITS = Number(process.env.LPV_PAGE_EDITS ?? 600);
 
-let browser;
-let server;
-before(async () => {
-  browser = await launch();
-  server = await new Server().start("--max-edits-per-second", "100000");
-});
-after(async () => {
-  await browser.close();
-  await server.close();
-});
+const both = shared({ before, after }, launch);
 
-const light = (session) => JSON.parse(server.lpvctl("--json", "light", "list", session).split("\n")[0]);
-const lights = (session) => server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).length;
+const light = (session) => JSON.parse(both.server.lpvctl("--json", "light", "list", session).split("\n")[0]);
+const lights = (session) => both.server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).length;
 
 // Faults that axe-core calls serious or critical. Its script is put into the page past the page's own policy.
 async function faults(room) {
@@ -37,7 +28,7 @@ async function faults(room) {
 }
 
 test("axe-core finds no serious fault, in light and in dark", { timeout: 120_000 }, async () => {
-  const room = await RoomPage.open(browser, server.page);
+  const room = await RoomPage.open(both.browser, both.server.page);
   for (const colorScheme of ["light", "dark"]) {
     await room.page.emulateMedia({ colorScheme });
     assert.deepEqual(await faults(room), [], `landing, ${colorScheme}`);
@@ -60,7 +51,7 @@ test("axe-core finds no serious fault, in light and in dark", { timeout: 120_000
 
 // What each key does, seen where it can be: in the page, or on the server.
 test("every action of ? is done by keys alone", { timeout: 180_000 }, async () => {
-  const room = await RoomPage.open(browser, server.page);
+  const room = await RoomPage.open(both.browser, both.server.page);
   const { page } = room;
   let choosers = 0;
   page.on("filechooser", () => (choosers += 1));
@@ -150,7 +141,7 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   await page.locator("#settings select").first().waitFor();
   await page.locator('[aria-label="Bounces"]').focus();
   await page.keyboard.type("none");
-  await until("bounces are off", () => /bounces\W+(none|0)/i.test(server.lpvctl("session", "show", session)));
+  await until("bounces are off", () => /bounces\W+(none|0)/i.test(both.server.lpvctl("session", "show", session)));
   await room.shot("settings");
   await page.keyboard.press("Escape");
   await press("?");
@@ -160,35 +151,35 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   assert.deepEqual(room.errors, []);
 });
 
-const all = (session) => server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).map((line) => JSON.parse(line));
+const all = (session) => both.server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).map((line) => JSON.parse(line));
 const shape = (one) => [Number(one.status.triangleCount), Math.round(1e6 * one.status.area), one.radiance?.x, one.radiance?.y, one.radiance?.z];
 
 test("files become lights, the same as lpvctl makes of them", { timeout: 120_000 }, async () => {
-  const room = await RoomPage.open(browser, server.page);
+  const room = await RoomPage.open(both.browser, both.server.page);
   await room.makeDemoRoom();
   const session = await room.session;
-  const other = server.lpvctl("session", "create").trim();
+  const other = both.server.lpvctl("session", "create").trim();
   const found = async (name) => {
     await until(`${name} is there`, () => all(session).some((one) => one.name === name));
     return all(session).find((one) => one.name === name);
   };
-  for (const [name, file] of [["panel", obj(server.folder)], ["plate", ply(server.folder)]]) {
+  for (const [name, file] of [["panel", obj(both.server.folder)], ["plate", ply(both.server.folder)]]) {
     await room.page.setInputFiles("#files", file);
     const here = await found(name);
-    server.lpvctl("light", "add", other, file, "--name", name, "--radiance", "5,5,5");
+    both.server.lpvctl("light", "add", other, file, "--name", name, "--radiance", "5,5,5");
     assert.deepEqual(shape(here), shape(all(other).find((one) => one.name === name)), name);
     await until("it is selected", async () => (await room.page.inputValue("#object-name")) === name);
   }
-  const tile = gltf(server.folder);
+  const tile = gltf(both.server.folder);
   await room.page.setInputFiles("#files", tile[0]);
   await room.page.locator("text=tile.gltf needs tile.bin: drop both together.").waitFor();
   await drop(room.page, tile);
   assert.deepEqual(shape(await found("tile")), [2, Math.round(1e6 * 0.4 * 0.2 * 4), 6, 3, 1.5]);
-  await drop(room.page, [png(server.folder)]);
+  await drop(room.page, [png(both.server.folder)]);
   const screen = await found("screen");
   assert.deepEqual(shape(screen).slice(0, 2), [2, Math.round(1e6 * 1.6 * 0.8)]);
   assert.match(screen.texture, /^[0-9a-f]{64}$/);
-  await drop(room.page, [join(server.folder, "nonsense.txt")], "nothing");
+  await drop(room.page, [join(both.server.folder, "nonsense.txt")], "nothing");
   await room.page.locator("text=nonsense.txt: what can be dropped is").waitFor();
   await room.shot("dropped");
   assert.deepEqual(room.errors, []);
@@ -221,8 +212,8 @@ async function touch(page, paths) {
 }
 
 test("a tablet: one finger orbits, two come closer, a handle is dragged", { timeout: 120_000 }, async () => {
-  const context = await browser.newContext({ viewport: { width: 1024, height: 768 }, hasTouch: true });
-  const room = await RoomPage.open(browser, server.page, context);
+  const context = await both.browser.newContext({ viewport: { width: 1024, height: 768 }, hasTouch: true });
+  const room = await RoomPage.open(both.browser, both.server.page, context);
   const { page } = room;
   await page.tap("#demo");
   await room.seesPicture();
@@ -252,7 +243,7 @@ test("a tablet: one finger orbits, two come closer, a handle is dragged", { time
 
 // The session's heap and GL objects do not grow with what is done in it.
 test(`${EDITS} edits leave the page as large as it was`, { timeout: 900_000 }, async () => {
-  const room = await RoomPage.open(browser, server.page);
+  const room = await RoomPage.open(both.browser, both.server.page);
   await room.makeDemoRoom();
   await room.select("lamp");
   const session = await room.session;

@@ -1,10 +1,9 @@
 import { ResultService } from "../../gen/lpv/v1/result_pb.ts";
 import type { ClientIdentity } from "../../gen/lpv/v1/session_pb.ts";
 import { PayloadCompression, VolumeFormat, VolumeStage, type VolumePart } from "../../gen/lpv/v1/volume_pb.ts";
-import { Backoff } from "../net/backoff.ts";
 import { converse } from "../net/calls.ts";
 import type { Connection } from "../net/connection.ts";
-import { CallError, Code, wordsOf } from "../net/errors.ts";
+import { stayOpen } from "../net/stay_open.ts";
 import { Field } from "./field.ts";
 
 export interface VolumeReports {
@@ -20,25 +19,12 @@ export class VolumeFollower {
 
   constructor(private readonly connection: Connection, private readonly session: string,
     private readonly identity: () => ClientIdentity | undefined, private readonly reports: VolumeReports) {
-    void this.run();
+    const { signal } = this.stop;
+    void stayOpen(signal, (alive) => this.follow(signal, alive), reports.trouble);
   }
 
   close(): void {
     this.stop.abort();
-  }
-
-  private async run(): Promise<void> {
-    const backoff = new Backoff();
-    const { signal } = this.stop;
-    while (!signal.aborted) {
-      try {
-        await this.follow(signal, () => backoff.reset());
-      } catch (error) {
-        if (signal.aborted) return;
-        if (!(error instanceof CallError) || error.code !== Code.unavailable) this.reports.trouble(wordsOf(error));
-      }
-      await new Promise((resolve) => setTimeout(resolve, backoff.next()));
-    }
   }
 
   private async follow(signal: AbortSignal, alive: () => void): Promise<void> {

@@ -16,42 +16,44 @@ interface Row {
   costs: string;
   path: string;
   choices: readonly (readonly [string, Settings])[];
-  chosen(settings: SessionSettings): number;
+  now(settings: SessionSettings): string; // one of the choices, or what else the session has
 }
 
-const pick = <T>(values: readonly T[], value: T): number => Math.max(0, values.indexOf(value));
+const percent = (share: number): string => `${Number((100 * share).toPrecision(3))} %`;
+const named = (names: Record<number, string>, value: number): string => names[value] ?? String(value);
 
 const ROWS: readonly Row[] = [
   {
     label: "Wanted error", costs: "A smaller one takes a finer grid, or looks at the lights themselves.", path: "settings.max_error",
     choices: [["3 %", { maxError: 0.03 }], ["1 %", { maxError: 0.01 }], ["10 %", { maxError: 0.1 }]],
-    chosen: ({ maxError }) => pick([0.03, 0.01, 0.1], maxError ?? 0.03),
+    now: ({ maxError }) => percent(maxError ?? 0.03),
   },
   {
     label: "Shadows", costs: "Most of the time of a picture where there is no GPU.", path: "settings.visibility",
-    choices: [["where something is in the way", { visibility: Visibility.AUTO }], ["off", { visibility: Visibility.OFF }]],
-    chosen: ({ visibility }) => (visibility === Visibility.OFF ? 1 : 0),
+    choices: [["where something is in the way", { visibility: Visibility.AUTO }], ["on", { visibility: Visibility.ON }], ["off", { visibility: Visibility.OFF }]],
+    now: ({ visibility }) => (visibility === Visibility.ON ? "on" : visibility === Visibility.OFF ? "off" : "where something is in the way"),
   },
   {
     label: "Bounces", costs: "Each costs about as much as the light itself.", path: "settings.bounces",
     choices: [["all", {}], ["none", { bounces: 0 }], ["1", { bounces: 1 }], ["2", { bounces: 2 }], ["3", { bounces: 3 }]],
-    chosen: ({ bounces }) => (bounces === undefined ? 0 : Math.min(4, bounces + 1)),
+    now: ({ bounces }) => (bounces === undefined ? "all" : bounces === 0 ? "none" : String(bounces)),
   },
   {
     label: "Gloss", costs: "Twice the time of a stream, three times that of a single picture.", path: "settings.gloss",
     choices: [["off", { gloss: Gloss.OFF }], ["on", { gloss: Gloss.ON }]],
-    chosen: ({ gloss }) => (gloss === Gloss.ON ? 1 : 0),
+    now: ({ gloss }) => (gloss === Gloss.ON ? "on" : "off"),
   },
   {
     label: "Quality", costs: "Accurate takes longer and has less noise.", path: "settings.quality",
     choices: [["fast", { quality: Quality.FAST }], ["accurate", { quality: Quality.ACCURATE }]],
-    chosen: ({ quality }) => (quality === Quality.ACCURATE ? 1 : 0),
+    now: ({ quality }) => (quality === Quality.ACCURATE ? "accurate" : "fast"),
   },
   {
     label: "Transport", costs: "Propagate is the paper's: cheap, with a brightness that follows the grid.", path: "settings.transport",
     choices: [["the server's choice", { transport: Transport.AUTO }], ["gather", { transport: Transport.GATHER }],
       ["direct", { transport: Transport.DIRECT }], ["propagate", { transport: Transport.PROPAGATE }]],
-    chosen: ({ transport }) => pick([Transport.AUTO, Transport.GATHER, Transport.DIRECT, Transport.PROPAGATE], transport),
+    now: ({ transport }) =>
+      named({ [Transport.AUTO]: "the server's choice", [Transport.GATHER]: "gather", [Transport.DIRECT]: "direct", [Transport.PROPAGATE]: "propagate" }, transport),
   },
 ];
 
@@ -83,12 +85,14 @@ export class SettingsDialog {
     const { settings } = session;
     if (!settings) return;
     this.rows.replaceChildren(...ROWS.map((row) => {
-      const select = el("select", { disabled: !mayEdit, "aria-label": row.label }, ...row.choices.map(([name]) => el("option", {}, name)));
-      select.selectedIndex = row.chosen(settings);
+      const now = row.now(settings);
+      const names = row.choices.map(([name]) => name);
+      if (!names.includes(now)) names.push(now);
+      const select = el("select", { disabled: !mayEdit, "aria-label": row.label }, ...names.map((name) => el("option", {}, name)));
+      select.selectedIndex = names.indexOf(now);
       select.addEventListener("change", () => void this.set(row, select.selectedIndex, mayEdit));
       return el("div", { class: "group" }, el("label", { class: "row" }, el("span", {}, row.label), select), el("p", { class: "quiet" }, row.costs));
     }));
-    const percent = (share: number): string => `${(100 * share).toFixed(2)} %`;
     const dims = session.grid?.dims;
     this.choice.textContent = [
       dims ? `${dims.x} x ${dims.y} x ${dims.z} cells.` : "", session.choice, `Expected error ${percent(session.expectedError)}.`,

@@ -3,7 +3,8 @@ import type { ClientIdentity } from "../../gen/lpv/v1/session_pb.ts";
 import { serverStream } from "../net/calls.ts";
 import type { Connection } from "../net/connection.ts";
 import { Backoff } from "../net/backoff.ts";
-import { CallError, Code } from "../net/errors.ts";
+import { CallError } from "../net/errors.ts";
+import { FINAL } from "../net/stay_open.ts";
 import type { SceneModel } from "./model.ts";
 
 export interface WatchReports {
@@ -11,8 +12,6 @@ export interface WatchReports {
   unknownClient(): Promise<void>; // the server does not know this member any more
   ended(error: CallError): void; // the scene will not be told any more
 }
-
-const FINAL: readonly number[] = [Code.notFound, Code.permissionDenied, Code.unauthenticated, Code.invalidArgument];
 
 // Follows the scene until `signal`: a lost stream is opened again where it was left.
 export async function watchScene(

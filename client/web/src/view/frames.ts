@@ -1,10 +1,9 @@
 import { ResultService, type FrameHeader, type FramePart } from "../../gen/lpv/v1/result_pb.ts";
 import { FrameFormat } from "../../gen/lpv/v1/result_pb.ts";
 import type { ClientIdentity } from "../../gen/lpv/v1/session_pb.ts";
-import { Backoff } from "../net/backoff.ts";
 import { converse } from "../net/calls.ts";
 import type { Connection } from "../net/connection.ts";
-import { CallError, Code, wordsOf } from "../net/errors.ts";
+import { stayOpen } from "../net/stay_open.ts";
 import type { View } from "./camera_rig.ts";
 import { Pace } from "./pace.ts";
 
@@ -109,19 +108,15 @@ export class FrameView {
   }
 
   private async run(): Promise<void> {
-    const backoff = new Backoff();
     const { signal } = this.stop;
-    while (!signal.aborted) {
+    await stayOpen(signal, async (alive) => {
       try {
-        await this.follow(signal, () => backoff.reset());
-      } catch (error) {
-        if (signal.aborted) return;
-        if (!(error instanceof CallError) || error.code !== Code.unavailable) this.reports.trouble(wordsOf(error));
+        await this.follow(signal, alive);
+      } finally {
+        this.talk = undefined;
+        this.subscriber = "";
       }
-      this.talk = undefined;
-      this.subscriber = "";
-      await new Promise((resolve) => setTimeout(resolve, backoff.next()));
-    }
+    }, this.reports.trouble);
   }
 
   private async follow(signal: AbortSignal, alive: () => void): Promise<void> {

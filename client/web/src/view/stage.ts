@@ -41,6 +41,7 @@ export class Stage {
   private frames: FrameView | undefined;
   private local: LocalView | undefined;
   private ev: number | undefined;
+  private closed = false;
   private gizmo: Gizmo | undefined;
   private aimed = false;
 
@@ -57,11 +58,13 @@ export class Stage {
   // Called when the scene is known for the first time.
   async start(mayEdit: boolean): Promise<void> {
     await this.home();
+    if (this.closed) return;
     this.showFrames();
     if (mayEdit) await this.loadHandles();
   }
 
   close(): void {
+    this.closed = true;
     this.frames?.close();
     this.local?.close();
   }
@@ -85,7 +88,7 @@ export class Stage {
     if (this.local) return this.showFrames();
     try {
       const { LocalView } = await import("../local/view.ts");
-      if (this.local) return;
+      if (this.local || this.closed) return;
       this.local = new LocalView({
         canvas: this.freshCanvas(), connection: this.connection, session: this.session, model: this.model,
         identity: () => this.editor.identity, areaOf: this.areaOf, view: () => this.rig.view(), size: () => this.pixels(),
