@@ -25,7 +25,7 @@ endif()
 
 add_library(lpv_warnings INTERFACE)
 target_compile_options(lpv_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wimplicit-fallthrough
+  -Wall -Wextra -Wpedantic $<$<BOOL:${LPV_WARNINGS_ARE_ERRORS}>:-Werror> -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wimplicit-fallthrough
   # Pair tests must give the same bits on both sides of the GPU: no fused multiply-add behind our back.
   -ffp-contract=off
   # GCC 12 at -O3 sees overlapping copies in string concatenation where there are none (its bug 105651).

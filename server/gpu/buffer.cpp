@@ -11,6 +11,7 @@ namespace lpv::gpu {
 namespace {
 
 std::uint32_t createStorage(const std::string& label, std::size_t bytes, const void* data, BufferUse use) {
+  requireMemory("buffer " + label, bytes);
   clearErrors();
   GLuint id = 0;
   glCreateBuffers(1, &id);
@@ -68,6 +69,8 @@ void Buffer::fill(std::uint32_t word) { fill(word, 0, size_ / 4 * 4); }
 void Buffer::fill(std::uint32_t word, std::size_t offset, std::size_t bytes) {
   if (bytes == 0) return;
   glClearNamedBufferSubData(id_, GL_R32UI, GLintptr(offset), GLsizeiptr(bytes), GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
+  // NVIDIA 580 clears late: a table of 100 kB that was written into a new buffer read as zeros.
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void Buffer::bindStorage(std::uint32_t binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }

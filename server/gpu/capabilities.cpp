@@ -2,6 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
+#include <cstring>
+
 #include "gpu/gl.h"
 
 namespace lpv::gpu {
@@ -19,6 +22,12 @@ std::int64_t integer(GLenum name) {
   return value;
 }
 
+/// No query tells. LPV_EXACT_FILTER=0 in the environment: as on a GPU, for tests.
+bool filterIsExact(bool software) {
+  const char* asked = std::getenv("LPV_EXACT_FILTER");
+  return software && (asked == nullptr || std::strcmp(asked, "0") != 0);
+}
+
 bool hasWord(const std::string& where, const char* word) { return where.find(word) != std::string::npos; }
 
 }  // namespace
@@ -29,6 +38,7 @@ Capabilities probeCapabilities() {
   c.vendor = text(GL_VENDOR);
   c.version = text(GL_VERSION);
   c.software = hasWord(c.renderer, "llvmpipe") || hasWord(c.renderer, "softpipe") || hasWord(c.renderer, "SWR");
+  c.exactFilter = filterIsExact(c.software);
   c.robust = integer(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
   c.maxStorageBytes = integer(GL_MAX_SHADER_STORAGE_BLOCK_SIZE);
   c.maxTextureBufferTexels = integer(GL_MAX_TEXTURE_BUFFER_SIZE);

@@ -12,6 +12,7 @@ struct Capabilities {
   std::string vendor;    ///< GL_VENDOR
   std::string version;   ///< GL_VERSION
   bool software = false;             ///< rasterises on the CPU (llvmpipe, softpipe, swr)
+  bool exactFilter = false;          ///< texture filters weigh texels by floats; GPUs by 8 bits
   bool robust = false;               ///< the context is lost, not corrupted, on a reset
   bool fp64 = true;                  ///< double in shaders: core since 4.0, probed because pair tests stand on it
   std::int64_t maxStorageBytes = 0;  ///< largest shader storage block, bytes

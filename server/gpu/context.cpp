@@ -10,6 +10,7 @@
 
 #include "gpu/debug.h"
 #include "gpu/gl.h"
+#include "gpu/shader_source.h"
 
 namespace lpv::gpu {
 
@@ -72,6 +73,7 @@ Expected<Context> Context::make(const Device& device, bool debug) {
 Context::Context(Device device, void* display, void* context, bool debug)
     : device_(std::move(device)), display_(display), context_(context), capabilities_(probeCapabilities()) {
   device_.software = device_.software || capabilities_.software;
+  defineForDevice({{"LPV_EXACT_FILTER", capabilities_.exactFilter ? "1" : "0"}});
   installDebugOutput(debug);
 }
 

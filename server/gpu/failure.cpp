@@ -1,5 +1,7 @@
 #include "gpu/failure.h"
 
+#include <unistd.h>
+
 #include "gpu/gl.h"
 
 namespace lpv::gpu {
@@ -16,6 +18,14 @@ void throwOnError(const std::string& what) {
   clearErrors();
   if (error == GL_OUT_OF_MEMORY) throw Failure(Code::kResourceExhausted, "GPU memory exhausted: " + what);
   throw Failure(Code::kInternal, "OpenGL error " + std::to_string(error) + ": " + what);
+}
+
+void requireMemory(const std::string& what, std::size_t bytes) {
+  static const std::size_t most = std::size_t(sysconf(_SC_PHYS_PAGES)) * std::size_t(sysconf(_SC_PAGE_SIZE));
+  if (bytes <= most) return;
+  throw Failure(Code::kResourceExhausted, "GPU memory exhausted: " + what + ", " + std::to_string(bytes >> 20) +
+                                              " MiB, is more than the machine has, " + std::to_string(most >> 20) +
+                                              " MiB");
 }
 
 void throwOnReset() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -25,6 +26,9 @@ void clearErrors();
 
 /// Throws RESOURCE_EXHAUSTED for GL_OUT_OF_MEMORY and INTERNAL for any other raised flag, naming `what`.
 void throwOnError(const std::string& what);
+
+/// Throws RESOURCE_EXHAUSTED for more bytes than the machine has memory: a driver may try to find 4 TiB for minutes.
+void requireMemory(const std::string& what, std::size_t bytes);
 
 /// Throws UNAVAILABLE when the context was lost (KHR_robustness).
 void throwOnReset();

@@ -9,6 +9,7 @@ namespace lpv::gpu {
 
 Readback::Readback(const std::string& label, std::size_t bytes) : size_(bytes), charge_(bytes) {
   constexpr GLbitfield kMapped = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+  requireMemory("readback buffer " + label, bytes);
   clearErrors();
   glCreateBuffers(1, &id_);
   glNamedBufferStorage(id_, GLsizeiptr(bytes), nullptr, kMapped | GL_CLIENT_STORAGE_BIT);

@@ -12,6 +12,11 @@ namespace lpv::gpu {
 
 namespace {
 
+Defines& deviceDefines() {
+  thread_local Defines defines;
+  return defines;
+}
+
 std::string readShader(const std::string& name) {
 #ifdef LPV_SHADER_DIR
   std::ifstream file(std::filesystem::path(LPV_SHADER_DIR) / name);
@@ -62,6 +67,8 @@ void appendFile(const std::string& name, ShaderSource& out) {
 
 }  // namespace
 
+void defineForDevice(Defines defines) { deviceDefines() = std::move(defines); }
+
 ShaderSource assembleShader(const std::string& file, const Defines& defines) {
   return assembleText(file, readShader(file), defines);
 }
@@ -69,6 +76,7 @@ ShaderSource assembleShader(const std::string& file, const Defines& defines) {
 ShaderSource assembleText(const std::string& name, const std::string& text, const Defines& defines) {
   ShaderSource source;
   source.text = "#version 450 core\n";
+  for (const auto& [key, value] : deviceDefines()) source.text += "#define " + key + " " + value + "\n";
   for (const auto& [key, value] : defines) source.text += "#define " + key + " " + value + "\n";
   appendText(name, text, source);
   return source;

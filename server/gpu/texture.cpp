@@ -46,6 +46,7 @@ std::size_t bytesOfLevels(const glm::ivec3& size, GLenum format, int levels) {
 Texture::Texture(GLenum target, const std::string& label, const glm::ivec3& size, GLenum format, Sampling sampling,
                  int levels)
     : format_(format), size_(size), charge_(bytesOfLevels(size, format, levels)) {
+  requireMemory("texture " + label, charge_.bytes());
   clearErrors();
   glCreateTextures(target, 1, &id_);
   if (target == GL_TEXTURE_3D) {

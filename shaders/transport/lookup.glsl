@@ -22,14 +22,31 @@ layout(binding = kIncident + 1) uniform sampler3D incidentGreen;
 layout(binding = kIncident + 2) uniform sampler3D incidentBlue;
 #endif
 
+#if !LPV_EXACT_FILTER
+vec4 alongX(sampler3D volume, ivec2 x, int y, int z, float share) {
+  return mix(texelFetch(volume, ivec3(x.x, y, z), 0), texelFetch(volume, ivec3(x.y, y, z), 0), share);
+}
+
+/// What a filter with float weights gives. GPUs' own have weights of 8 bits: pixels and probes would be a thousandth apart.
+vec4 between(sampler3D volume, int firstLayer, vec3 at, ivec3 dims) {
+  const ivec3 low = ivec3(at), high = min(low + 1, dims - 1);
+  const vec3 share = at - vec3(low);
+  const ivec2 x = ivec2(low.x, high.x), z = ivec2(low.z, high.z) + firstLayer;
+  return mix(mix(alongX(volume, x, low.y, z.x, share.x), alongX(volume, x, high.y, z.x, share.x), share.y),
+             mix(alongX(volume, x, low.y, z.y, share.x), alongX(volume, x, high.y, z.y, share.x), share.y), share.z);
+}
+#endif
+
 /// SH of one colour of a group at a grid position; clamps to the group's outermost cell centres.
 vec4 incidentAt(sampler3D volume, int group, vec3 gridPosition, ivec3 dims) {
 #if LPV_LOOKUP == LPV_LOOKUP_NEAREST
   const ivec3 cell = clamp(ivec3(floor(gridPosition)), ivec3(0), dims - 1);
   return texelFetch(volume, ivec3(cell.xy, cell.z + group * dims.z), 0);
-#else
+#elif LPV_EXACT_FILTER
   const float z = clamp(gridPosition.z, 0.5, float(dims.z) - 0.5) + float(group * dims.z);
   return textureLod(volume, vec3(gridPosition.xy, z) / vec3(dims.xy, LPV_GROUPS * dims.z), 0.0);
+#else
+  return between(volume, group * dims.z, clamp(gridPosition - 0.5, vec3(0.0), vec3(dims - 1)), dims);
 #endif
 }
 

@@ -80,15 +80,21 @@ dvec4 edgeWithin(dvec3 p, dvec3 q, Box box) {
   return pieceOf(p, d, s);
 }
 
+/// v[k]. NVIDIA's compiler has no code for components of doubles that are numbered when it runs.
+double component(dvec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
+
 /// Where p -> q crosses the face at `at` on axis k.
-dvec3 crossing(dvec3 p, dvec3 q, int k, double at) { return p + (q - p) * ((at - p[k]) / (q[k] - p[k])); }
+dvec3 crossing(dvec3 p, dvec3 q, int k, double at) {
+  const double from = component(p, k);
+  return p + (q - p) * ((at - from) / (component(q, k) - from));
+}
 
 /// The cut of a face (`side` 1: upper, -1: lower) through the triangle, within the box, running along `direction`.
 dvec4 cutWithin(dvec3 a, dvec3 b, dvec3 c, int k, double side, dvec2 direction, Box box) {
-  const double at = side > 0.0lf ? box.upper[k] : box.lower[k];
-  const bool beyondA = side * (a[k] - at) > 0.0lf;
-  const bool beyondB = side * (b[k] - at) > 0.0lf;
-  const bool beyondC = side * (c[k] - at) > 0.0lf;
+  const double at = component(side > 0.0lf ? box.upper : box.lower, k);
+  const bool beyondA = side * (component(a, k) - at) > 0.0lf;
+  const bool beyondB = side * (component(b, k) - at) > 0.0lf;
+  const bool beyondC = side * (component(c, k) - at) > 0.0lf;
   if (beyondA == beyondB && beyondB == beyondC) return dvec4(0.0lf);
   // The corner that is alone on its side, and the two edges that leave it.
   const dvec3 alone = beyondB == beyondC ? a : beyondA == beyondC ? b : c;
@@ -98,7 +104,8 @@ dvec4 cutWithin(dvec3 a, dvec3 b, dvec3 c, int k, double side, dvec2 direction, 
   const dvec3 d = crossing(alone, third, k, at) - p;
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   dvec2 s = dvec2(0.0lf, 1.0lf);
-  if (!narrow(p[i], d[i], box.lower[i], box.upper[i], s) || !narrow(p[j], d[j], box.lower[j], box.upper[j], s)) {
+  if (!narrow(component(p, i), component(d, i), component(box.lower, i), component(box.upper, i), s) ||
+      !narrow(component(p, j), component(d, j), component(box.lower, j), component(box.upper, j), s)) {
     return dvec4(0.0lf);
   }
   const dvec4 piece = pieceOf(p, d, s);
@@ -112,11 +119,16 @@ Box boxOf(dvec3 a, dvec3 normal, bool depthless) {
   Box box = Box(dvec3(-half_), dvec3(half_));
   const bool alongX = normal.y == 0.0lf, alongY = normal.x == 0.0lf;
   if (!depthless && alongX != alongY) {
-    const int k = alongX ? 0 : 1;
-    const double slope = normal.z / normal[k];
-    const double first = a[k] + (a.z - half_) * slope, second = a[k] + (a.z + half_) * slope;
-    box.lower[k] = max(box.lower[k], min(first, second));
-    box.upper[k] = min(box.upper[k], max(first, second));
+    const double slope = normal.z / (alongX ? normal.x : normal.y), middle = alongX ? a.x : a.y;
+    const double first = middle + (a.z - half_) * slope, second = middle + (a.z + half_) * slope;
+    const dvec2 range = dvec2(max(-half_, min(first, second)), min(half_, max(first, second)));
+    if (alongX) {
+      box.lower.x = range.x;
+      box.upper.x = range.y;
+    } else {
+      box.lower.y = range.x;
+      box.upper.y = range.y;
+    }
   }
   if (depthless || alongX || alongY) {
     box.lower.z = -kNoLimit;

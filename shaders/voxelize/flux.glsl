@@ -224,13 +224,13 @@ int splitsForBoth(Varying v, double share) {
   return max(splitsFor(v), int(ceil(sqrt(min(texels, double(kMostSplits * kMostSplits))))));
 }
 
+dvec3 directionOf(dvec3 product, double colour, dvec3 otherwise) { return colour > 0.0lf ? product / colour : otherwise; }
+
 dmat3 directionsByColour(Varying v, Boundary b, double share) {
   const Mean mean = meansBySampling(v, b, splitsForBoth(v, share));
-  dmat3 directions = sameForAll(mean.direction);
-  for (int k = 0; k < 3; ++k) {
-    if (mean.colour[k] > 0.0lf) directions[k] = mean.product[k] / mean.colour[k];
-  }
-  return directions;
+  return dmat3(directionOf(mean.product[0], mean.colour.x, mean.direction),
+               directionOf(mean.product[1], mean.colour.y, mean.direction),
+               directionOf(mean.product[2], mean.colour.z, mean.direction));
 }
 #endif
 

@@ -43,6 +43,24 @@ void spreadLobes(Varying v, dvec2 corners[4], inout Lobes lobes) {
 #endif
 
 #if LPV_TEXTURED
+#if LPV_EXACT_FILTER
+vec3 filtered(vec2 uv, float level) { return textureLod(lightTexture, uv, level).rgb; }
+#else
+vec3 filteredIn(int level, vec2 uv) {
+  const ivec2 size = max(params.textureSize >> level, 1);
+  const vec2 at = uv * vec2(size) - 0.5, share = fract(at);
+  const ivec2 low = (ivec2(floor(at)) + size) % size, high = (low + 1) % size;
+  return mix(mix(texelFetch(lightTexture, low, level), texelFetch(lightTexture, ivec2(high.x, low.y), level), share.x),
+             mix(texelFetch(lightTexture, ivec2(low.x, high.y), level), texelFetch(lightTexture, high, level), share.x), share.y).rgb;
+}
+
+/// With weights in floats (lookup.glsl: between).
+vec3 filtered(vec2 uv, float level) {
+  const int finer = int(level);
+  return mix(filteredIn(finer, uv), filteredIn(min(finer + 1, params.textureLevels - 1), uv), fract(level));
+}
+#endif
+
 /// One sample at `centre`, of the mip level whose texels are as large as the box.
 vec3 boxColour(Varying v, dvec2 centre, dvec2 corners[4]) {
   dvec2 least = uvAt(v, corners[0]), most = least;
@@ -55,7 +73,7 @@ vec3 boxColour(Varying v, dvec2 centre, dvec2 corners[4]) {
   const float level = log2(max(max(texels.x, texels.y), 1.0));
   const dvec2 uv = (uvAt(v, centre) + 0.5lf) / dvec2(params.textureSize);
   const float finest = float(params.textureLevels - 1);
-  return textureLod(lightTexture, vec2(uv - floor(uv)), min(level, finest)).rgb * float(params.colourScale);
+  return filtered(vec2(uv - floor(uv)), min(level, finest)) * float(params.colourScale);
 }
 #endif
 

@@ -52,11 +52,11 @@ LatticeTriangle latticeTriangle(dvec3 a, dvec3 b, dvec3 c, ivec3 dims) {
   t.dims = turned(dims, t.axis);
   const dvec3 least = min(t.v0, min(t.v1, t.v2));
   const dvec3 most = max(t.v0, max(t.v1, t.v2));
-  for (int k = 0; k < 3; ++k) {
-    const ivec2 range = cellRange(least[k], most[k], double(kLatticeUnits), t.dims[k]);
-    t.lower[k] = range.x;
-    t.upper[k] = range.y;
-  }
+  const double cell = double(kLatticeUnits);
+  const ivec2 x = cellRange(least.x, most.x, cell, t.dims.x), y = cellRange(least.y, most.y, cell, t.dims.y),
+              z = cellRange(least.z, most.z, cell, t.dims.z);
+  t.lower = ivec3(x.x, y.x, z.x);
+  t.upper = ivec3(x.y, y.y, z.y);
   t.oneLayer = t.lower.z == t.upper.z;
   t.oneCell = t.lower == t.upper;
   t.lower = max(t.lower, ivec3(0));
@@ -117,11 +117,9 @@ CellTests cellTests(LatticeTriangle t) {
   s.planeStep = -cell * t.normal;
   s.planeReach = 0.5lf * cell * (abs(t.normal.x) + abs(t.normal.y) + abs(t.normal.z));
   s.perDepth = 1.0lf / s.planeStep.z;
-  for (int k = 0; k < 3; ++k) {
-    const bool across = s.ey[k] != 0.0lf;
-    s.perColumn[k] = across ? 1.0lf / s.ey[k] : 0.0lf;
-    s.columnReach[k] = across ? s.reachZ[k] * abs(s.perColumn[k]) + kColumnMargin : double(kBeyondColumns);
-  }
+  const bvec3 across = notEqual(s.ey, dvec3(0.0lf));
+  s.perColumn = mix(dvec3(0.0lf), 1.0lf / s.ey, across);
+  s.columnReach = mix(dvec3(double(kBeyondColumns)), s.reachZ * abs(s.perColumn) + kColumnMargin, across);
   return s;
 }
 

@@ -153,6 +153,11 @@ void addEvenLine(dvec2 p, dvec2 q, inout TextureIntegral sum) {
 #endif
 }
 
+/// Which share of a line's step of d, from p in a square, ends at the square's border.
+double shareToBorder(double p, double d, double square) {
+  return d == 0.0lf ? 2.0lf : (square + (d > 0.0lf ? 1.0lf : 0.0lf) - p) / d;
+}
+
 /// The integral from p to q, texel space.
 void addLine(dvec2 p, dvec2 q, inout TextureIntegral sum) {
   const dvec2 d = q - p;
@@ -164,13 +169,10 @@ void addLine(dvec2 p, dvec2 q, inout TextureIntegral sum) {
   const double unit = d.y * params.colourScale;
   // Where the line leaves the square in x and in y.
   const dvec2 step_ = abs(1.0lf / d);
-  const bvec2 forward = bvec2(d.x > 0.0lf, d.y > 0.0lf);
   dvec2 square = floor(p);
-  dvec2 next;
-  for (int k = 0; k < 2; ++k) {
-    if (!forward[k] && square[k] == p[k]) square[k] -= 1.0lf;  // on a line between squares, going down
-    next[k] = d[k] == 0.0lf ? 2.0lf : (square[k] + (forward[k] ? 1.0lf : 0.0lf) - p[k]) / d[k];
-  }
+  if (d.x <= 0.0lf && square.x == p.x) square.x -= 1.0lf;  // on a line between squares, going down
+  if (d.y <= 0.0lf && square.y == p.y) square.y -= 1.0lf;
+  dvec2 next = dvec2(shareToBorder(p.x, d.x, square.x), shareToBorder(p.y, d.y, square.y));
   double from = 0.0lf;
   for (int squares = 0; from < 1.0lf && squares < kMostSteps; ++squares) {
     const double to = min(1.0lf, min(next.x, next.y));
@@ -181,10 +183,13 @@ void addLine(dvec2 p, dvec2 q, inout TextureIntegral sum) {
 #if LPV_VPLS
     addSquareMoments(s, start, end, unit * (to - from), sum);
 #endif
-    for (int k = 0; k < 2; ++k) {
-      if (next[k] > to) continue;
-      square[k] += forward[k] ? 1.0lf : -1.0lf;
-      next[k] += step_[k];
+    if (next.x <= to) {
+      square.x += d.x > 0.0lf ? 1.0lf : -1.0lf;
+      next.x += step_.x;
+    }
+    if (next.y <= to) {
+      square.y += d.y > 0.0lf ? 1.0lf : -1.0lf;
+      next.y += step_.y;
     }
     from = to;
   }

@@ -1,10 +1,5 @@
 // Voxelization of triangles that snapping makes a segment over several cells (voxelize/thin.glsl), for every injector: a
 // work-group per segment, a thread for every kThinGroup-th layer of cells along it.
-#extension GL_ARB_shader_ballot : enable
-#extension GL_ARB_gpu_shader_int64 : enable
-#if defined(GL_ARB_shader_ballot) && defined(GL_ARB_gpu_shader_int64)
-#define LPV_BALLOT
-#endif
 #include "voxelize/voxelize.glsl"
 #include "voxelize/thin.glsl"
 #include "voxelize/thin_list.glsl"

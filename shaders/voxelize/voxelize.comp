@@ -2,11 +2,6 @@
 //
 // LPV_SMALL: a thread per triangle; triangles over many columns are handed on as work items, segments to thin.comp.
 // LPV_LARGE: a work-group per work item, a thread for a row of columns or every n-th column of one.
-#extension GL_ARB_shader_ballot : enable
-#extension GL_ARB_gpu_shader_int64 : enable
-#if defined(GL_ARB_shader_ballot) && defined(GL_ARB_gpu_shader_int64)
-#define LPV_BALLOT
-#endif
 #include "voxelize/voxelize.glsl"
 
 #if !defined(LPV_SMALL) && !defined(LPV_LARGE)

@@ -90,7 +90,7 @@ void GlossScene::update(const Scene& scene, const std::vector<EmittingLight>& li
   if (texels_.size() < bytes) {
     view_ = {};
     texels_ = {};  // first the old memory, then the new
-    texels_ = gpu::Buffer("what reflections show", bytes, gpu::BufferUse::kDynamic);
+    texels_ = gpu::Buffer("what reflections show", bytes, gpu::BufferUse::kDynamic, gpu::Undefined{});
     view_ = gpu::BufferTexture("what reflections show", texels_, gpu::BufferTexel::kUvec4);
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));

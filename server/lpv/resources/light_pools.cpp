@@ -64,7 +64,7 @@ void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache&
   if (texels.size() < bytes) {
     view = {};
     texels = {};  // first the old memory, then the new
-    texels = gpu::Buffer("light points", bytes, gpu::BufferUse::kDynamic);
+    texels = gpu::Buffer("light points", bytes, gpu::BufferUse::kDynamic, gpu::Undefined{});
     view = gpu::BufferTexture("light points", texels);
   }
   texels.update(0, gpu::bytesOf(std::span<const glm::vec4>(points)));

@@ -104,8 +104,8 @@ GpuTask uploadLevels(Picture picture, const GpuLightTexture& out) {
 GpuTask uploadIntegrals(const Picture& picture, GpuLightTexture& out) {
   const std::size_t rowDoubles = std::size_t(picture.size.x) + 1, rows = std::size_t(picture.size.y);
   const std::size_t rowBytes = rowDoubles * 3 * sizeof(double), rowMomentBytes = rowDoubles * 2 * sizeof(double);
-  out.rowIntegrals = gpu::Buffer("row integrals", rowBytes * rows, gpu::BufferUse::kDynamic);
-  out.rowMoments = gpu::Buffer("row moments", rowMomentBytes * rows, gpu::BufferUse::kDynamic);
+  out.rowIntegrals = gpu::Buffer("row integrals", rowBytes * rows, gpu::BufferUse::kDynamic, gpu::Undefined{});
+  out.rowMoments = gpu::Buffer("row moments", rowMomentBytes * rows, gpu::BufferUse::kDynamic, gpu::Undefined{});
   const int step = rowsAtOnce(picture);
   Integrals integrals;
   for (int row = 0; row < picture.size.y; row += step) {

@@ -155,7 +155,7 @@ void EmitterBufferList::makeRoom() {
   view = {};
   texels = {};  // first the old memory, then the new
   lying_.clear();
-  texels = gpu::Buffer("direct lights", std::bit_ceil(count * kTexel), gpu::BufferUse::kDynamic);
+  texels = gpu::Buffer("direct lights", std::bit_ceil(count * kTexel), gpu::BufferUse::kDynamic, gpu::Undefined{});
   view = gpu::BufferTexture("direct lights", texels);
 }
 

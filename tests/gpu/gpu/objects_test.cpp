@@ -37,6 +37,16 @@ TEST_F(ObjectsTest, NewBuffersAreZero) {
   EXPECT_THAT(test::read<std::uint32_t>(gpu::Buffer("zero", 4096)), testing::Each(0U));
 }
 
+// On a driver that clears late the zeros would come last.
+TEST_F(ObjectsTest, WhatIsWrittenIntoANewBufferStays) {
+  for (const std::size_t words : {1000, 25000, 300000}) {
+    const std::vector<std::uint32_t> values(words, 7U);
+    gpu::Buffer buffer("written at once", words * sizeof(std::uint32_t), gpu::BufferUse::kDynamic);
+    buffer.update(0, gpu::bytesOf(std::span<const std::uint32_t>(values)));
+    EXPECT_EQ(test::read<std::uint32_t>(buffer), values);
+  }
+}
+
 // Broken by: moves that copy the id.
 TEST_F(ObjectsTest, MovedFromIsEmpty) {
   gpu::Buffer a("a", 16);

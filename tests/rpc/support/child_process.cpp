@@ -46,6 +46,13 @@ std::string makeDirectory() {
   return pattern;
 }
 
+std::string whereItIs(const std::string& built) {
+  std::error_code none;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", none);
+  const std::filesystem::path beside = self.parent_path() / std::filesystem::path(built).filename();
+  return std::filesystem::exists(beside, none) ? beside.string() : built;
+}
+
 ChildProcess::ChildProcess(const std::string& program, const std::vector<std::string>& arguments)
     : directory_(makeDirectory()) {
   std::vector<std::string> words{program};

@@ -29,7 +29,7 @@ ServerProcess::ServerProcess(const std::vector<std::string>& arguments, const st
   portFile_ = makeDirectory() + "/port";
   std::vector<std::string> words{"--listen", listen, "--port-file", portFile_};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  process_ = std::make_unique<ChildProcess>(program.empty() ? LPVD_PATH : program, words);
+  process_ = std::make_unique<ChildProcess>(program.empty() ? whereItIs(LPVD_PATH) : program, words);
   const auto until = std::chrono::steady_clock::now() + kStartPatience;
   while (!(std::ifstream(portFile_) >> port_)) {
     if (!running() || std::chrono::steady_clock::now() > until) {
@@ -72,7 +72,7 @@ ServerProcess& server() {
 }
 
 Finished runServer(const std::vector<std::string>& arguments, std::chrono::milliseconds patience) {
-  ChildProcess process(LPVD_PATH, arguments);
+  ChildProcess process(whereItIs(LPVD_PATH), arguments);
   Finished out;
   out.status = process.wait(patience);
   out.output = process.output();
