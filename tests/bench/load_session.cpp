@@ -99,7 +99,7 @@ v1::Edit LoadSession::deformed(double phase) const {
 /// Runs lpvctl and returns its first line.
 Expected<std::string> LoadSession::lpvctl(std::vector<std::string> arguments) const {
   arguments.insert(arguments.begin(), {"--server", server_});
-  rpc::ChildProcess process(LPVCTL_PATH, arguments);
+  rpc::ChildProcess process(rpc::whereItIs(LPVCTL_PATH), arguments);
   if (process.wait(kLoadingPatience) != 0) return Status(Code::kInternal, "lpvctl failed: " + process.errors());
   const std::string output = process.output();
   return output.substr(0, output.find('\n'));

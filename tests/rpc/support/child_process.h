@@ -12,7 +12,8 @@ namespace lpv::rpc {
 /// A new, empty folder for temporary files.
 std::string makeDirectory();
 
-/// Where `built`, a program of this build, is now: beside the running one, if the build's programs were carried elsewhere.
+/// Where `built`, a program of this build, is now: beside the running one, if the build's programs were carried
+/// elsewhere.
 std::string whereItIs(const std::string& built);
 
 /// A child process. Dies with its owner, and with the process that started it however that ends.
