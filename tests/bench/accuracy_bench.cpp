@@ -83,6 +83,7 @@ Scene sceneOf(const Named& light, const Way& way, int cells, int pose) {
   scene.grid = {glm::dvec3(0.0), 1.0 / cells, glm::ivec3(cells)};
   scene.options.transport = way.transport;
   scene.options.followTransport();
+  scene.options.visibility = Visibility::kOff;  // the truth has no occluders, so Lucy's arms are none either
   scene.options.k = way.k;
   scene.options.iterations = way.iterationsPerCell * cells;
   scene.options.clampFaces = way.clamp;
