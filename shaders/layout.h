@@ -63,6 +63,7 @@ LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
 LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its
                                     // area; negative: a light is between
+LPV_CONST int kPatchSent = 4;  // vec4 per patch and parity of bounces: radiance it reflects x its scale
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (shaders/frame/fold_rays.comp)
 LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders/visibility/folds.glsl)
@@ -312,7 +313,8 @@ struct PatchParams {
   int lastBounce;
   int balanced;  // parity of the last turn of balancing
   int pieces;  // of folds, after the patches
-  int pad0, pad1;
+  float weight;  // of this turn (server/scene/patches.h: BouncePlan)
+  int pad0;
 };
 
 struct Counters {

@@ -209,7 +209,7 @@ GpuTask Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
 GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
   StageProducts& made = *s.products;
   if (!s.glossy) made.glossScene = {};
-  if (!s.shadowed && s.bounces == 0 && !s.glossy) co_return;
+  if (!s.shadowed && s.bounces.turns == 0 && !s.glossy) co_return;
   if (!made.pooled.holds(s.arranged.stamp())) {
     made.pools.make(s.lights, made.lightPoints);
     made.pooled.set(s.arranged.stamp());
@@ -241,8 +241,8 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const TickRequest& reques
 
 /// What surfaces reflect, for frames and probes.
 GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
-  if (s.bounces == 0 || s.lights.empty()) s.products->reflected.forget();
-  if (s.bounces == 0 || s.lights.empty() || !readsReflections(request)) co_return;
+  if (s.bounces.turns == 0 || s.lights.empty()) s.products->reflected.forget();
+  if (s.bounces.turns == 0 || s.lights.empty() || !readsReflections(request)) co_return;
   StageProducts& made = *s.products;
   co_await findPatches(s, request);
   PatchSet* patches = made.patches.product().get();
@@ -261,13 +261,14 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
 /// on.
 GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& patches) {
   const StageProducts& made = *s.products;
-  const bool look = patches.folded() && s.bounces > 1;
-  co_await bouncePass.run(patches, 0, look ? s.bounces - 1 : s.bounces, pacing(s));
+  const int turns = s.bounces.turns;
+  const bool look = patches.folded() && turns > 1;
+  co_await bouncePass.run(patches, s.bounces, 0, look ? turns - 1 : turns, pacing(s));
   if (!look) co_return;
   const ShadowCasters shadows = {
       &made.pools, &made.occluders, 0, &patches, shadowTurns(scene.options), foldTurns(scene.options)};
   co_await nearFieldPass.lookFromPieces(patches, made.emitters, shadows, pacing(s));
-  co_await bouncePass.run(patches, s.bounces - 1, s.bounces, pacing(s));
+  co_await bouncePass.run(patches, s.bounces, turns - 1, turns, pacing(s));
   co_await bouncePass.finishPieces(patches, pacing(s));
 }
 
@@ -294,7 +295,7 @@ GpuTask Pipeline::Stages::makeVolumes(SessionState& s, const TickRequest& reques
     if (!propagates) copyEmitterList(field, made.emitters, made.readbacks);
     if (transported.reflected != 0) copyReflected(*made.reflecting(), made.readbacks);
     copies.transported = transported;
-    copies.probed = readsReflections(request) || s.bounces == 0 || s.lights.empty();
+    copies.probed = readsReflections(request) || s.bounces.turns == 0 || s.lights.empty();
   }
   const InjectedVolumeInputs injected = {{s.memory.stamp(), s.arranged.stamp()}, s.guarded};
   if (!made.injectedVolume.holds(injected) && request.injected) {

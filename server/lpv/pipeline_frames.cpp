@@ -74,7 +74,7 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   }
   const StageProducts& made = *s.products;
   const ShadowCasters shadows = shadowCasters(s, scene, frame);
-  const bool inTheWay = s.shadowed || s.bounces > 0;
+  const bool inTheWay = s.shadowed || s.bounces.turns > 0;
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
                                     inTheWay ? &shadows : nullptr,
                                     frame.reduced,
@@ -163,7 +163,7 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   co_await drawSubpixels(s, scene, frame, view);
   const LightField& field = s.field();
   const bool sampled =
-      s.shadowed || s.bounces > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
+      s.shadowed || s.bounces.turns > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
   co_await reflectLikeMirrors(s, scene, frame, view);
   const IrradianceSources lit = {field.transport,

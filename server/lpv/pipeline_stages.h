@@ -73,7 +73,7 @@ struct ReflectInputs {
   Stamp lights = 0;
   Stamp list = 0;  ///< of emitters
   Stamp blockers = 0;
-  int bounces = 0;
+  BouncePlan bounces;
   int turns = 0;   ///< of shadow rays
 
   bool operator==(const ReflectInputs&) const = default;

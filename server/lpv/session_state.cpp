@@ -61,10 +61,10 @@ void SessionState::adopt(const Scene& scene, bool guardsAsked) {
   const Transport transport = scene.options.transport;
   shadowed = isShadowed(scene);
   reflectionsBlocked = lpv::reflectionsBlocked(scene);
-  bounces = transport == Transport::kPropagate ? 0 : bouncesFor(scene);
+  bounces = transport == Transport::kPropagate ? BouncePlan() : bouncePlan(scene);
   glossy = showsGloss(scene);
   looksAtLights = transport == Transport::kDirect ||
-                  (transport == Transport::kGather && (shadowed || bounces > 0 || lookedAtEverywhere(lights)));
+                  (transport == Transport::kGather && (shadowed || bounces.turns > 0 || lookedAtEverywhere(lights)));
   if (looksAtLights || transport == Transport::kPropagate) {
     for (EmittingLight& light : lights) light.lookedAt = 0.0;  // nothing is apart
   }

@@ -68,7 +68,7 @@ struct SessionState {
   bool looksAtLights = false;          ///< frames look at the lights everywhere and read no volume
   bool shadowed = false;               ///< something may stand in the lights' way
   bool reflectionsBlocked = false;     ///< something may stand in the way of what surfaces reflect
-  int bounces = 0;                     ///< of light, that frames show
+  BouncePlan bounces;                  ///< of light, that frames show
   bool glossy = false;                 ///< frames show what surfaces reflect like mirrors
   Cached<LightsInputs, LightArrangement> arranged;
   Cached<FieldInputs, std::unique_ptr<LightField>> memory;

@@ -351,6 +351,19 @@ double areaOfSmall(const Sides& of) {
   return sum;
 }
 
+constexpr double kHighestAlbedo = 0.98;  ///< that bounces are counted for
+
+double highestAlbedo(const Scene& scene) {
+  double highest = 0.0;
+  for (const auto& [name, surface] : scene.surfaces) highest = std::max(highest, highestAlbedo(*surface));
+  return highest;
+}
+
+/// Of the light, under way when bounces end.
+double mayBeLeft(const LightingSettings& options) {
+  return (options.maxError > 0.0 ? options.maxError : kWantedError) / 3.0;
+}
+
 }  // namespace
 
 PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces) {
@@ -379,13 +392,26 @@ PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pie
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) { return patchedScene(scene, count, 0).patches; }
 
 int bouncesFor(const Scene& scene) {
-  constexpr double kShareOfError = 1.0 / 3.0, kHighestAlbedo = 0.98;
-  double highest = 0.0;
-  for (const auto& [name, surface] : scene.surfaces) highest = std::max(highest, highestAlbedo(*surface));
+  const double highest = highestAlbedo(scene);
   if (scene.options.bounces != kAutoBounces || highest <= 0.0) return highest > 0.0 ? scene.options.bounces : 0;
-  const double wanted = scene.options.maxError > 0.0 ? scene.options.maxError : kWantedError;
-  const double goal = kShareOfError * wanted;
-  return std::clamp(int(std::ceil(std::log(goal) / std::log(std::min(highest, kHighestAlbedo)))) - 1, 1, kMaxBounces);
+  const double bound = std::log(mayBeLeft(scene.options)) / std::log(std::min(highest, kHighestAlbedo));
+  return std::clamp(int(std::ceil(bound)) - 1, 1, kMaxBounces);
+}
+
+double BouncePlan::weight(int turn) const {
+  double weight = 1.0;
+  for (int i = 1; i <= turn; ++i) weight = 1.0 / (1.0 - (i == 1 ? 0.5 : 0.25) * albedo * albedo * weight);
+  return weight;
+}
+
+BouncePlan bouncePlan(const Scene& scene) {
+  const int bounces = bouncesFor(scene);
+  if (scene.options.bounces != kAutoBounces || bounces == 0) return {bounces, 0.0};
+  const double albedo = std::min(highestAlbedo(scene), kHighestAlbedo);
+  // The last turn is the receivers' own, which leaves the albedo's share.
+  const double ratio = std::max(1.0, 3.0 * albedo / mayBeLeft(scene.options));
+  const double turns = std::ceil(std::acosh(ratio) / std::acosh(1.0 / albedo));
+  return {int(std::clamp(turns, 1.0, double(kMaxBounces))), albedo};
 }
 
 }  // namespace lpv

@@ -42,7 +42,7 @@ vec3 farLight(vec3 x, vec3 n) {
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;
     const bool near = dot(d, d) < -kNearPatch * emits.w || isFolded(dot(d, d), colour.a);
-    sum += near ? vec3(0.0) : place.w * patchWeight(d, -emits.w, emits.xyz, n) / -emits.w * colour.rgb;
+    sum += near ? vec3(0.0) : place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n) * colour.rgb;
   }
   return sum;
 }

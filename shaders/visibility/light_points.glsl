@@ -28,7 +28,7 @@ float pointWeight(int i, vec3 x, vec3 n) {
 #if LPV_FACING
   if (emits.w < 0.0 && (r2 < -kAskedPatch * emits.w || isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a)))
     return 0.0;
-  if (emits.w < 0.0) return place.w / -emits.w * patchWeight(d, -emits.w, emits.xyz, n);
+  if (emits.w < 0.0) return place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n);
   return place.w * towards * max(dot(n, d), 0.0) / (r2 * r2);
 #else
   return place.w * towards * inversesqrt(r2) / r2;

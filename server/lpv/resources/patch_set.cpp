@@ -88,6 +88,7 @@ PatchSet::PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid
       pieces(int(source->folds.pieces.size())),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(*source, grid)))),
       exchange("patch exchange", source->patches.size() * source->patches.size() * sizeof(float)),
+      sent("patch sent", bytesOfVec4(2 * source->patches.size()), gpu::BufferUse::kDevice, gpu::Undefined{}),
       shares(throughPanes
                  ? gpu::Buffer("patch shares", source->patches.size() * source->patches.size() * sizeof(std::uint32_t))
                  : gpu::Buffer()),

@@ -38,6 +38,7 @@ struct PatchSet {
   int pieces;
   gpu::Buffer patches;  ///< as shaders/visibility/patches.glsl has them: all patches, then the pieces of their folds
   gpu::Buffer exchange;  ///< layout::kPatchExchange
+  gpu::Buffer sent;  ///< layout::kPatchSent
   gpu::Buffer shares;  ///< layout::kPatchShares; empty without panes
   std::vector<PatchList> points;  ///< all patches and pieces
   std::vector<PatchList> piecePoints;  ///< the pieces; empty without

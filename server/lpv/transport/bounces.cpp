@@ -26,6 +26,7 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
     params_.bindUniform(layout::kParams);
     set.patches.bindStorage(layout::kPatches);
     set.exchange.bindStorage(layout::kPatchExchange);
+    set.sent.bindStorage(layout::kPatchSent);
     set.lights.bindStorage(layout::kPatchLights);
     if (set.shares) set.shares.bindStorage(layout::kPatchShares);
     if (set.folded()) set.pieceLights.bindStorage(layout::kPieceLights);
@@ -60,13 +61,15 @@ GpuTask BouncePass::findLights(PatchSet& set, const GpuOccluders& occluders, Pac
   co_await dispatch(step, set, set.params(), &occluders, pacing);
 }
 
-GpuTask BouncePass::run(PatchSet& set, int done, int bounces, Pacing pacing) {
+GpuTask BouncePass::run(PatchSet& set, const BouncePlan& plan, int done, int turns, Pacing pacing) {
   layout::PatchParams params = set.params();
-  params.lastBounce = bounces - 1;
+  params.lastBounce = turns - 1;
   params.balanced = kTurnsOfBalance & 1;
   const Step step = {bounce_.get({bool(set.shares)}), Stage::kReflect, set.count, double(set.count)};
-  for (params.bounce = done; params.bounce < bounces; ++params.bounce)
+  for (params.bounce = done; params.bounce < turns; ++params.bounce) {
+    params.weight = float(plan.weight(params.bounce));
     co_await dispatch(step, set, params, nullptr, pacing);
+  }
   if (!set.folded()) co_return;
   const Step pieces = {pieces_.get({1}), Stage::kReflect, set.pieces, 1.0};
   co_await dispatch(pieces, set, params, nullptr, pacing);

@@ -24,10 +24,10 @@ class BouncePass {
   GpuTask findExchange(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
   /// Which of them have a light in between.
   GpuTask findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
-  /// From what came to the patches from the lights to what they send after `bounces` - 1 reflections among them;
-  /// receivers see the last one themselves. `bounces` is at least 1; `done`: how many the last run had, which this one
+  /// From what came to the patches from the lights to what they send after `turns` - 1 turns of the plan among them;
+  /// receivers see the last one themselves. `turns` is at least 1; `done`: how many the last run had, which this one
   /// goes on from.
-  GpuTask run(PatchSet& set, int done, int bounces, Pacing pacing);
+  GpuTask run(PatchSet& set, const BouncePlan& plan, int done, int turns, Pacing pacing);
   /// Before it: what comes from the lights to patches whose folds have pieces, by these.
   GpuTask takeMeans(PatchSet& set, Pacing pacing);
   /// After it, once pieces have been looked from: what they send, and the patches that stand for them.

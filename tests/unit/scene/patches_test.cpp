@@ -2,6 +2,7 @@
 #include "scene/patches.h"
 
 #include <gtest/gtest.h>
+#include <utility>
 
 #include <cmath>
 #include <map>
@@ -205,15 +206,17 @@ TEST(Patches, BlackSurfacesHaveNone) {
   EXPECT_TRUE(patchesOf(scene, 100).empty());
 }
 
-int bounces(double albedo, int asked, double wanted = 0.0) {
+Scene reflecting(double albedo, int asked, double wanted = 0.0) {
   Scene scene = sceneWith(reference::quad());
   auto surface = std::make_shared<Surface>(*scene.surfaces.at("it"));
   surface->albedo = glm::dvec3(0.5 * albedo, albedo, 0.0);
   scene.surfaces["it"] = surface;
   scene.options.bounces = asked;
   scene.options.maxError = wanted;
-  return bouncesFor(scene);
+  return scene;
 }
+
+int bounces(double albedo, int asked, double wanted = 0.0) { return bouncesFor(reflecting(albedo, asked, wanted)); }
 
 // After n bounces a share of albedo^(n + 1) at most is still under way.
 // Broken by: the mean albedo; the whole of the wanted error.
@@ -225,6 +228,33 @@ TEST(Bounces, GoOnUntilAThirdOfTheWantedError) {
   }
   EXPECT_GT(bounces(0.5, kAutoBounces, 0.001), bounces(0.5, kAutoBounces, 0.1));
   EXPECT_EQ(bounces(1.0, kAutoBounces), kMaxBounces);
+}
+
+/// What is missing of 1 / (1 - exchange) after the plan's turns and the receiver's own, as a share of it.
+double missingAfter(const BouncePlan& plan, double exchange) {
+  double before = 0.0, now = 1.0;
+  for (int turn = 1; turn < plan.turns; ++turn)
+    before = std::exchange(now, before + plan.weight(turn) * (1.0 + exchange * now - before));
+  return std::abs(1.0 - (1.0 - exchange) * (1.0 + exchange * now));
+}
+
+// Broken by: weights of one turn too early or too late; turns for the receiver's own.
+TEST(Bounces, WeighedTurnsLeaveNoMoreForAnyExchange) {
+  for (const double albedo : {0.1, 0.5, 0.8, 0.95}) {
+    const BouncePlan plan = bouncePlan(reflecting(albedo, kAutoBounces, 0.03));
+    EXPECT_LE(plan.turns, 1 + bounces(albedo, kAutoBounces, 0.03)) << albedo;
+    double most = 0.0;
+    for (int i = -100; i <= 100; ++i) most = std::max(most, missingAfter(plan, albedo * i / 100.0));
+    EXPECT_LE(most, 0.01 / 3.0) << albedo << ", " << plan.turns << " turns";
+  }
+  EXPECT_LE(bouncePlan(reflecting(0.8, kAutoBounces, 0.03)).turns, 9);
+  EXPECT_EQ(bounces(0.8, kAutoBounces, 0.03), 20);
+}
+
+TEST(Bounces, ThatWereAskedForAreNotWeighed) {
+  const BouncePlan plan = bouncePlan(reflecting(0.8, 5));
+  EXPECT_EQ(plan.turns, 5);
+  for (int turn = 0; turn < 5; ++turn) EXPECT_EQ(plan.weight(turn), 1.0);
 }
 
 TEST(Bounces, AreWhatWasAskedFor) {
