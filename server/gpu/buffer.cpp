@@ -69,7 +69,7 @@ void Buffer::fill(std::uint32_t word) { fill(word, 0, size_ / 4 * 4); }
 void Buffer::fill(std::uint32_t word, std::size_t offset, std::size_t bytes) {
   if (bytes == 0) return;
   glClearNamedBufferSubData(id_, GL_R32UI, GLintptr(offset), GLsizeiptr(bytes), GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
-  // NVIDIA 580 clears late: a table of 100 kB that was written into a new buffer read as zeros.
+  // Before what is written next: on NVIDIA 580 a table of 100 kB, written into a new buffer, read as zeros.
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 

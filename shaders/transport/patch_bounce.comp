@@ -1,6 +1,6 @@
 // One turn: what arrives at each patch from the lights and from all patches that it sees, by what arrived there one turn
-// before; and how far this one goes there from what was there two turns before. The last turn puts what patches then send where receivers look (light_points.glsl). A thread
-// has a patch. LPV_TRANSPARENT: patches may see each other through panes.
+// before; and how far this one goes there from what was there two turns before. The last turn puts what patches then send
+// where receivers look (light_points.glsl). A thread has a patch. LPV_TRANSPARENT: patches may see each other through panes.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/patches.glsl"
