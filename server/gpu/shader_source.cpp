@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "gpu/failure.h"
 
@@ -67,7 +68,7 @@ void appendFile(const std::string& name, ShaderSource& out) {
 
 }  // namespace
 
-void defineForDevice(Defines defines) { deviceDefines() = std::move(defines); }
+Defines defineForDevice(Defines defines) { return std::exchange(deviceDefines(), std::move(defines)); }
 
 ShaderSource assembleShader(const std::string& file, const Defines& defines) {
   return assembleText(file, readShader(file), defines);

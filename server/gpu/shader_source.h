@@ -17,8 +17,9 @@ extern const EmbeddedShader kEmbeddedShaders[];
 /// Explicit defines of one variant, in order: {"LPV_CHANNELS", "1"}.
 using Defines = std::vector<std::pair<std::string, std::string>>;
 
-/// What every shader that this thread assembles from now on is told of its device, before its own defines.
-void defineForDevice(Defines defines);
+/// What every shader that this thread assembles from now on is told of its device, before its own defines. Returns what
+/// it was before.
+Defines defineForDevice(Defines defines);
 
 /// A complete GLSL text and the files it came from; #line directives count files in this order.
 struct ShaderSource {

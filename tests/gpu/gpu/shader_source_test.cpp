@@ -9,9 +9,11 @@ namespace {
 class ShaderSourceTest : public test::GlTest {};
 
 TEST(ShaderSourceTextTest, PutsDefinesFirstAndEveryIncludeOnce) {
+  const gpu::Defines before = gpu::defineForDevice({{"OF_THE_DEVICE", "2"}});
   const gpu::ShaderSource source =
       gpu::assembleText("t", "#include \"common/sh.glsl\"\n#include \"common/sh.glsl\"\nint a;\n", {{"X", "1"}});
-  EXPECT_THAT(source.text, testing::StartsWith("#version 450 core\n#define X 1\n"));
+  gpu::defineForDevice(before);
+  EXPECT_THAT(source.text, testing::StartsWith("#version 450 core\n#define OF_THE_DEVICE 2\n#define X 1\n"));
   EXPECT_THAT(source.files, testing::ElementsAre("t", "common/sh.glsl"));
   EXPECT_NE(source.text.find("shLobe"), std::string::npos);
   EXPECT_EQ(source.text.find("vec4 shLobe"), source.text.rfind("vec4 shLobe"));
