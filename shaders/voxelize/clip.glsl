@@ -80,7 +80,7 @@ dvec4 edgeWithin(dvec3 p, dvec3 q, Box box) {
   return pieceOf(p, d, s);
 }
 
-/// v[k]. NVIDIA's compiler has no code for components of doubles that are numbered when it runs.
+/// v[k]. NVIDIA's compiler has no code for setting a component of doubles by number; reading one is written out as well.
 double component(dvec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
 
 /// Where p -> q crosses the face at `at` on axis k.
