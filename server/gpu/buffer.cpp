@@ -1,6 +1,7 @@
 #include "gpu/buffer.h"
 
 #include <utility>
+#include <vector>
 
 #include "gpu/failure.h"
 #include "gpu/gl.h"
@@ -29,11 +30,19 @@ std::uint32_t createStorage(const std::string& label, std::size_t bytes, const v
   return id;
 }
 
+// What update() writes soon after a clear can be lost: NVIDIA 580 clears last, barrier or not. So a buffer that can be
+// updated gets its zeros as content.
+std::uint32_t createZeros(const std::string& label, std::size_t bytes, BufferUse use) {
+  if (use == BufferUse::kDevice) return createStorage(label, bytes, nullptr, use);
+  requireMemory("buffer " + label, bytes);
+  return createStorage(label, bytes, std::vector<std::byte>(bytes).data(), use);
+}
+
 }  // namespace
 
 Buffer::Buffer(const std::string& label, std::size_t bytes, BufferUse use)
-    : id_(createStorage(label, bytes, nullptr, use)), size_(bytes), charge_(bytes) {
-  clear();
+    : id_(createZeros(label, bytes, use)), size_(bytes), charge_(bytes) {
+  if (use == BufferUse::kDevice) clear();
 }
 
 Buffer::Buffer(const std::string& label, std::size_t bytes, BufferUse use, Undefined)
@@ -69,8 +78,6 @@ void Buffer::fill(std::uint32_t word) { fill(word, 0, size_ / 4 * 4); }
 void Buffer::fill(std::uint32_t word, std::size_t offset, std::size_t bytes) {
   if (bytes == 0) return;
   glClearNamedBufferSubData(id_, GL_R32UI, GLintptr(offset), GLsizeiptr(bytes), GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
-  // Before what is written next: on NVIDIA 580 a table of 100 kB, written into a new buffer, read as zeros.
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void Buffer::bindStorage(std::uint32_t binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }

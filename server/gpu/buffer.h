@@ -40,7 +40,8 @@ class Buffer {
   void update(std::size_t offset, std::span<const std::byte> data);
   /// Zeroes the whole buffer on the GPU.
   void clear();
-  /// Fills the whole buffer with one 32-bit word on the GPU.
+  /// Fills the whole buffer with one 32-bit word on the GPU. Not before an update(), which it may come after on some
+  /// drivers.
   void fill(std::uint32_t word);
   /// The same for bytes [offset, offset + bytes), both multiples of 4.
   void fill(std::uint32_t word, std::size_t offset, std::size_t bytes);
