@@ -3,7 +3,7 @@
 // object points at least two cells from the light (MATHS.md 4, 5). Times are of ticks in which the light has moved and
 // the whole grid is wanted; a receiver's is what one lookup costs on one core.
 //
-//   accuracy_bench [--grids 16,32,64] [--mesh NAME] [--way NAME] [--poses N] [--repeats N] [--table FILE]
+//   accuracy_bench [--grids 16,32,64] [--mesh NAME] [--way NAME] [--poses N] [--repeats N] [--rows FILE]
 //
 // LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
 
@@ -13,12 +13,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <future>
 #include <glm/gtc/quaternion.hpp>
 #include <iostream>
-#include <sstream>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "engine/device_choice.h"
 #include "gpu/device.h"
@@ -122,10 +121,7 @@ struct Times {
   double voxelize = 0.0, transport = 0.0, cpu = 0.0;
 };
 
-double medianOf(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
+using bench::medianOf;
 
 /// Moves the light on and on; medians.
 Times timesOf(Engine& engine, const Scene& scene, int repeats) {
@@ -222,13 +218,28 @@ struct Row {
   double receiverUs = 0.0;
 };
 
-void print(std::ostream& out, const Row& r) {
-  char line[320];
-  std::snprintf(line, sizeof line, "%s\t%d\t%s\t%s\t%llu\t%.3f\t%.3f\t%.3f\t%.2f\t%.5f\t%.5f\t%.5f\t%.5f\t%.5f\t%.5f",
-                r.mesh.c_str(), r.cells, r.way.c_str(), r.reading.c_str(), static_cast<unsigned long long>(r.vpls),
-                r.times.voxelize, r.times.transport, r.times.cpu, r.receiverUs, r.walls.raw, r.walls.shape,
-                r.walls.worst, r.objects.raw, r.objects.shape, r.objects.worst);
-  out << line << std::endl;
+/// What reads the result decides the errors, and costs per receiver; the tick is the same.
+bench::Row rowOf(const Row& r) {
+  bench::Row out{r.mesh, "transport", {{"grid", double(r.cells)}, {"transport", r.way}, {"lookup", r.reading}}, {}};
+  if (r.times.transport > 0.0) {
+    out.values = {{"tick_seconds", 1e-3 * (r.times.voxelize + r.times.transport)},
+                  {"voxelize_ms", r.times.voxelize},
+                  {"transport_ms", r.times.transport},
+                  {"tick_cpu_ms", r.times.cpu},
+                  {"receiver_us", r.receiverUs},
+                  {"vpls", double(r.vpls)}};
+  }
+  for (const auto& [name, value] : {std::pair{"raw_l2", r.walls.raw},
+                                    {"shape_l2", r.walls.shape},
+                                    {"worst", r.walls.worst},
+                                    {"log_ratio_p95", r.walls.logRatio95},
+                                    {"log_ratio_p99", r.walls.logRatio99},
+                                    {"objects_raw_l2", r.objects.raw},
+                                    {"objects_shape_l2", r.objects.shape},
+                                    {"objects_worst", r.objects.worst}}) {
+    out.values.emplace_back(name, value);
+  }
+  return out;
 }
 
 void append(Colours& to, const Colours& from) { to.insert(to.end(), from.begin(), from.end()); }
@@ -284,16 +295,16 @@ std::vector<Row> measure(Engine& engine, const Named& light, const Way& way, int
 
 int main(int argc, char** argv) {
   gpu::askForSoftwareWorkers();
-  CLI::App app("Time against error of the transports, as a table with tabs between columns");
+  CLI::App app("Time against error of the transports");
   std::vector<int> grids = {16, 32, 64};
-  std::string only, table, onlyWay;
+  std::string only, rowsFile, onlyWay;
   int poses = 2, repeats = 5;
   app.add_option("--grids", grids, "Cells along an edge")->delimiter(',');
   app.add_option("--mesh", only, "Only the mesh whose name begins so");
   app.add_option("--way", onlyWay, "Only ways whose name begins so");
   app.add_option("--poses", poses, "Poses that the errors are taken over");
   app.add_option("--repeats", repeats, "Ticks that the times are medians of");
-  app.add_option("--table", table, "Write the table there too");
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
 
   Expected<std::unique_ptr<Engine>> engine = startEngine({});
@@ -301,27 +312,15 @@ int main(int argc, char** argv) {
     std::cerr << "accuracy_bench: " << engine.status().message() << "\n";
     return 1;
   }
-  std::cerr << (*engine)->device().name << "\n";
-  std::ofstream file;
-  if (!table.empty()) file.open(table);
-  const char* header =
-      "mesh\tcells\ttransport\tlookup\tvpls\tvoxelize_ms\ttransport_ms\ttick_cpu_ms\treceiver_us\twalls_raw\twalls_"
-      "shape\t"
-      "walls_worst\tobjects_raw\tobjects_shape\tobjects_worst\n";
-  std::cout << header;
-  file << header;
+  bench::Rows rows(rowsFile, (*engine)->device().name);
   for (const Named& light : meshes()) {
     if (light.name.rfind(only, 0) != 0) continue;
     for (const int cells : grids) {
       const std::vector<Judged> judged = judge(light, cells, poses);
-      const auto show = [&](const Row& row) {
-        print(std::cout, row);
-        if (file.is_open()) print(file, row);
-      };
-      if (onlyWay.empty()) show(lookupRow(light, cells, judged));
+      if (onlyWay.empty()) rows.add(rowOf(lookupRow(light, cells, judged)));
       for (const Way& way : ways()) {
         if (way.name.rfind(onlyWay, 0) != 0) continue;
-        for (const Row& row : measure(**engine, light, way, cells, judged, repeats)) show(row);
+        for (const Row& row : measure(**engine, light, way, cells, judged, repeats)) rows.add(rowOf(row));
       }
     }
   }

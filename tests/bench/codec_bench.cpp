@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <string>
 #include <vector>
 
 #include "bench/codec_error.h"
 #include "bench/codec_scene.h"
+#include "bench/codec_zfp.h"
+#include "bench/core_scene.h"
+#include "bench/rows.h"
 #include "wire/publish.h"
 #include "wire/volume_codec.h"
 
@@ -33,15 +37,15 @@ struct Cost {
   std::vector<double> encodeMs;
   std::vector<double> decodeMs;
   bench::AddedError error;
+
+  void add(const bench::AddedError& more) {
+    error.irradiance = std::max(error.irradiance, more.irradiance);
+    error.cell = std::max(error.cell, more.cell);
+    error.fluence = std::max(error.fluence, more.fluence);
+  }
 };
 
 double cpuMs() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 /// A client's side: parts in, a volume out.
 Volume receive(const wire::VolumeState& sent, const wire::EncodedVolume& encoded, wire::VolumeStatePtr* held) {
@@ -72,14 +76,27 @@ void measure(const Coding& coding, const Volume& truth, wire::VolumeStatePtr* pu
   cost->bytes.push_back(double(bytes));
   cost->encodeMs.push_back(encodedAt - start);
   cost->decodeMs.push_back(decodedAt - encodedAt);
-  const bench::AddedError error = bench::addedError(truth, received);
-  cost->error.irradiance = std::max(cost->error.irradiance, error.irradiance);
-  cost->error.cell = std::max(cost->error.cell, error.cell);
-  cost->error.fluence = std::max(cost->error.fluence, error.fluence);
+  cost->add(bench::addedError(truth, received));
+}
+
+bench::Row rowOf(const std::string& name, const std::string& coding, const Cost& cost) {
+  double sum = 0.0;
+  for (const double bytes : cost.bytes) sum += bytes;
+  const double mean = sum / double(cost.bytes.size());
+  return {name,
+          "coding",
+          {{"coding", coding}},
+          {{"bytes", mean},
+           {"mbit_per_s_at_30", mean * 8.0 * kRate / 1e6},
+           {"encode_ms", bench::medianOf(cost.encodeMs)},
+           {"decode_ms", bench::medianOf(cost.decodeMs)},
+           {"irradiance_l2", cost.error.irradiance},
+           {"worst_cell", cost.error.cell},
+           {"worst_fluence", cost.error.fluence}}};
 }
 
 /// The first result is a key frame for everybody: it is what a join costs, and is not counted among the deltas.
-void run(const Coding& coding, const std::vector<VolumePtr>& volumes) {
+void run(const std::string& name, const Coding& coding, const std::vector<VolumePtr>& volumes, bench::Rows* rows) {
   wire::VolumeStatePtr published;
   wire::VolumeStatePtr held;
   Cost first;
@@ -87,30 +104,36 @@ void run(const Coding& coding, const std::vector<VolumePtr>& volumes) {
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     measure(coding, *volumes[i], &published, &held, i == 0 && coding.delta ? &first : &cost);
   }
-  double sum = 0.0;
-  for (const double bytes : cost.bytes) sum += bytes;
-  const double mean = sum / double(cost.bytes.size());
-  std::printf("| %s | %.1f | %.2f | %.1f | %.1f | %.3f | %.2f | %.2f |\n", coding.name, mean / 1e3,
-              mean * 8.0 * kRate / 1e6, median(cost.encodeMs), median(cost.decodeMs), 100.0 * cost.error.irradiance,
-              100.0 * cost.error.cell, 100.0 * cost.error.fluence);
+  rows->add(rowOf(name, coding.name, cost));
 }
 
-void printTable(const char* title, const std::vector<VolumePtr>& volumes, const std::vector<Coding>& codings) {
-  std::printf(
-      "\n%s\n\n| coding | kB per result | Mbit/s at 30/s | encode ms | decode ms | added L2 of irradiance %% | "
-      "worst cell %% | its fluence %% |\n|---|---|---|---|---|---|---|---|\n",
-      title);
-  for (const Coding& coding : codings) run(coding, volumes);
+#ifdef LPV_ZFP
+/// Key frames all: zfp knows of no result before.
+void runZfp(const std::string& name, double tolerance, const std::vector<VolumePtr>& volumes, bench::Rows* rows) {
+  Cost cost;
+  for (const VolumePtr& volume : volumes) {
+    const bench::ZfpVolume through = bench::throughZfp(*volume, tolerance);
+    cost.bytes.push_back(double(through.bytes));
+    cost.encodeMs.push_back(through.encodeMs);
+    cost.decodeMs.push_back(through.decodeMs);
+    cost.add(bench::addedError(*volume, through.decoded));
+  }
+  char coding[64];
+  std::snprintf(coding, sizeof coding, "zfp, key frames, %g of the largest", tolerance);
+  rows->add(rowOf(name, coding, cost));
 }
+#endif
 
 }  // namespace
 
 int main(int argc, char** argv) {
   int results = 40;
   double cells = 0.25;
+  std::string rowsFile;
   CLI::App app("Bytes, times and errors of every coding of a volume");
   app.add_option("--results", results)->capture_default_str();
   app.add_option("--cells", cells, "that the television moves between two results")->capture_default_str();
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
 
   using wire::Compression;
@@ -129,10 +152,12 @@ int main(int argc, char** argv) {
                           {"compact, key frames, tolerance 3", Format::kCompact, Compression::kZstd, false, 3}};
   all.insert(all.end(), deltas.begin(), deltas.end());
   const std::vector<VolumePtr> moving = bench::movingTelevision(results, cells);
-  const glm::ivec3 dims = moving[0]->grid.dims;
-  std::printf("%dx%dx%d cells, %zu layer, %d results, television moves %.2f cells per result\n", dims.x, dims.y, dims.z,
-              moving[0]->layers.size(), results, cells);
-  printTable("Moving:", moving, all);
-  printTable("Still:", bench::movingTelevision(results, 0.0), deltas);
+  const std::vector<VolumePtr> still = bench::movingTelevision(results, 0.0);
+  bench::Rows rows(rowsFile, bench::engine().device().name);
+  for (const Coding& coding : all) run("moving", coding, moving, &rows);
+#ifdef LPV_ZFP
+  for (const double tolerance : {1e-4, 1e-3, 4e-3, 1e-2, 3e-2}) runZfp("moving", tolerance, moving, &rows);
+#endif
+  for (const Coding& coding : deltas) run("still", coding, still, &rows);
   return 0;
 }

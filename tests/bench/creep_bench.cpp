@@ -2,16 +2,16 @@
 // floor below, the second difference of (ours - truth) over three steps, relative to what the receiver would get with
 // nothing in the way: a jump of a share s shows as s. Receivers with less than 5 % of the largest unoccluded irradiance
 // are left out. Truth is exact: the plate is so long that what a receiver sees of the lamp is a rectangle.
-//   creep_bench [--grid N] [--steps N]
+//   creep_bench [--grid N] [--steps N] [--rows FILE]
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
@@ -125,15 +125,20 @@ class Course {
     }
     errors_.push_back(std::move(error));
   }
-  void print() {
+  /// Shares of the unoccluded irradiance.
+  bench::Row row(int cells) {
     std::sort(seconds_.begin(), seconds_.end());
     double sum = 0.0;
     for (const double s : seconds_) sum += s * s;
-    const auto percentile = [&](double share) {
-      return 100.0 * seconds_[std::size_t(share * double(seconds_.size() - 1))];
-    };
-    std::printf("| %s | %.3f | %.3f | %.3f | %.3f | %.2f |\n", name_, 100.0 * std::sqrt(sum / double(seconds_.size())),
-                percentile(0.95), percentile(0.99), percentile(1.0), 100.0 * std::sqrt(squares_ / wholes_));
+    const auto percentile = [&](double share) { return seconds_[std::size_t(share * double(seconds_.size() - 1))]; };
+    return {name_,
+            "creeping light",
+            {{"grid", double(cells)}},
+            {{"second_difference_rms_error", std::sqrt(sum / double(seconds_.size()))},
+             {"second_difference_p95_error", percentile(0.95)},
+             {"second_difference_p99_error", percentile(0.99)},
+             {"second_difference_worst", percentile(1.0)},
+             {"raw_l2", std::sqrt(squares_ / wholes_)}}};
   }
 
  private:
@@ -171,9 +176,11 @@ TickRequest requestAt(const Scene& scene, double x) {
 int main(int argc, char** argv) {
   int cells = 32;
   int steps = 100;
+  std::string rowsFile;
   CLI::App app("Second differences of the error while a lamp creeps past an edge");
   app.add_option("--grid", cells, "along the longest edge")->check(CLI::Range(8, 128))->capture_default_str();
   app.add_option("--steps", steps, "of a hundredth of a cell")->check(CLI::Range(3, 10000))->capture_default_str();
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
   const Scene scene = edgeScene(cells);
   const std::vector<glm::dvec3> points = floorPoints();
@@ -195,10 +202,7 @@ int main(int argc, char** argv) {
     frames.add(redOf(*result.frames[0]), points, x);
     streams.add(redOf(*result.frames[1]), points, x);
   }
-  std::printf("%s, %d cells, %d steps of a hundredth of a cell; per cent of the unoccluded irradiance\n\n",
-              bench::engine().device().name.c_str(), cells, steps);
-  std::printf(
-      "| asked by | second difference, rms | 95 %% | 99 %% | largest | raw error |\n|---|---|---|---|---|---|\n");
-  for (Course* course : {&volume, &probes, &frames, &streams}) course->print();
+  bench::Rows rows(rowsFile, bench::engine().device().name);
+  for (Course* course : {&volume, &probes, &frames, &streams}) rows.add(course->row(cells));
   return 0;
 }

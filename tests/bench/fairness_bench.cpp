@@ -4,7 +4,7 @@
 // longest piece of the large one, which is how long the device was away at a stretch, and how its ticks were predicted.
 // "largest admitted": as many lights as admission lets a session have on this device (--max-tick-seconds), statues all.
 //
-//   fairness_bench [--large NAME] [--ticks N] [--list]
+//   fairness_bench [--large NAME] [--ticks N] [--rows FILE]
 //
 // LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
 
@@ -13,13 +13,13 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <future>
 #include <mutex>
 #include <thread>
 #include <vector>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "reference/meshes.h"
 #include "scene/error_goal.h"
@@ -126,25 +126,17 @@ class Neighbour {
     thread_.join();
     bench::engine().forget(kLarge);
   }
-  void print() const {
+  /// Its ticks that have ended, and the one with the longest piece.
+  std::pair<int, TickReport> seen() const {
     const std::lock_guard lock(mutex_);
-    if (ticks_ == 0) {
-      std::printf("    its ticks: none ended meanwhile\n");
-      return;
-    }
-    std::printf(
-        "    its ticks: %d, the last %.0f ms; longest piece %.1f ms (%s), largest prediction %.1f ms, %llu pieces\n",
-        ticks_, 1e3 * seconds_, 1e3 * worst_.longestPiece, longestOf(worst_), 1e3 * worst_.largestPrediction,
-        static_cast<unsigned long long>(worst_.pieces));
+    return {ticks_, worst_};
   }
 
  private:
   void run() {
     for (int step = 0; !stop_; ++step) {
-      const auto begin = SteadyClock::now();
       const TickReport report = bench::tick(requestOf(load_, scene_, kLarge, step)).report;
       const std::lock_guard lock(mutex_);
-      seconds_ = std::chrono::duration<double>(SteadyClock::now() - begin).count();
       if (step == 0 || report.longestPiece > worst_.longestPiece) worst_ = report;
       ++ticks_;
     }
@@ -155,15 +147,9 @@ class Neighbour {
   std::atomic<bool> stop_{false};
   mutable std::mutex mutex_;
   int ticks_ = 0;  ///< that have ended
-  double seconds_ = 0.0;
   TickReport worst_;
   std::thread thread_;
 };
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 struct Intervals {
   double median = 0.0;
@@ -183,43 +169,54 @@ Intervals intervals(const Load& small, int ticks, bool paced) {
     last = now;
     if (paced) std::this_thread::sleep_until(begin + kPace);
   }
-  return {median(out), *std::max_element(out.begin(), out.end())};
+  return {bench::medianOf(out), *std::max_element(out.begin(), out.end())};
 }
 
 /// The large session by itself: its first tick, which compiles programs, and its second.
-void alone(const Load& large) {
+void alone(const Load& large, bench::Rows* rows) {
   const Scene scene = sceneOf(large);
   for (int step = 0; step < 2; ++step) {
     const auto begin = SteadyClock::now();
     const TickReport report = bench::tick(requestOf(large, scene, kLarge, step)).report;
     const double seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
-    std::printf("    alone, tick %d: %.0f ms, longest piece %.1f ms (%s), %llu pieces;", step + 1, 1e3 * seconds,
-                1e3 * report.longestPiece, longestOf(report), static_cast<unsigned long long>(report.pieces));
-    for (const StageTime& stage : report.stages) std::printf(" %s %.1f", nameOf(stage.stage), 1e3 * stage.seconds);
-    std::printf("\n");
+    rows->add(
+        {large.name,
+         "large session alone",
+         {{"lights", double(large.lights)}, {"tick", double(step + 1)}, {"longest piece is of", longestOf(report)}},
+         {{"tick_ms", 1e3 * seconds},
+          {"longest_piece_ms", 1e3 * report.longestPiece},
+          {"predicted_ms", 1e3 * predictedSeconds(large)},
+          {"pieces", double(report.pieces)}}});
   }
   bench::engine().forget(kLarge);
 }
 
-void compare(const Load& small, Load large, int ticks) {
-  std::printf("%s\n", large.name.c_str());
-  alone(large);
+bench::Row rowOf(const Load& large, bool paced, const Intervals& alone, const Intervals& beside, const Neighbour& by) {
+  const auto [ticks, worst] = by.seen();
+  return {large.name,
+          "fairness",
+          {{"lights", double(large.lights)}, {"small session's ticks", paced ? "paced" : "back to back"}},
+          {{"alone_ms", 1e3 * alone.median},
+           {"beside_ms", 1e3 * beside.median},
+           {"times", beside.median / alone.median},
+           {"alone_longest_ms", 1e3 * alone.longest},
+           {"beside_longest_ms", 1e3 * beside.longest},
+           {"large_ticks", double(ticks)},
+           {"large_longest_piece_ms", 1e3 * worst.longestPiece},
+           {"largest_prediction_ms", 1e3 * worst.largestPrediction}}};
+}
+
+void compare(const Load& small, Load large, int ticks, bench::Rows* rows) {
+  alone(large, rows);
   if (large.mostLights) {
     large = largestAdmitted(large);
-    std::printf("    %d lights, a tick from nothing predicted to take %.1f s\n", large.lights, predictedSeconds(large));
-    alone(large);
+    alone(large, rows);
   }
   const Intervals byItself = intervals(small, ticks, false), byItselfPaced = intervals(small, ticks, true);
   Neighbour neighbour(large);
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  const Intervals beside = intervals(small, ticks, false), besidePaced = intervals(small, ticks, true);
-  std::printf("    back to back: %.1f -> %.1f ms, %.2f times; longest %.1f -> %.1f ms\n", 1e3 * byItself.median,
-              1e3 * beside.median, beside.median / byItself.median, 1e3 * byItself.longest, 1e3 * beside.longest);
-  std::printf("    paced: %.1f -> %.1f ms, %.2f times; longest %.1f -> %.1f ms\n", 1e3 * byItselfPaced.median,
-              1e3 * besidePaced.median, besidePaced.median / byItselfPaced.median, 1e3 * byItselfPaced.longest,
-              1e3 * besidePaced.longest);
-  std::fflush(stdout);
-  neighbour.print();
+  rows->add(rowOf(large, false, byItself, intervals(small, ticks, false), neighbour));
+  rows->add(rowOf(large, true, byItselfPaced, intervals(small, ticks, true), neighbour));
 }
 
 }  // namespace
@@ -227,12 +224,15 @@ void compare(const Load& small, Load large, int ticks) {
 int main(int argc, char** argv) {
   CLI::App app("Ticks of a small session beside a large one");
   std::string wanted;
+  std::string rowsFile;
   int ticks = 100;
   app.add_option("--large", wanted, "only those whose name contains this");
   app.add_option("--ticks", ticks, "of the small session, per measurement");
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
+  bench::Rows rows(rowsFile, bench::engine().device().name);
   const Load small{"quad", reference::quad(), 32, Transport::kGather, false, {640, 360}};
   for (const Load& large : largeOnes()) {
-    if (large.name.find(wanted) != std::string::npos) compare(small, large, ticks);
+    if (large.name.find(wanted) != std::string::npos) compare(small, large, ticks, &rows);
   }
 }

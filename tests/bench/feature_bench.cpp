@@ -1,14 +1,13 @@
 // What each feature adds to a tick, to a frame and to memory: one lamp that moves in a room of walls, and in the same
-// room with two boxes, each feature alone or on top of those before it. Writes a table, as Markdown.
-//   feature_bench [--ticks N] [--grid N]
+// room with two boxes, each feature alone or on top of those before it.
+//   feature_bench [--ticks N] [--grid N] [--rows FILE]
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "reference/room.h"
 
@@ -111,22 +110,23 @@ Cost measure(Scene scene, const Feature& feature, int ticks) {
     if (step >= 0) took.push_back(ms.count());
   }
   bench::engine().forget(session);
-  std::nth_element(took.begin(), took.begin() + std::ptrdiff_t(took.size() / 2), took.end());
-  cost.milliseconds = took[took.size() / 2];
+  cost.milliseconds = bench::medianOf(took);
   return cost;
 }
 
-void table(bool boxes, int grid, int ticks) {
-  std::printf("\n| %s | ms | times the volume's tick | light MiB | frames MiB |\n|---|---|---|---|---|\n",
-              boxes ? "room with two boxes" : "empty room");
+void table(bool boxes, int grid, int ticks, bench::Rows* rows) {
   const Scene scene = roomOf(boxes, grid);
   double first = 0.0;
   for (const Feature& feature : kFeatures) {
     const Cost cost = measure(scene, feature, ticks);
     if (first == 0.0) first = cost.milliseconds;
-    std::printf("| %s | %.1f | %.1f | %.2f | %.2f |\n", feature.name, cost.milliseconds, cost.milliseconds / first,
-                double(cost.memory.light) / (1 << 20), double(cost.memory.frames) / (1 << 20));
-    std::fflush(stdout);
+    rows->add({boxes ? "room with two boxes" : "empty room",
+               "features",
+               {{"asked", feature.name}},
+               {{"tick_ms", cost.milliseconds},
+                {"times_the_volumes_tick", cost.milliseconds / first},
+                {"light_bytes", double(cost.memory.light)},
+                {"frames_bytes", double(cost.memory.frames)}}});
   }
 }
 
@@ -135,15 +135,16 @@ void table(bool boxes, int grid, int ticks) {
 int main(int argc, char** argv) {
   int ticks = 9;
   int grid = 32;
+  std::string rowsFile;
   CLI::App app("What each feature adds to a tick, to a frame of 320x180 and to memory");
   app.add_option("--ticks", ticks, "of each row, whose median is told")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--grid", grid, "cells along the longest edge")->check(CLI::Range(1, 128))->capture_default_str();
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
-  std::printf("%s, %d cells, frames of %dx%d, medians of %d ticks in which the lamp moves\n",
-              bench::engine().device().name.c_str(), grid, kSize.x, kSize.y, ticks);
-  table(false, grid, ticks);
-  table(true, grid, ticks);
+  bench::Rows rows(rowsFile, bench::engine().device().name);
+  table(false, grid, ticks, &rows);
+  table(true, grid, ticks, &rows);
   return 0;
 }

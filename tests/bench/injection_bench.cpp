@@ -2,7 +2,7 @@
 // per triangle and for exact voxelization, by the compute and the raster injector, COUNT and FLUX. Programs are
 // compiled beforehand; nothing is reused from one injection to the next. Ratios are of times of the same run.
 //
-//   injection_bench [--grids 32,64,128] [--mesh NAME] [--repeats N] [--csv FILE]
+//   injection_bench [--grids 32,64,128] [--mesh NAME] [--repeats N] [--rows FILE]
 //
 // LPV_BENCH_LUCY names the PLY file of Stanford's Lucy; a bumpy sphere of as many triangles takes its place.
 
@@ -11,12 +11,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
-#include <sstream>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "gpu/context.h"
 #include "gpu/gl.h"
@@ -85,11 +83,6 @@ double wallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 void finish(GpuTask task) {
   task.runToEnd();
   glFinish();
@@ -130,7 +123,7 @@ class Table {
       cpu.push_back(1e3 * (cpu1 - cpu0));
       inject.push_back(1e3 * (wall2 - wall1));
     }
-    return {median(wall), median(cpu), median(inject)};
+    return {bench::medianOf(wall), bench::medianOf(cpu), bench::medianOf(inject)};
   }
 
  private:
@@ -141,55 +134,26 @@ class Table {
   SceneCache cache_;
 };
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value < 10.0 ? "%.3f" : "%.1f", value);
-  return text;
-}
-
-void printRow(const std::string& mesh, std::size_t triangles, int cells, const std::vector<Cost>& costs,
-              std::ostream& csv) {
-  const auto all = ways();
-  const auto samplesPerSecond = [&](const Cost& dense1000) { return 1000.0 * double(triangles) / dense1000.cpu / 1e3; };
-  std::cout << "| " << mesh << " (" << triangles << ") | " << cells << " |";
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    std::cout << " " << number(costs[i].wall) << " / " << number(costs[i].cpu) << " |";
-    csv << mesh << "," << cells << "," << all[i].name << "," << costs[i].wall << "," << costs[i].cpu << ","
-        << costs[i].inject << "\n";
-  }
-  const Cost& count = costs[5];
-  const Cost& flux = costs[6];
-  std::cout << " " << number(costs[1].cpu / count.cpu) << "x / " << number(costs[2].cpu / count.cpu) << "x | "
-            << number(flux.cpu / count.cpu) << "x | " << number(costs[3].cpu / count.cpu) << "x | "
-            << number(count.inject) << " | " << number(samplesPerSecond(costs[2])) << " |" << std::endl;
-}
-
-int run(const std::vector<int>& grids, const std::string& only, int repeats, const std::string& csvPath,
+int run(const std::vector<int>& grids, const std::string& only, int repeats, const std::string& rowsFile,
         gpu::Context& context) {
-  std::ofstream file;
-  std::ostringstream nowhere;
-  if (!csvPath.empty()) file.open(csvPath);
-  std::ostream& csv = csvPath.empty() ? static_cast<std::ostream&>(nowhere) : file;
-  csv << "mesh,grid,method,wall_ms,cpu_ms,inject_wall_ms\n";
-  std::cout << "device: " << context.capabilities().renderer
-            << "\n\nMilliseconds, wall / CPU of all threads, medians of " << repeats
-            << " or more. Ratios are of CPU time. Dense: samples per CPU second with 1000 per triangle, millions.\n\n| "
-               "mesh | grid |";
-  for (const Way& way : ways()) std::cout << " " << way.name << " |";
-  std::cout << " dense 100 / 1000 to COUNT | FLUX to COUNT | raster to compute | adding voxels to the field | dense "
-               "|\n|---|---|";
-  for (std::size_t i = 0; i < ways().size() + 5; ++i) std::cout << "---|";
-  std::cout << "\n";
+  bench::Rows rows(rowsFile, context.capabilities().renderer);
   Table table(repeats);
   for (const Named& mesh : meshes()) {
     if (!only.empty() && mesh.name.find(only) == std::string::npos) continue;
     for (const int cells : grids) {
-      std::vector<Cost> costs;
-      for (const Way& way : ways()) costs.push_back(table.measure(mesh.mesh, cells, way.method));
-      printRow(mesh.name, mesh.mesh->triangles.size(), cells, costs, csv);
+      for (const Way& way : ways()) {
+        const Cost cost = table.measure(mesh.mesh, cells, way.method);
+        rows.add({mesh.name,
+                  "injection",
+                  {{"grid", double(cells)}, {"method", way.name}},
+                  {{"triangles", double(mesh.mesh->triangles.size())},
+                   {"wall_ms", cost.wall},
+                   {"cpu_ms", cost.cpu},
+                   {"inject_wall_ms", cost.inject}}});
+      }
     }
   }
-  return csv.good() ? 0 : 1;
+  return 0;
 }
 
 }  // namespace
@@ -198,15 +162,15 @@ int main(int argc, char** argv) {
   CLI::App app{"The paper's Table 1: dense sampling against exact voxelization"};
   std::vector<int> grids = {32, 64, 128};
   int repeats = 9;
-  std::string csv, only;
+  std::string rowsFile, only;
   app.add_option("--grids", grids, "Cells along an edge")->delimiter(',');
   app.add_option("--repeats", repeats, "Injections that are timed, at least")->check(CLI::Range(1, 1000));
-  app.add_option("--csv", csv, "Every figure, a line each");
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   app.add_option("--mesh", only, "Only meshes with this in their name");
   CLI11_PARSE(app, argc, argv);
   for (const gpu::Device& device : gpu::preferredOrder(gpu::listDevices())) {
     Expected<gpu::Context> context = gpu::Context::make(device);
-    if (context.ok()) return run(grids, only, repeats, csv, *context);
+    if (context.ok()) return run(grids, only, repeats, rowsFile, *context);
   }
   std::cerr << "no OpenGL 4.5 here\n";
   return 1;

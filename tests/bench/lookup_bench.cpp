@@ -11,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <future>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -19,6 +18,7 @@
 #include <map>
 #include <tuple>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "reference/ground_truth.h"
 #include "reference/meshes.h"
@@ -270,23 +270,26 @@ std::vector<Row> rowsOf(const std::string& mesh, const std::vector<Lit>& poses, 
   return rows;
 }
 
-std::string lineOf(const Row& r) {
-  char line[256];
-  std::snprintf(line, sizeof line, "%s\t%s\t%s\t%.0f\t%.5f\t%.5f\t%.5f\t%.5f\t%.5f", r.mesh.c_str(), r.source.c_str(),
-                r.reading.c_str(), r.kib, r.errors[0].raw, r.errors[0].worst, r.errors[1].raw, r.errors[1].worst,
-                r.errors[2].raw);
-  return line;
+bench::Row rowOf(const Row& r) {
+  return {r.mesh,
+          "lookup",
+          {{"moments", r.source}, {"lookup", r.reading}, {"kib", r.kib}},
+          {{"raw_l2", r.errors[0].raw},
+           {"worst", r.errors[0].worst},
+           {"objects_raw_l2", r.errors[1].raw},
+           {"objects_worst", r.errors[1].worst},
+           {"objects_of_16_raw_l2", r.errors[2].raw}}};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("What lookups make of exact moments, as a table with tabs between columns");
-  std::string only, table;
+  CLI::App app("What lookups make of exact moments");
+  std::string only, rowsFile;
   int poses = 2;
   app.add_option("--mesh", only, "Only the mesh whose name begins so");
   app.add_option("--poses", poses, "Poses that the errors are taken over");
-  app.add_option("--table", table, "Write the table there too");
+  app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
   const std::vector<std::pair<std::string, MeshPtr>> meshes = {
       {"quad", reference::quad()},
@@ -294,23 +297,17 @@ int main(int argc, char** argv) {
       {"tube", reference::tube()},
       {"sphere 720", reference::sphere()},
       {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
-  std::ofstream file;
-  if (!table.empty()) file.open(table);
-  const auto show = [&](const std::string& line) {
-    std::cout << line << std::endl;
-    if (file.is_open()) file << line << std::endl;
-  };
-  show("mesh\tmoments\tlookup\tkib\twalls_raw\twalls_worst\tobjects_raw\tobjects_worst\tobjects_of_16_raw");
+  bench::Rows rows(rowsFile, "no device: in double, on the CPU");
   for (const auto& [name, mesh] : meshes) {
     if (name.rfind(only, 0) != 0) continue;
     std::vector<Lit> lit;
     for (int pose = 0; pose < poses; ++pose) lit.push_back(litBy(mesh, pose, 200));
-    std::vector<std::future<std::vector<Row>>> rows;
+    std::vector<std::future<std::vector<Row>>> parts;
     for (const Source& source : sources())
-      rows.push_back(
+      parts.push_back(
           std::async(std::launch::async, [&lit, &name = name, source] { return rowsOf(name, lit, source); }));
-    for (auto& each : rows) {
-      for (const Row& row : each.get()) show(lineOf(row));
+    for (auto& part : parts) {
+      for (const Row& row : part.get()) rows.add(rowOf(row));
     }
   }
   return 0;

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "bench/rows.h"
 #include "bench/service_load.h"
 
 namespace {
@@ -81,27 +82,28 @@ void writeSamples(const std::string& path, const Measured& m) {
   }
 }
 
-/// Columns of a table file, tab-separated with a header; tests/bench/measure makes its tables of them.
-void appendRow(const std::string& path, const std::string& name, const nlohmann::json& j) {
-  const bool isNew = !std::ifstream(path).good();
-  std::ofstream file(path, std::ios::app);
-  std::string header = "session";
-  std::string row = name;
-  const auto column = [&](const std::string& title, const nlohmann::json& value) {
-    header += "\t" + title;
-    row += "\t" + value.dump();
-  };
-  for (const char* key :
-       {"surface_triangles", "light_triangles", "edits_per_s", "ticks_per_s", "frames_per_s", "volumes_per_s"}) {
-    column(key, j[key]);
+lpv::bench::Row rowOf(const std::string& name, const Load& load, const Measured& m) {
+  lpv::bench::Row row{name.empty() ? "room" : name, "service", {}, {}};
+  row.settings = {{"grid", double(load.grid)},
+                  {"transport", load.transport},
+                  {"visibility", load.visibility},
+                  {"bounces", load.bounces}};
+  row.values = {{"surface_triangles", double(m.surfaceTriangles)},
+                {"light_triangles", double(m.lightTriangles)},
+                {"edits_per_s", m.edits / m.seconds},
+                {"ticks_per_s", m.ticks / m.seconds},
+                {"frames_per_s", m.frames / m.seconds},
+                {"volumes_per_s", m.volumes / m.seconds},
+                {"latency_p50_ms", m.latency.p50 * 1e3},
+                {"latency_p95_ms", m.latency.p95 * 1e3},
+                {"latency_p99_ms", m.latency.p99 * 1e3},
+                {"latency_max_ms", m.latency.max * 1e3},
+                {"first_frame_ms", m.warmUpLatency.max * 1e3}};
+  for (const char* stage : {"voxelize", "propagate", "gather", "emitters", "reflect", "shade"}) {
+    const auto found = m.stageSeconds.find(stage);
+    row.values.emplace_back(std::string(stage) + "_ms", found == m.stageSeconds.end() ? 0.0 : found->second * 1e3);
   }
-  for (const char* key : {"p50", "p95", "p99", "max"}) column(std::string("latency_") + key, j["latency_ms"][key]);
-  column("warm_up_max", j["warm_up"]["latency_ms"]["max"]);
-  for (const char* stage : {"voxelize", "propagate", "gather", "emitters", "shade"}) {
-    column(stage, j["stage_ms_median"].value(stage, 0.0));
-  }
-  if (isNew) file << header << "\n";
-  file << row << "\n";
+  return row;
 }
 
 }  // namespace
@@ -110,7 +112,7 @@ int main(int argc, char** argv) {
   Load load;
   std::string jsonFile;
   std::string samplesFile;
-  std::string tableFile;
+  std::string rowsFile;
   std::string rowName;
   bool volumeOnly = false;
   CLI::App app("Measures a running session over the loopback; starts an lpvd of its own unless --server names one");
@@ -144,8 +146,8 @@ int main(int argc, char** argv) {
   app.add_flag("--volume-only", volumeOnly, "it alone: nobody watches frames");
   app.add_flag("--orbit", load.orbit, "the camera moves instead of the light")->needs(camera);
   app.add_option("--json", jsonFile, "also write the numbers here");
-  auto* table = app.add_option("--table", tableFile, "append a row of tab-separated numbers to this file");
-  app.add_option("--row", rowName, "name of that row")->needs(table);
+  auto* rows = app.add_option("--rows", rowsFile, lpv::bench::kRowsHelp);
+  app.add_option("--row", rowName, "name of that row")->needs(rows);
   app.add_option("--samples", samplesFile, "write the time from edit to frame of every edit here, as CSV");
   CLI11_PARSE(app, argc, argv);
 
@@ -159,7 +161,7 @@ int main(int argc, char** argv) {
   const nlohmann::json j = asJson(load, *measured);
   print(j);
   if (!jsonFile.empty()) std::ofstream(jsonFile) << j.dump(2) << "\n";
-  if (!tableFile.empty()) appendRow(tableFile, rowName, j);
+  if (!rowsFile.empty()) lpv::bench::Rows(rowsFile, measured->device).add(rowOf(rowName, load, *measured));
   if (!samplesFile.empty()) writeSamples(samplesFile, *measured);
   return 0;
 }

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "bench/load_session.h"
+#include "bench/rows.h"
 #include "bench/service_load.h"
 #include "lpv/client.h"
 #include "lpv/watch.h"
@@ -40,6 +40,9 @@ struct Options {
   int results = 60;
   int delay = 100;
   int grid = 16;
+  std::vector<int> readers = {1, 10, 50};
+  bool readersOnly = false;
+  std::string rowsFile;
 };
 
 /// A result as its reader got it.
@@ -127,11 +130,15 @@ double perSecond(const std::vector<Seen>& seen) {
   return double(seen.size() - 1) / std::chrono::duration<double>(seen.back().when - seen.front().when).count();
 }
 
-void printAges(const std::vector<Seen>& seen) {
+Row rowOf(const Options& options, const std::string& reader, const std::vector<Seen>& seen) {
   std::vector<double> ages;
   for (const Seen& each : seen) ages.push_back(each.age * 1e3);
-  std::sort(ages.begin(), ages.end());
-  std::printf("age when it arrives, ms: p50 %.0f  max %.0f\n", ages[ages.size() / 2], ages.back());
+  return {reader,
+          "streams",
+          {{"grid", double(options.grid)}},
+          {{"results_per_s", perSecond(seen)},
+           {"age_p50_ms", medianOf(ages)},
+           {"age_max_ms", *std::max_element(ages.begin(), ages.end())}}};
 }
 
 /// Processor time of a process so far, seconds; see proc(5).
@@ -145,28 +152,24 @@ double processorSeconds(pid_t process) {
   return ticks / double(sysconf(_SC_CLK_TCK));
 }
 
-void delayed(const Options& options, rpc::ServerProcess& server, LoadSession& session) {
+void delayed(const Options& options, rpc::ServerProcess& server, LoadSession& session, Rows* rows) {
   rpc::TcpProxy proxy(server.port());
   proxy.setDelay(std::chrono::milliseconds(options.delay / 2));
   for (const bool two : {false, true}) {
     Watching watching(proxy.address(), session.id(), two, std::chrono::milliseconds(0));
-    const std::vector<Seen> seen = watching.collect(options.results);
-    std::printf("%d ms of round trip, %s: %5.1f results/s, ", options.delay, two ? "two credits" : "one credit ",
-                perSecond(seen));
-    printAges(seen);
+    const std::string line = std::to_string(options.delay) + " ms of round trip, ";
+    rows->add(rowOf(options, line + (two ? "two credits" : "one credit"), watching.collect(options.results)));
   }
 }
 
-void slow(const Options& options, rpc::ServerProcess& server, LoadSession& session) {
+void slow(const Options& options, rpc::ServerProcess& server, LoadSession& session, Rows* rows) {
   Watching watching(server.address(), session.id(), false, kSlowReader);
-  const std::vector<Seen> seen = watching.collect(std::max(4, options.results / 6));
-  std::printf("a reader busy for %d ms with each: %.1f results/s, ", int(kSlowReader.count()), perSecond(seen));
-  printAges(seen);
+  const std::string reader = "a reader busy for " + std::to_string(kSlowReader.count()) + " ms with each";
+  rows->add(rowOf(options, reader, watching.collect(std::max(4, options.results / 6))));
 }
 
-void many(const Options& options, rpc::ServerProcess& server, LoadSession& session) {
-  double alone = 0.0;
-  for (const int readers : {1, 10, 50}) {
+void many(const Options& options, rpc::ServerProcess& server, LoadSession& session, Rows* rows) {
+  for (const int readers : options.readers) {
     std::vector<std::unique_ptr<Watching>> watching;
     for (int i = 0; i < readers; ++i) {
       watching.push_back(
@@ -182,12 +185,12 @@ void many(const Options& options, rpc::ServerProcess& server, LoadSession& sessi
     const double ticks = double(after->ticks() - before->ticks());
     const double results = double(after->results_sent() - before->results_sent());
     const double encoded = double(after->volumes_encoded() - before->volumes_encoded());
-    const double perTick = cpu / ticks * 1e3;
-    if (readers == 1) alone = perTick;
-    std::printf("%2d readers: %5.1f results and %.2f encodings a tick, %.1f ms of the server's processors a tick",
-                readers, results / ticks, encoded / ticks, perTick);
-    if (readers > 1) std::printf(", %.2f ms for each reader more", (perTick - alone) / (results / ticks - 1.0));
-    std::printf("\n");
+    rows->add({"room with a moving light",
+               "readers",
+               {{"grid", double(options.grid)}, {"readers", double(readers)}},
+               {{"results_a_tick", results / ticks},
+                {"encodings_a_tick", encoded / ticks},
+                {"processor_ms", cpu / ticks * 1e3}}});
   }
 }
 
@@ -200,10 +203,14 @@ int measure(const Options& options) {
     std::cerr << "stream_bench: " << status.message() << "\n";
     return 1;
   }
+  const auto info = session.client().serverInfo();
+  Rows rows(options.rowsFile, info ? info->device().name() : "");
   const Mover mover(session);
-  delayed(options, server, session);
-  slow(options, server, session);
-  many(options, server, session);
+  if (!options.readersOnly) {
+    delayed(options, server, session, &rows);
+    slow(options, server, session, &rows);
+  }
+  many(options, server, session, &rows);
   return 0;
 }
 
@@ -222,6 +229,9 @@ int main(int argc, char** argv) {
   app.add_option("--grid", options.grid, "cells along the longest edge")
       ->check(CLI::Range(1, 128))
       ->capture_default_str();
+  app.add_option("--readers", options.readers, "of one volume, at a time")->delimiter(',')->capture_default_str();
+  app.add_flag("--readers-only", options.readersOnly, "neither the delayed line nor the slow reader");
+  app.add_option("--rows", options.rowsFile, lpv::bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
   return lpv::bench::measure(options);
 }

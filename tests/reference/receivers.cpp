@@ -104,10 +104,27 @@ std::vector<glm::dvec3> irradiances(const Grid& grid, const Field& field, Lookup
   return out;
 }
 
+namespace {
+
+/// |ln(a / b)|, sorted.
+std::vector<double> logRatios(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b) {
+  const auto sum = [](const glm::dvec3& c) { return c.r + c.g + c.b; };
+  double mean = 0.0;
+  for (const glm::dvec3& c : b) mean += sum(c) / double(b.size());
+  std::vector<double> out;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    out.push_back(std::abs(std::log(std::max(sum(a[i]), 0.01 * mean) / std::max(sum(b[i]), 0.01 * mean))));
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+}  // namespace
+
 Errors errors(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b) {
   if (a.size() != b.size()) throw std::invalid_argument("errors: lists of different lengths");
   const double own = dotOf(a, a);
-  Errors out{relative(a, 1.0, b), relative(a, own > 0.0 ? dotOf(a, b) / own : 0.0, b), 0.0};
+  Errors out{relative(a, 1.0, b), relative(a, own > 0.0 ? dotOf(a, b) / own : 0.0, b)};
   double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const glm::dvec3 apart = glm::abs(a[i] - b[i]);
@@ -118,6 +135,10 @@ Errors errors(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b
     }
   }
   out.worst /= largest;
+  const std::vector<double> ratios = logRatios(a, b);
+  if (ratios.empty()) return out;
+  out.logRatio95 = ratios[std::size_t(0.95 * double(ratios.size() - 1))];
+  out.logRatio99 = ratios[std::size_t(0.99 * double(ratios.size() - 1))];
   return out;
 }
 

@@ -40,6 +40,8 @@ struct Errors {
   double raw = 0.0;    ///< ||a - b|| / ||b||
   double shape = 0.0;  ///< the same after a has been scaled by the one factor that brings it closest to b
   double worst = 0.0;  ///< largest |a - b| as a share of the largest b
+  double logRatio95 = 0.0;  ///< 95th percentile of |ln(a / b)| of sums over the colours, both at least 1 % of b's mean
+  double logRatio99 = 0.0;  ///< its 99th
 };
 Errors errors(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b);
 

@@ -1,0 +1,266 @@
+"""The parts of the full report: which program measures what, how much of it, and the rows that come of it."""
+
+import collections
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import results
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).resolve().parent
+SIZES = ("smoke", "usual", "all")
+LUCY, ROOM = "meshes/stanford_lucy_33446.ply", "scenes/living_room.glb"
+# A quarter of a page of every transport, grid and quality, each with all else as it comes.
+FRAME_FLAGS = ("", "--grid 16", "--grid 64", "--quality accurate", "--bounces 1", "--bounces 0", "--visibility off --bounces 0",
+               "--transport direct", "--lookup sh2 --bounces 0", "--transport propagate --bounces 0 --visibility off")
+FRAME_SCENES = "two_boxes,television,cornell_box"
+
+Part = collections.namedtuple("Part", "name what measure")
+
+
+class Failed(RuntimeError):
+    """A part that could not be measured, in a sentence."""
+
+
+class Run:
+    """How much is measured, with what, and where it goes."""
+
+    def __init__(self, build, data, output, size, seconds):
+        self.build, self.data, self.output, self.size, self.seconds = build, data, output, size, seconds
+        self.driver = ""
+        self.environment = dict(os.environ)
+        if self.has(LUCY):
+            self.environment["LPV_BENCH_LUCY"] = str(data / LUCY)
+
+    def has(self, file):
+        return self.data is not None and (self.data / file).is_file()
+
+    def by_size(self, smoke, usual, most=None):
+        return {"smoke": smoke, "usual": usual, "all": usual if most is None else most}[self.size].split()
+
+    def program(self, name):
+        path = self.build / "bin" / name
+        if not path.is_file():
+            raise Failed(f"{path} is missing; cmake --build {self.build} --target {name}")
+        return path
+
+    def start(self, command, folder):
+        log = folder / "log.txt"
+        with open(log, "a") as file:
+            done = subprocess.run([str(word) for word in command], env=self.environment, stdout=file, stderr=file,
+                                  stdin=subprocess.DEVNULL)
+        if done.returncode:
+            said = log.read_text(errors="replace").strip().splitlines()
+            raise Failed(f"{pathlib.Path(command[0]).name} ended with {done.returncode}: {said[-1] if said else 'it said nothing'}")
+
+    def bench(self, folder, name, *arguments):
+        """The rows of one bench's run."""
+        file = folder / f"{name}.rows"
+        file.unlink(missing_ok=True)
+        self.start([self.program(name), *arguments, "--rows", file], folder)
+        rows, self.driver = read_rows(file)
+        return rows
+
+    def script(self, folder, name, *arguments):
+        """What a script of this house writes itself: its document."""
+        self.start([HERE.parent / name, "--build", self.build, "--output", folder, *arguments], folder)
+        return json.loads((folder / "results.json").read_text())
+
+
+def read_rows(path):
+    """(rows, driver) of a file that tests/bench/rows.h wrote."""
+    rows, driver = [], ""
+    for line in path.read_text().splitlines():
+        found = json.loads(line)
+        if "driver" in found:
+            driver = found["driver"]
+        else:
+            rows.append(found)
+    return rows, driver
+
+
+def stages(run, folder):
+    out = folder / "stages.json"
+    run.start([run.program("core_bench"), f"--benchmark_out={out}", "--benchmark_out_format=json", "--benchmark_repetitions=3",
+               *run.by_size("--benchmark_filter=32", "--benchmark_filter=.")], folder)
+    return rows_of_stages(out)
+
+
+def rows_of_stages(path):
+    """Medians of a Google Benchmark file, a row each."""
+    rows = []
+    for one in json.loads(path.read_text())["benchmarks"]:
+        if one.get("aggregate_name") != "median":
+            continue
+        values = {f"{key}_ms": value for key, value in one.items() if isinstance(value, float) and key not in ("real_time", "cpu_time")}
+        rows.append({"case": one["run_name"].removesuffix("/real_time"), "quantity": "stages", "settings": {},
+                     "values": {"whole_ms": one["real_time"], **values}})
+    return rows
+
+
+def paper(run, folder):
+    return run.bench(folder, "injection_bench",
+                     *run.by_size("--repeats 1 --grids 32 --mesh sphere", "--repeats 9 --grids 32,64", "--repeats 9 --grids 32,64,128"))
+
+
+def paper_pictures(run, folder):
+    import paper_pictures as drawn  # needs numpy and matplotlib, the rest does not
+    rows = run.bench(folder, "paper_bench", "--pictures", folder / "floats",
+                     *run.by_size("--grid 16 --light pyramid", "--grid 64"))
+    return drawn.with_pictures(rows, folder)
+
+
+def transports(run, folder):
+    return run.bench(folder, "accuracy_bench",
+                     *run.by_size("--grids 16 --mesh quad --poses 1 --repeats 1", "--poses 2", "--poses 2 --grids 16,24,32,48,64"))
+
+
+def lookups(run, folder):
+    return run.bench(folder, "lookup_bench", *run.by_size("--mesh quad --poses 1", ""))
+
+
+def frames(run, folder):
+    """Default flags, and each other in place of one default; the report joins them to fronts."""
+    run.program("reference_renderer")
+    rows, skipped = [], []
+    scenes = [name for name in FRAME_SCENES.split(",") if name != "cornell_box" or run.has("cornell_box/cornell_box.obj")]
+    for i, flags in enumerate(FRAME_FLAGS[:1] if run.size == "smoke" else FRAME_FLAGS):
+        part = folder / f"flags{i}"
+        part.mkdir(parents=True, exist_ok=True)
+        data = ["--data", run.data] if run.data else []
+        document = run.script(part, "evaluation/evaluate", *data, "--scenes", ",".join(scenes), "--size", "160x90", "--samples",
+                              *run.by_size("16", "512", "1536"), "--points", *run.by_size("50", "400", "1000"), f"--flags={flags}")
+        rows += [moved(row, f"flags{i}") for row in document["rows"]]
+        skipped += document["skipped"]
+        run.driver = document["device"]["driver"]
+    return rows, skipped
+
+
+def moved(row, folder):
+    """The row with its pictures' paths from the folder above."""
+    row = dict(row)
+    if row.get("picture"):
+        row["picture"] = f"{folder}/{row['picture']}"
+    if row.get("images"):
+        row["images"] = {name: f"{folder}/{path}" for name, path in row["images"].items()}
+    return row
+
+
+def edges(run, folder):
+    run.program("reference_renderer")
+    scenes = "two_boxes" if run.size == "smoke" else "two_boxes,knot,chair"
+    document = run.script(folder, "evaluation/evaluate", "--edges", "--scenes", scenes, "--size", "160x90")
+    run.driver = document["device"]["driver"]
+    return document["rows"], document["skipped"]
+
+
+def coding(run, folder):
+    return run.bench(folder, "codec_bench", "--results", *run.by_size("3", "40"))
+
+
+def steadiness(run, folder):
+    return (run.bench(folder, "creep_bench", *run.by_size("--steps 4 --grid 16", "--steps 40", "--steps 100"))
+            + run.bench(folder, "change_bench", *run.by_size("--steps 3 --grids 16", "--steps 40")))
+
+
+def features(run, folder):
+    return run.bench(folder, "feature_bench", *run.by_size("--ticks 1 --grid 8", "--ticks 9"))
+
+
+def scale(run, folder):
+    rows = run.bench(folder, "scale_bench", *run.by_size("--ticks 1 --most 16", "--ticks 5 --most 100000", "--ticks 7"))
+    readers = run.bench(folder, "stream_bench", "--readers-only", *run.by_size("--readers 1,2 --results 10", "--readers 1,4,16,64"))
+    return rows + [{"case": "readers of a volume", "quantity": "scale", "settings": {"count": row["settings"]["readers"]},
+                    "values": {"processor_ms": row["values"]["processor_ms"]}} for row in readers]
+
+
+# A television's picture, one side, its foot at the origin.
+SCREEN = "v -.5 .6 0\nv .5 .6 0\nv .5 1.2 0\nv -.5 1.2 0\nf 1 2 3\nf 1 3 4\n"
+
+
+def service(run, folder):
+    plain = ("--visibility", "off", "--bounces", "0")
+    asked = [("room, moving sphere", plain), ("room, moving sphere, volume watched too", (*plain, "--volume")),
+             ("room, sphere deforming at 10 Hz", (*plain, "--light-triangles", "33000", "--deform", "--rate", "10")),
+             ("room, moving sphere, all bounces", ())]
+    if run.has(ROOM) and run.has(LUCY) and run.size != "smoke":
+        screen = folder / "screen.obj"
+        screen.write_text(SCREEN)
+        view = ("--scene", run.data / ROOM, "--camera", "2", "1.5", "7.5", "0", "1", "2")
+        statue = (*view, "--light", run.data / LUCY, "--light-scale", "0.001", "--place", "0.5", "0", "4")
+        television = (*view, "--light", screen, "--place", "0.5", "0", "1")
+        shadows = ("--bounces", "0")
+        asked += [("living room, Lucy moving", (*plain, *statue)),
+                  ("living room, Lucy moving, volume watched too", (*plain, *statue, "--volume")),
+                  ("living room, Lucy deforming at 10 Hz", (*plain, *statue, "--deform", "--rate", "10")),
+                  ("living room, Lucy moving, PROPAGATE", (*plain, *statue, "--transport", "propagate")),
+                  ("living room, Lucy moving, shadows", (*statue, *shadows)),
+                  ("living room, television moving", (*plain, *television)),
+                  ("living room, television moving, shadows", (*television, *shadows)),
+                  ("living room, television moving, shadows, volume alone", (*television, *shadows, "--volume-only")),
+                  ("living room, camera moving, shadows", (*television, *shadows, "--orbit")),
+                  ("living room, television moving, shadows, all bounces", television)]
+    seconds = ("--warm-up", "1", "--seconds", "1") if run.size == "smoke" else ("--seconds", str(run.seconds))
+    return [row for name, flags in (asked[:1] if run.size == "smoke" else asked)
+            for row in run.bench(folder, "service_bench", "--row", name, *seconds, *flags)]
+
+
+def streams(run, folder):
+    return [row for grid in run.by_size("16", "16 32")
+            for row in run.bench(folder, "stream_bench", "--grid", grid, *run.by_size("--results 10 --readers 1", ""))]
+
+
+def fairness(run, folder):
+    if run.size == "smoke":
+        raise Failed("sessions side by side take minutes, so the smoke form leaves them out")
+    return run.bench(folder, "fairness_bench", "--ticks", "60")
+
+
+def stability(run, folder):
+    run.program("stability")
+    document = run.script(folder, "stability/measure", "--markdown", folder / "STABILITY.md")
+    return document["rows"], document["skipped"]
+
+
+def cie(run, folder):
+    document = run.script(folder, "evaluation/cie171", *run.by_size("--filter 5.3", ""))
+    run.driver = document["device"]["driver"]
+    return document["rows"], document["skipped"]
+
+
+PARTS = (Part("paper", "the paper's Table 1: dense samples against voxelization", paper),
+         Part("pictures", "its figures 5 and 6, beside the truth", paper_pictures),
+         Part("transports", "time against error of every transport, grid, opening ratio and lookup", transports),
+         Part("lookups", "what lookups make of exact moments", lookups),
+         Part("frames", "frames and irradiance against path-traced references, by flags", frames),
+         Part("edges", "what samples per pixel leave of edges", edges),
+         Part("coding", "bytes on the wire against error", coding),
+         Part("steadiness", "power, what arrives with the first tick, how evenly light changes", steadiness),
+         Part("stages", "stages of a tick", stages),
+         Part("features", "what each feature adds to time and memory", features),
+         Part("scale", "time and memory by triangles, lights, surfaces, cells, sessions, readers", scale),
+         Part("service", "rates and latency over the loopback", service),
+         Part("streams", "slow lines, slow readers, many readers", streams),
+         Part("fairness", "a small session beside large ones", fairness),
+         Part("stability", "hard cases, each with its bound", stability),
+         Part("cie", "the analytic cases of CIE 171:2006", cie))
+
+
+def measured(part, run):
+    """The part's document, written into its folder."""
+    folder = run.output / "parts" / part.name
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "log.txt").unlink(missing_ok=True)
+    run.driver = ""
+    skipped = []
+    try:
+        found = part.measure(run, folder)
+        rows, skipped = found if isinstance(found, tuple) else (found, [])
+    except (Failed, OSError, ImportError, ValueError) as error:
+        rows, skipped = [], [{"case": part.name, "reason": str(error)}]
+    content = results.document(part.name, {"choice": "software", "driver": run.driver}, rows, skipped)
+    results.write(folder, content)
+    return content
