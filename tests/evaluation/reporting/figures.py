@@ -171,15 +171,36 @@ def scenes(group):
     return drawn(group.name, draw, (WIDTH, 4.2))
 
 
-def curves(name, lines, x_title, y_title):
-    """A line for each entry of {label: [(x, y)]}, both axes logarithmic, a tick at each x."""
+def fronts(name, points, x_title, y_title):
+    """Points of one place by their configurations, and the front; an axis may be something else than a time."""
+    styles = [style_of(i) for i in range(len(points))]
+
+    def draw(figure):
+        (axis,), key = panels(figure)
+        spread(axis, points)
+        front(axis, points)
+        points_of(axis, points, styles)
+        axis.set_xlabel(x_title)
+        axis.set_ylabel(y_title)
+        legend(key, [(point.configuration, style) for point, style in zip(points, styles)])
+    return drawn(name, draw, (WIDTH, 4.6))
+
+
+def growth(name, lines, x_title, y_title):
+    """As `curves`, over decades of x."""
+    return curves(name, lines, x_title, y_title, every_x=False)
+
+
+def curves(name, lines, x_title, y_title, every_x=True):
+    """A line for each entry of {label: [(x, y)]}, both axes logarithmic, with `every_x` a tick at each x."""
     def draw(figure):
         (axis,), key = panels(figure)
         for i, points in enumerate(lines.values()):
             axis.plot(*zip(*points), linewidth=1.2, markersize=4.5, **style_of(i))
         xs, ys = ([point[i] for points in lines.values() for point in points] for i in (0, 1))
         logarithmic(axis, xs, ys)
-        axis.xaxis.set_major_locator(matplotlib.ticker.FixedLocator(sorted(set(xs))))
+        if every_x:
+            axis.xaxis.set_major_locator(matplotlib.ticker.FixedLocator(sorted(set(xs))))
         axis.set_xlabel(x_title)
         axis.set_ylabel(y_title)
         legend(key, [(label, style_of(i)) for i, label in enumerate(lines)])

@@ -187,11 +187,11 @@ def setting_cell(key, value):
     return page.words(rows.setting(key, value))
 
 
-def benches(content):
-    """Rows of the benches, a table for each of their quantities."""
+def benches(content, taken=()):
+    """Rows of the benches but of the quantities `taken`, a table for each."""
     found = collections.defaultdict(list)
     for row in content["rows"]:
-        if row["quantity"] not in rows.EVALUATION:
+        if row["quantity"] not in (*rows.EVALUATION, *taken):
             found[(content["runs"][row["run"]]["bench"], row["quantity"])].append(row)
     if not found:
         return page.section("benches", "Benches", page.paragraph("No bench's results were given, so times of stages, bytes and",

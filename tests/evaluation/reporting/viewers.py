@@ -84,6 +84,8 @@ def choice(row, folder):
 
 
 def label(row):
+    if "method" in row["settings"]:
+        return f"{row['quantity']}: {row['settings']['method']}"
     return f"{row['quantity']}, against {rows.reference_of(row)}"
 
 
