@@ -229,16 +229,16 @@ void Delivery::tickIfDue() {
     if (!plan) return;
     tickUnderWay_ = true;
     plan->begun = now;
-    nextTick_ = now + intervalOf(limits_.maxTickRate);
+    pacer_.begin(now, intervalOf(limits_.maxTickRate));
   }
   start(std::move(*plan));
 }
 
 std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
   const Occasion at{now, source_.revision(), pace()};
-  if (now < nextTick_) {
+  if (now < pacer_.next()) {
     const Clock::time_point next = readers_.nextDue(at);
-    if (next != Subscriber::kNever) wakeAt(std::max(next, nextTick_));
+    if (next != Subscriber::kNever) wakeAt(std::max(next, pacer_.next()));
     return std::nullopt;
   }
   const Readers::HasView hasView = [this](const CameraChoice& choice, std::uint64_t minRevision) {
@@ -382,7 +382,7 @@ void Delivery::fail(const TickPlan& plan, const Status& status) {
     const MutexLock lock(mutex_);
     Readers::restore(plan);
     tickUnderWay_ = false;
-    nextTick_ = Clock::now() + kRetryAfterFailure;
+    pacer_.postpone(Clock::now() + kRetryAfterFailure);
   }
   tickIfDue();
 }

@@ -25,7 +25,7 @@ bool Subscriber::longTrip(const Pace& pace) const {
 
 Clock::time_point Subscriber::dueAt(std::uint64_t revision, const Pace& pace) const {
   if (!wants(revision)) return kNever;
-  return std::max(notBefore, hasCredit(pace) ? Clock::time_point::min() : prefetchDueAt(pace));
+  return std::max(pacer.next(), hasCredit(pace) ? Clock::time_point::min() : prefetchDueAt(pace));
 }
 
 /// dueAt() of a subscriber whose credit is out. Only where a round trip lasts for more than a tick's interval, as a
@@ -46,7 +46,7 @@ void Subscriber::markSent(const Result& result, Clock::time_point now) {
   lastSent = result.meta.resultId;
   shownRevision = result.meta.revision;
   shownAny = true;
-  if (subscription.maxRate > 0.0) notBefore = now + intervalOf(subscription.maxRate);
+  if (subscription.maxRate > 0.0) pacer.begin(now, intervalOf(subscription.maxRate));
 }
 
 std::optional<double> Subscriber::acknowledge(std::uint64_t resultId, Clock::time_point now) {
@@ -91,7 +91,7 @@ void Subscriber::dropStalePrefetch(std::uint64_t revision, const Pace& pace, Clo
 std::optional<Result> Subscriber::takePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now) {
   dropStalePrefetch(revision, pace, now);
   const std::optional<Prefetch> kept = std::exchange(prefetch, std::nullopt);
-  if (!kept || !hasCredit(pace) || now < notBefore) return std::nullopt;
+  if (!kept || !hasCredit(pace) || now < pacer.next()) return std::nullopt;
   if (kept->result.baseId != baseId || kept->result.meta.revision <= shownRevision) return std::nullopt;
   markSent(kept->result, now);
   return kept->result;

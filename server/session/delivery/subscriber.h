@@ -15,6 +15,7 @@
 
 #include "base/timers.h"
 #include "session/delivery/frame_adapter.h"
+#include "session/delivery/pacer.h"
 #include "session/delivery/result.h"
 #include "session/delivery/round_trip.h"
 #include "session/delivery/subscription.h"
@@ -62,7 +63,7 @@ struct Subscriber {
   std::uint64_t shownRevision = 0;  ///< of the last result sent
   bool shownAny = false;
   bool settingsChanged = false;  ///< camera, size or exposure since the last frame asked for
-  Clock::time_point notBefore{};  ///< rate limit
+  Pacer pacer;  ///< of results, where it has a rate of its own
   RoundTrip roundTrip;
   std::optional<Prefetch> prefetch;
   std::uint64_t prefetchFor = 0;  ///< the result whose acknowledgement a volume was last made ahead of
