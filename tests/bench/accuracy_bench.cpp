@@ -60,10 +60,15 @@ struct Way {
 
 std::vector<Way> ways() {
   using enum Transport;
-  return {{"PROPAGATE", kPropagate, 0.0, 2}, {"PROPAGATE clamped", kPropagate, 0.0, 2, true},
-          {"GATHER k 1", kGather, 1.0},      {"GATHER k 1.5", kGather, 1.5},
-          {"GATHER k 3", kGather, 3.0},      {"GATHER k 6", kGather, 6.0},
-          {"DIRECT k 1.5", kDirect, 1.5},    {"DIRECT k 3", kDirect, 3.0}};
+  return {{"GATHER", kGather},  // with the k of the default quality
+          {"PROPAGATE", kPropagate, 0.0, 2},
+          {"PROPAGATE clamped", kPropagate, 0.0, 2, true},
+          {"GATHER k 1", kGather, 1.0},
+          {"GATHER k 1.5", kGather, 1.5},
+          {"GATHER k 3", kGather, 3.0},
+          {"GATHER k 6", kGather, 6.0},
+          {"DIRECT k 1.5", kDirect, 1.5},
+          {"DIRECT k 3", kDirect, 3.0}};
 }
 
 /// The light in the middle of a unit cube, a quarter of it across, turned and moved by parts of a cell.

@@ -1,13 +1,20 @@
 // The lighting core's stages, as the engine times them: a light of 33,446 triangles that moves every tick, at 32^3 and
 // 64^3 with as many iterations as the grid is long. "transport" reads the volume back, "frames" renders 640 x 360 from
-// a still camera, "nearField" with GATHER. Times are from submit to done; the counters are milliseconds per stage.
+// a still camera, "nearField" with GATHER, "streams" a small room as streams have it, with shadows and with all
+// bounces. Times are from submit to done; the counters are milliseconds per stage, and, named by what they count per
+// second, how much a stage does: triangles voxelized, cells gathered, bytes that propagation reads and writes at the
+// least, and what share those are of what this machine's memory copies in the same time.
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
+#include <vector>
 
 #include "core_scene.h"
+#include "reference/room.h"
 
 namespace {
 
@@ -43,11 +50,61 @@ void countStages(benchmark::State& state, const TickReport& report) {
   }
 }
 
+/// Bytes read and written per second by memcpy of more than caches hold.
+double copyBandwidth() {
+  static const double bandwidth = [] {
+    constexpr std::size_t kBytes = std::size_t(128) << 20;
+    const std::vector<char> from(kBytes, 1);
+    std::vector<char> to(kBytes);
+    double best = 0.0;
+    for (int i = 0; i < 5; ++i) {
+      const auto begun = std::chrono::steady_clock::now();
+      std::memcpy(to.data(), from.data(), kBytes);
+      benchmark::DoNotOptimize(to.data());
+      const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begun;
+      best = std::max(best, 2.0 * double(kBytes) / seconds.count());
+    }
+    return best;
+  }();
+  return bandwidth;
+}
+
+double cellsOf(const Scene& scene) {
+  const glm::dvec3 dims(scene.grid.dims);
+  return dims.x * dims.y * dims.z;
+}
+
+/// What one tick does in a stage, as a rate over the time that the stage took in all ticks.
+void countRate(benchmark::State& state, const char* name, double amount, Stage stage) {
+  const auto found = state.counters.find(nameOf(stage));
+  if (found == state.counters.end() || found->second.value <= 0.0) return;
+  state.counters[name] = amount * double(state.iterations()) / (1e-3 * found->second.value);
+}
+
 void transport(benchmark::State& state) {
   const Scene scene = bench::roomWith(bench::statue(), position(0), int(state.range(0)));
   bench::tick(request(scene, 0));
   int step = 1;
   for (auto _ : state) countStages(state, bench::tick(request(scene, step++)).report);
+  const double triangles = double(bench::statue()->triangles.size());
+  countRate(state, "triangles_per_s", triangles, Stage::kVoxelize);
+  constexpr double kBytesPerStep = 48.0;  // of a cell: four floats read, added and written
+  const double bytes = kBytesPerStep * cellsOf(scene) * scene.options.iterationsFor(scene.grid);
+  countRate(state, "propagated_bytes_per_s", bytes, Stage::kPropagate);
+  state.counters["propagated_share_of_copying"] = state.counters["propagated_bytes_per_s"].value / copyBandwidth();
+}
+
+/// The whole grid by GATHER.
+void gather(benchmark::State& state) {
+  Scene scene = bench::roomWith(bench::statue(), position(0), int(state.range(0)));
+  scene.options.transport = Transport::kGather;
+  scene.options.followTransport();
+  scene.options.visibility = Visibility::kOff;
+  bench::tick(request(scene, 0));
+  int step = 1;
+  for (auto _ : state) countStages(state, bench::tick(request(scene, step++)).report);
+  countRate(state, "triangles_per_s", double(bench::statue()->triangles.size()), Stage::kVoxelize);
+  countRate(state, "cells_per_s", cellsOf(scene), Stage::kGather);
 }
 
 void frames(benchmark::State& state) {
@@ -76,10 +133,33 @@ void nearField(benchmark::State& state) {
   }
 }
 
+/// A stream's frame of the small room, the lamp moving; with shadows, and with as many bounces as are seen.
+void streams(benchmark::State& state) {
+  Scene scene = reference::smallRoom(32);
+  scene.options = {};
+  scene.options.followTransport();
+  scene.options.visibility = state.range(0) > 0 ? Visibility::kOn : Visibility::kOff;
+  scene.options.bounces = state.range(0) > 1 ? kAutoBounces : 0;
+  const glm::dvec3 lamp = scene.lights.begin()->second->transform.translation;
+  int step = 0;
+  for (auto _ : state) {
+    TickRequest r;
+    r.session = 2;
+    r.scene = bench::movedTo(scene, lamp + glm::dvec3(0.1 * std::sin(0.3 * step++), 0.0, 0.0));
+    r.frames = {frame(true)};
+    r.frames[0].camera = reference::roomCamera();
+    r.frames[0].size = {320, 180};
+    r.frames[0].reduced = true;
+    countStages(state, bench::tick(std::move(r)).report);
+  }
+}
+
 constexpr auto kUnit = benchmark::kMillisecond;
 BENCHMARK(transport)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
+BENCHMARK(gather)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
 BENCHMARK(frames)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
 BENCHMARK(nearField)->ArgName("reduced")->Arg(0)->Arg(1)->UseRealTime()->Unit(kUnit);
+BENCHMARK(streams)->ArgName("features")->Arg(0)->Arg(1)->Arg(2)->UseRealTime()->Unit(kUnit);
 
 }  // namespace
 

@@ -30,6 +30,7 @@ struct Growth {
 
 struct Ticks {
   double first = 0.0, median = 0.0;  ///< milliseconds
+  double firstVoxelize = 0.0, voxelize = 0.0;  ///< of these, in voxelization
   MemoryUse memory;                  ///< of one session
 };
 
@@ -131,18 +132,23 @@ Ticks measure(const Growth& growth, int count, int ticks) {
   const Scene scene = growth.scene(count);
   const int sessions = growth.sessions ? count : 1;
   Ticks out;
-  std::vector<double> took;
+  std::vector<double> took, voxelized;
   for (int step = 0; step < ticks + 2; ++step) {
     const auto begun = std::chrono::steady_clock::now();
-    for (int s = 1; s <= sessions; ++s)
-      out.memory = bench::tick(requestOf(scene, growth, SessionKey(s), step)).report.memory;
+    double voxelize = 0.0;
+    for (int s = 1; s <= sessions; ++s) {
+      const TickReport report = bench::tick(requestOf(scene, growth, SessionKey(s), step)).report;
+      voxelize += 1e3 * bench::secondsOf(report, Stage::kVoxelize);
+      out.memory = report.memory;
+    }
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - begun;
-    if (step == 0) out.first = ms.count();
-    if (step >= 2) took.push_back(ms.count());
+    if (step == 0) out.first = ms.count(), out.firstVoxelize = voxelize;
+    if (step >= 2) took.push_back(ms.count()), voxelized.push_back(voxelize);
     if (step >= 4 && ms.count() > 2000.0) break;  // three of such are enough
   }
   for (int s = 1; s <= sessions; ++s) bench::engine().forget(SessionKey(s));
   out.median = bench::medianOf(took);
+  out.voxelize = bench::medianOf(voxelized);
   return out;
 }
 
@@ -173,6 +179,8 @@ int main(int argc, char** argv) {
                 {{"count", double(count)}},
                 {{"tick_ms", seen.median},
                  {"first_tick_ms", seen.first},
+                 {"voxelize_ms", seen.voxelize},
+                 {"first_voxelize_ms", seen.firstVoxelize},
                  {"light_bytes", sessions * double(seen.memory.light)},
                  {"frames_bytes", sessions * double(seen.memory.frames)}}});
     }

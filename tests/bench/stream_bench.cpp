@@ -35,6 +35,7 @@ using Steady = std::chrono::steady_clock;
 constexpr int kWarmUp = 10;  // results that are not counted
 constexpr double kEditsPerSecond = 30.0;
 constexpr std::chrono::milliseconds kSlowReader{500};
+constexpr std::chrono::seconds kSettling{3};
 
 struct Options {
   int results = 60;
@@ -42,6 +43,7 @@ struct Options {
   int grid = 16;
   std::vector<int> readers = {1, 10, 50};
   bool readersOnly = false;
+  int stillSeconds = 0;
   std::string rowsFile;
 };
 
@@ -162,6 +164,20 @@ void delayed(const Options& options, rpc::ServerProcess& server, LoadSession& se
   }
 }
 
+/// What a session costs in which nothing happens, with two subscribers.
+void still(const Options& options, rpc::ServerProcess& server, LoadSession& session, Rows* rows) {
+  const Watching one(server.address(), session.id(), false, std::chrono::milliseconds(0));
+  const Watching other(server.address(), session.id(), true, std::chrono::milliseconds(0));
+  std::this_thread::sleep_for(kSettling);
+  const double before = processorSeconds(server.process().pid());
+  std::this_thread::sleep_for(std::chrono::seconds(options.stillSeconds));
+  const double spent = processorSeconds(server.process().pid()) - before;
+  rows->add({"nobody edits, two subscribers",
+             "static session",
+             {{"grid", double(options.grid)}, {"seconds", double(options.stillSeconds)}},
+             {{"share_of_a_core", spent / options.stillSeconds}}});
+}
+
 void slow(const Options& options, rpc::ServerProcess& server, LoadSession& session, Rows* rows) {
   Watching watching(server.address(), session.id(), false, kSlowReader);
   const std::string reader = "a reader busy for " + std::to_string(kSlowReader.count()) + " ms with each";
@@ -205,6 +221,7 @@ int measure(const Options& options) {
   }
   const auto info = session.client().serverInfo();
   Rows rows(options.rowsFile, info ? info->device().name() : "");
+  if (options.stillSeconds > 0) still(options, server, session, &rows);
   const Mover mover(session);
   if (!options.readersOnly) {
     delayed(options, server, session, &rows);
@@ -231,6 +248,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--readers", options.readers, "of one volume, at a time")->delimiter(',')->capture_default_str();
   app.add_flag("--readers-only", options.readersOnly, "neither the delayed line nor the slow reader");
+  app.add_option("--still", options.stillSeconds, "seconds in which nobody edits, before all else")
+      ->check(CLI::Range(0, 3600))
+      ->capture_default_str();
   app.add_option("--rows", options.rowsFile, lpv::bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
   return lpv::bench::measure(options);

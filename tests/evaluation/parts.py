@@ -25,6 +25,10 @@ class Failed(RuntimeError):
     """A part that could not be measured, in a sentence."""
 
 
+class LeftOut(Failed):
+    """A part that this size of the report does without."""
+
+
 class Run:
     """How much is measured, with what, and where it goes."""
 
@@ -44,7 +48,7 @@ class Run:
     def program(self, name):
         path = self.build / "bin" / name
         if not path.is_file():
-            raise Failed(f"{path} is missing; cmake --build {self.build} --target {name}")
+            raise (LeftOut if self.size == "smoke" else Failed)(f"{path} is missing; cmake --build {self.build} --target {name}")
         return path
 
     def start(self, command, folder):
@@ -95,10 +99,24 @@ def rows_of_stages(path):
     for one in json.loads(path.read_text())["benchmarks"]:
         if one.get("aggregate_name") != "median":
             continue
-        values = {f"{key}_ms": value for key, value in one.items() if isinstance(value, float) and key not in ("real_time", "cpu_time")}
+        times = {f"{stage}_ms": value for stage, value in stage_times(one).items()}
+        rates = {key: value for key, value in counters(one).items() if is_rate(key)}
         rows.append({"case": one["run_name"].removesuffix("/real_time"), "quantity": "stages", "settings": {},
-                     "values": {"whole_ms": one["real_time"], **values}})
+                     "values": {"whole_ms": one["real_time"], **times, **rates}})
     return rows
+
+
+def counters(one):
+    return {key: value for key, value in one.items() if isinstance(value, float) and key not in ("real_time", "cpu_time")}
+
+
+def is_rate(name):
+    return "_per_s" in name or "_share_" in name
+
+
+def stage_times(one):
+    """{stage: ms} of one entry of a Google Benchmark file of core_bench."""
+    return {key: value for key, value in counters(one).items() if not is_rate(key)}
 
 
 def paper(run, folder):
@@ -210,12 +228,12 @@ def service(run, folder):
 
 def streams(run, folder):
     return [row for grid in run.by_size("16", "16 32")
-            for row in run.bench(folder, "stream_bench", "--grid", grid, *run.by_size("--results 10 --readers 1", ""))]
+            for row in run.bench(folder, "stream_bench", "--grid", grid, *run.by_size("--results 10 --readers 1", "--still 30"))]
 
 
 def fairness(run, folder):
     if run.size == "smoke":
-        raise Failed("sessions side by side take minutes, so the smoke form leaves them out")
+        raise LeftOut("sessions side by side take minutes, so the smoke form leaves them out")
     return run.bench(folder, "fairness_bench", "--ticks", "60")
 
 
@@ -260,7 +278,7 @@ def measured(part, run):
         found = part.measure(run, folder)
         rows, skipped = found if isinstance(found, tuple) else (found, [])
     except (Failed, OSError, ImportError, ValueError) as error:
-        rows, skipped = [], [{"case": part.name, "reason": str(error)}]
+        rows, skipped = [], [{"case": part.name, "reason": str(error), "left_out": isinstance(error, LeftOut)}]
     content = results.document(part.name, {"choice": "software", "driver": run.driver}, rows, skipped)
     results.write(folder, content)
     return content

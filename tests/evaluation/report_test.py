@@ -258,6 +258,46 @@ class Whole(Made):
         self.assertEqual(len(page.of("img")), 4)
 
 
+class Measures(Made):
+    @staticmethod
+    def row(case, quantity, settings, **values):
+        return {"case": case, "quantity": quantity, "settings": settings, "values": values}
+
+    # Broken by: the paper's columns in another order; ratios the other way round.
+    def test_ratios_stand_beside_the_papers(self):
+        times = {"dense 1": 2.0, "dense 100": 50.0, "dense 1000": 600.0, "COUNT": 5.0, "FLUX": 8.0}
+        self.report(self.write("a", document([self.row("Lucy", "injection", {"grid": 64, "method": method}, wall_ms=ms)
+                                              for method, ms in times.items()], "paper")))
+        for here, theirs in (("0.4x", "0.4x"), ("10.0x", "30.4x"), ("120.0x", "301.8x")):
+            self.assertRegex(self.text, f">{here}</td><td[^>]*>{theirs}<")
+
+    # Broken by: an exponent of values that are not logarithms; a step that is named where it ends.
+    def test_growth_is_told_by_exponents(self):
+        rows = [self.row(name, "scale", {"count": count}, tick_ms=ms(count)) for name, ms in
+                (("even", lambda n: 3.0), ("straight", lambda n: 2.0 * n), ("steep", lambda n: n if n < 20 else n * n / 16))
+                for count in (1, 4, 16, 64)]
+        page = self.report(self.write("a", document(rows, "scale")))
+        told = {row[0][1]["data-value"]: row for table in page.tables for row in table[1:] if row[0][1]["data-value"] in ("even", "straight", "steep")
+                and len(row) == 8}
+        self.assertAlmostEqual(float(told["even"][6][1]["data-value"]), 0.0)
+        self.assertAlmostEqual(float(told["straight"][6][1]["data-value"]), 1.0)
+        self.assertIn("nowhere", told["straight"][7][1]["data-value"])
+        self.assertIn("from 16, where it grows by an exponent of 2.00", told["steep"][7][1]["data-value"])
+        self.assertTrue((self.folder / "out/figures/scale-time.svg").exists())
+
+    def test_codings_have_a_front(self):
+        rows = [self.row("moving", "coding", {"coding": name}, bytes=size, irradiance_l2=error)
+                for name, size, error in (("half", 1e6, 1e-4), ("compact", 1e5, 2e-3), ("zfp", 3e5, 3e-3))]
+        self.report(self.write("a", document(rows, "coding")))
+        self.assertTrue((self.folder / "out/figures/coding.svg").exists())
+
+    # Broken by: a section that takes a row for one of its own by the quantity alone.
+    def test_rows_of_the_same_quantity_without_what_is_needed_are_left_out(self):
+        rows = [self.row("a", quantity, {}, tick_ms=1.0) for quantity in ("injection", "coding", "scale", "transport", "paper's pictures",
+                                                                          "power", "flicker", "features")]
+        self.report(self.write("a", document(rows, "other")))
+
+
 class Against(Made):
     def judged(self, change, expected):
         """The report of ROWS after `change(rows)` against ROWS."""

@@ -13,11 +13,14 @@ TABLE_1 = {("quad", 32): (0.007, 0.007, 0.015, 0.024), ("pyramid", 32): (0.007, 
            ("sphere 720", 64): (0.008, 0.140, 1.581, 0.032), ("Lucy", 64): (0.123, 9.250, 91.760, 0.304)}
 METHODS = ("dense 1", "dense 100", "dense 1000", "COUNT")
 TAKEN = ("injection", "paper's pictures", "coding", "power", "first tick", "flicker", "creeping light", "features", "scale")
+NEEDED = {"injection": ("grid", "method"), "paper's pictures": ("grid", "method"), "coding": ("coding",), "scale": ("count",),
+          "transport": ("grid", "transport", "lookup")}
 LINEAR = 1.15  # the exponent up to which growth is called linear
 
 
 def of(content, *quantities):
-    return [row for row in content["rows"] if row["quantity"] in quantities]
+    """Rows that have what the sections here read of them: other programs may write the same quantities."""
+    return [row for row in content["rows"] if row["quantity"] in quantities and all(key in row["settings"] for key in NEEDED.get(row["quantity"], ()))]
 
 
 def ratio_cell(value):
@@ -31,7 +34,7 @@ def paper(content):
         return page.section("table1", "The paper's Table 1", page.paragraph("Injection is not measured in these results."))
     times = collections.defaultdict(dict)
     for row in listed:
-        times[(row["run"], row["case"], row["settings"]["grid"])][row["settings"]["method"]] = row["values"]["wall_ms"]
+        times[(row["run"], row["case"], row["settings"]["grid"])][row["settings"]["method"]] = row["values"].get("wall_ms")
     lines = []
     for (run, mesh, grid), found in times.items():
         theirs = TABLE_1.get((mesh, grid))
