@@ -62,15 +62,23 @@ class ProgramVariants {
 };
 
 /// The same, where a variant is a value of a plain struct: its `defines()` say what its members are called in the
-/// shader.
+/// shader. Those that were asked for are known by their values: no text is made of them again.
 template <typename Variant>
 class Programs {
  public:
   explicit Programs(std::vector<std::string> files) : programs_(std::move(files)) {}
-  Program& get(const Variant& variant) { return programs_.get(variant.defines()); }
+  Program& get(const Variant& variant) {
+    for (const auto& [known, program] : known_) {
+      if (known == variant) return *program;
+    }
+    Program& program = programs_.get(variant.defines());
+    known_.emplace_back(variant, &program);
+    return program;
+  }
 
  private:
-  ProgramVariants programs_;
+  ProgramVariants programs_;  ///< a map, so that programs stay where they are
+  std::vector<std::pair<Variant, Program*>> known_;
 };
 
 /// A define with a number, or 0 or 1.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <new>
+#include <ranges>
 #include <vector>
 
 #include "gpu/failure.h"
@@ -61,10 +62,11 @@ void JobQueue::stop() {
   arrived_.notifyOne();
 }
 
-std::deque<Job> JobQueue::take(bool mayWait) {
+void JobQueue::take(bool mayWait, std::vector<Job>& jobs) {
+  jobs.clear();
   MutexLock lock(mutex_);
   while (mayWait && !stopped_ && jobs_.empty()) arrived_.wait(lock);
-  return std::exchange(jobs_, {});
+  jobs.swap(jobs_);
 }
 
 bool JobQueue::stopped() const {
@@ -83,8 +85,11 @@ GlThread::GlThread(JobQueue& queue, gpu::Context context, std::shared_ptr<CostMo
       pipeline_(newPipeline(software_)) {}
 
 void GlThread::run() {
+  std::vector<Job> jobs;
   while (!queue_.stopped()) {
-    for (Job& job : queue_.take(ticks_.empty())) std::visit([this](auto& j) { handle(std::move(j)); }, job);
+    queue_.take(ticks_.empty(), jobs);
+    for (Job& job : jobs) std::visit([this](auto& j) { handle(std::move(j)); }, job);
+    jobs.clear();  // what they hold is not kept
     recover();
     takeEnded();
     deliverFinished();
@@ -96,7 +101,8 @@ void GlThread::run() {
     }
   }
   for (Tick& tick : ticks_) tick.done(Status(Code::kCancelled, "the lighting engine stops"));
-  for (Job& job : queue_.take(false)) {
+  queue_.take(false, jobs);
+  for (Job& job : jobs) {
     if (auto* submit = std::get_if<SubmitJob>(&job))
       submit->done(Status(Code::kCancelled, "the lighting engine stops"));
   }
@@ -210,13 +216,10 @@ bool GlThread::ready(const Tick& tick) {
 
 /// Of the ticks that can go on, the one whose session has had the least of the device.
 GlThread::Tick* GlThread::nextReady() {
-  std::vector<Tick*> able;
-  for (Tick& tick : ticks_) {
-    if (ready(tick)) able.push_back(&tick);
-  }
+  auto able = ticks_ | std::views::filter(ready);
   const auto found =
-      leastServed(fairQueue_, able.begin(), able.end(), [](const Tick* tick) { return tick->request.session; });
-  return found == able.end() ? nullptr : *found;
+      leastServed(fairQueue_, able.begin(), able.end(), [](const Tick& tick) { return tick.request.session; });
+  return found == able.end() ? nullptr : &*found;
 }
 
 void GlThread::advance(Tick& tick) {
@@ -287,6 +290,7 @@ void GlThread::deliverFinished() {
       continue;
     }
     const StageClock& clock = *tick->session->clock;
+    tick->result.report.stages.reserve(kStages);
     for (std::size_t i = 0; i < kStages; ++i) {
       if (clock.ran(Stage(i))) tick->result.report.stages.push_back({Stage(i), clock.seconds(Stage(i))});
     }
@@ -296,7 +300,8 @@ void GlThread::deliverFinished() {
     tick = ticks_.erase(tick);
     done(std::move(result));
   }
-  const std::deque<ForgetJob> waiting = std::exchange(forgetLater_, {});
+  if (forgetLater_.empty()) return;
+  const std::vector<ForgetJob> waiting = std::exchange(forgetLater_, {});
   for (const ForgetJob& job : waiting) handle(job);
 }
 

@@ -2,12 +2,12 @@
 // The one thread that owns a device's context: takes jobs, and lets the ticks of different sessions take turns.
 
 #include <atomic>
-#include <deque>
 #include <list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "base/mutex.h"
 #include "engine/engine.h"
@@ -39,14 +39,14 @@ class JobQueue {
  public:
   void push(Job job);
   void stop();
-  /// All jobs there are; waits for one, or for stop(), when `mayWait`.
-  std::deque<Job> take(bool mayWait);
+  /// All jobs there are, in the place of `jobs`; waits for one, or for stop(), when `mayWait`.
+  void take(bool mayWait, std::vector<Job>& jobs);
   bool stopped() const;
 
  private:
   mutable Mutex mutex_;
   ConditionVariable arrived_;
-  std::deque<Job> jobs_ LPV_GUARDED_BY(mutex_);
+  std::vector<Job> jobs_ LPV_GUARDED_BY(mutex_);
   bool stopped_ LPV_GUARDED_BY(mutex_) = false;
 };
 
@@ -102,7 +102,7 @@ class GlThread {
   FairQueue fairQueue_;
   std::uint64_t piecesBegun_ = 0;
   std::optional<std::uint64_t> loseAt_;
-  std::deque<ForgetJob> forgetLater_;  ///< of sessions with a tick under way
+  std::vector<ForgetJob> forgetLater_;  ///< of sessions with a tick under way
 };
 
 }  // namespace lpv

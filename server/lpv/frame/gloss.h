@@ -53,6 +53,7 @@ class GlossPass {
 
   struct RayVariant {
     bool transparent = false;
+    bool operator==(const RayVariant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
   };
   NearFieldPass& nearField_;

@@ -132,6 +132,7 @@ std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, co
   const RayVariant rays = {receivers, from.shadows.occluders->transparent()};
   const layout::ShadowParams& params = at.params;
   std::vector<LookStep> steps;
+  steps.reserve(std::size_t(params.turns + params.foldTurns) + 2);
   if (at.reflected) {
     steps.push_back({reflected_.get(rays), -1, NearFieldWork{.fromPatches = from.points * params.pointCount}.units()});
     for (int turn = 0; turn < params.foldTurns; ++turn)

@@ -138,6 +138,7 @@ class NearFieldPass {
     int pass = 0;  ///< LPV_PASS_..
     bool everywhere = false;
     bool pool = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const {
       return {gpu::define("LPV_PASS", pass), gpu::define("LPV_EVERYWHERE", everywhere), gpu::define("LPV_POOL", pool)};
     }
@@ -146,6 +147,7 @@ class NearFieldPass {
   enum class Receivers { kPixels, kPatches, kMet };
   struct ReceiverVariant {
     Receivers receivers = Receivers::kPixels;
+    bool operator==(const ReceiverVariant&) const = default;
     gpu::Defines defines() const {
       return {gpu::define("LPV_PATCHES", receivers == Receivers::kPatches),
               gpu::define("LPV_MET", receivers == Receivers::kMet)};
@@ -154,11 +156,13 @@ class NearFieldPass {
   struct EvaluateVariant {
     bool shadowed = false;
     ReceiverVariant receivers;
+    bool operator==(const EvaluateVariant&) const = default;
     gpu::Defines defines() const { return with(receivers, gpu::define("LPV_SHADOWED", shadowed)); }
   };
   struct RayVariant {
     ReceiverVariant receivers;
     bool transparent = false;
+    bool operator==(const RayVariant&) const = default;
     gpu::Defines defines() const { return with(receivers, gpu::define("LPV_TRANSPARENT", transparent)); }
   };
   static gpu::Defines with(const ReceiverVariant& receivers, gpu::Defines::value_type more) {
@@ -168,6 +172,7 @@ class NearFieldPass {
   }
   struct FilterVariant {
     bool reflected = false;
+    bool operator==(const FilterVariant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_REFLECTED", reflected)}; }
   };
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};

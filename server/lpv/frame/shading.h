@@ -76,10 +76,12 @@ class ShadingPass {
     bool gloss = false;
     bool subpixels = false;
     bool irradiance = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };
   struct ExposureVariant {
     bool finish = false;
+    bool operator==(const ExposureVariant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_FINISH", finish)}; }
   };
   gpu::Programs<Variant> shade_{{"frame/fullscreen.vert", "frame/shading.frag"}};

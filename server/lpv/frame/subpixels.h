@@ -52,6 +52,7 @@ class SubpixelPass {
   struct Rows;
   struct Variant {
     bool panes = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_PANES", panes)}; }
   };
   GbufferRenderer& gbuffer_;

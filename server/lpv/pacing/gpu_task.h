@@ -10,6 +10,7 @@
 
 #include "engine/stage.h"
 #include "gpu/fence.h"
+#include "lpv/pacing/frame_pool.h"
 
 namespace lpv {
 
@@ -38,6 +39,10 @@ class [[nodiscard]] GpuTask {
   using Handle = std::coroutine_handle<promise_type>;
 
   struct promise_type {
+    /// Frames of coroutines are used again and again: a tick has hundreds, of few sizes.
+    static void* operator new(std::size_t bytes) { return frames().take(bytes); }
+    static void operator delete(void* frame, std::size_t bytes) noexcept { frames().giveBack(frame, bytes); }
+
     promise_type* root = this;      ///< the outermost coroutine, which the engine resumes
     Handle leaf;                    ///< root only: the innermost one, where to go on
     Pause pause;                    ///< root only: why it stands
@@ -116,6 +121,12 @@ class [[nodiscard]] GpuTask {
   Awaiter operator co_await() const& noexcept { return {handle_}; }
 
  private:
+  /// Of this thread.
+  static FramePool& frames() {
+    static thread_local FramePool pool;
+    return pool;
+  }
+
   explicit GpuTask(Handle handle) : handle_(handle) {}
   Handle handle_;
 };

@@ -9,18 +9,18 @@ void Timeline::add(const Pause& piece, double predicted, Clock::time_point begin
   entries_.push_back({gpu::Fence::insert(), piece.stage, piece.units, predicted, begin, std::move(owner)});
 }
 
-std::vector<Timeline::Ended> Timeline::poll() {
-  std::vector<Ended> ended;
-  while (!entries_.empty() && entries_.front().fence.signalled()) {
+const std::vector<Timeline::Ended>& Timeline::poll() {
+  ended_.clear();
+  auto entry = entries_.begin();
+  for (; entry != entries_.end() && entry->fence.signalled(); ++entry) {
     const Clock::time_point now = Clock::now();
-    const Entry& entry = entries_.front();
-    const double seconds = std::chrono::duration<double>(now - std::max(entry.begin, lastEnd_)).count();
-    entry.owner->add(entry.stage, seconds, entry.units);
-    ended.push_back({entry.owner, entry.stage, seconds, entry.predicted});
+    const double seconds = std::chrono::duration<double>(now - std::max(entry->begin, lastEnd_)).count();
+    entry->owner->add(entry->stage, seconds, entry->units);
+    ended_.push_back({entry->owner, entry->stage, seconds, entry->predicted});
     lastEnd_ = now;
-    entries_.pop_front();
   }
-  return ended;
+  entries_.erase(entries_.begin(), entry);
+  return ended_;
 }
 
 bool Timeline::holds(const StageClock& owner) const {

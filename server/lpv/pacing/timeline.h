@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <memory>
 #include <vector>
 
@@ -28,8 +27,8 @@ class Timeline {
 
   /// Marks the end of a piece that began at `begin`.
   void add(const Pause& piece, double predicted, Clock::time_point begin, std::shared_ptr<StageClock> owner);
-  /// Takes note of what has ended, oldest first, and tells it; never waits.
-  std::vector<Ended> poll();
+  /// Takes note of what has ended, oldest first, and tells it, until it is called again; never waits.
+  const std::vector<Ended>& poll();
   /// Waits at most this long for the oldest piece; poll() afterwards.
   void waitForOldest(std::chrono::microseconds atMost) const;
   std::size_t underway() const { return entries_.size(); }
@@ -45,7 +44,8 @@ class Timeline {
     Clock::time_point begin;
     std::shared_ptr<StageClock> owner;
   };
-  std::deque<Entry> entries_;
+  std::vector<Entry> entries_;  ///< few, oldest first
+  std::vector<Ended> ended_;
   Clock::time_point lastEnd_{};
 };
 

@@ -42,10 +42,12 @@ class BouncePass {
   };
   struct StepVariant {
     int step;  ///< of shaders/transport/patch_balance.comp or patch_pieces.comp
+    bool operator==(const StepVariant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_STEP", step)}; }
   };
   struct PaneVariant {
     bool transparent;
+    bool operator==(const PaneVariant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
   };
   /// One thread after the other, as many at a time as a piece of work may have.

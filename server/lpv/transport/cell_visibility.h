@@ -65,6 +65,7 @@ class CellVisibilityPass {
 
   struct Variant {
     bool transparent = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
   };
   gpu::Programs<Variant> program_{{"transport/cell_visibility.comp"}};

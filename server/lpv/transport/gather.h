@@ -70,6 +70,7 @@ class Gatherer {
     bool twoSided = false;
     Sectors sectors = Sectors::kNone;
     bool shadowed = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };
   CellVisibilityPass visibility_;

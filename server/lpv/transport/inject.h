@@ -48,6 +48,7 @@ class Injector {
  private:
   /// Of shaders/transport/inject.comp.
   struct Passes {
+    bool operator==(const Passes&) const = default;
     bool retire = false;
     bool add = false;
     bool divide = false;
@@ -55,11 +56,13 @@ class Injector {
   struct VplVariant {
     int channels = 1;
     bool textured = false;
+    bool operator==(const VplVariant&) const = default;
     gpu::Defines defines() const;
   };
   struct Variant {
     VplVariant light;
     Passes passes;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };
   void dispatch(LightField& field, const LightVoxels& voxels, Passes passes);

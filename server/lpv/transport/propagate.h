@@ -42,6 +42,7 @@ class Propagator {
   struct Variant {
     int channels = 1;
     bool clampFaces = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };
   gpu::Programs<Variant> programs_{{"transport/propagate.comp"}};

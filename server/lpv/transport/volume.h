@@ -47,6 +47,7 @@ class VolumeMaker {
     int channels = 1;
     VolumeTarget target = VolumeTarget::kTextures;
     bool emitterDistance = false;
+    bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };
   gpu::Programs<Variant> programs_{{"transport/volume.comp"}};
