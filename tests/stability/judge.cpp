@@ -10,7 +10,7 @@ namespace lpv::stability {
 VolumePtr lit(Engine& engine, const Scene& scene) {
   static SessionKey session = 0;
   TickRequest request = test::requestOf(scene, ++session);
-  request.transported = true;
+  request.transported = request.probed = true;
   std::promise<Expected<TickResult>> answer;
   engine.submit(std::move(request), [&answer](Expected<TickResult> result) { answer.set_value(std::move(result)); });
   const Expected<TickResult> result = answer.get_future().get();
