@@ -234,7 +234,7 @@ def streams(run, folder):
 def fairness(run, folder):
     if run.size == "smoke":
         raise LeftOut("sessions side by side take minutes, so the smoke form leaves them out")
-    return run.bench(folder, "fairness_bench", "--ticks", "60")
+    return run.bench(folder, "fairness_bench", "--ticks", *run.by_size("20", "20 --large frame", "60"))
 
 
 def stability(run, folder):
