@@ -28,8 +28,9 @@ std::size_t run(Engine& engine, TickRequest request) {
 /// With shadows and all bounces, or without.
 class SteadyTickTest : public testing::TestWithParam<bool> {};
 
-// Maps and lists that a scene's inputs are compared by, of a few objects. It was 477, and 1,099 with shadows and bounces,
-// when coroutines, turns of the loop and names of programs took theirs. Broken by: FramePool that keeps nothing.
+// Maps and lists that a scene's inputs are compared by, of a few objects. It was 477, and 1,099 with shadows and
+// bounces, when coroutines, turns of the loop and names of programs took theirs. Broken by: FramePool that keeps
+// nothing.
 TEST_P(SteadyTickTest, TakesLittleFromTheHeap) {
   Expected<std::unique_ptr<Engine>> engine = startEngine({});
   if (!engine.ok()) GTEST_SKIP() << "SKIPPED: NO DEVICE: " << engine.status().message();
