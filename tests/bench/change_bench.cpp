@@ -9,7 +9,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 

@@ -1,9 +1,10 @@
 // The lighting core's stages, as the engine times them: a light of 33,446 triangles that moves every tick, at 32^3 and
 // 64^3 with as many iterations as the grid is long. "transport" reads the volume back, "frames" renders 640 x 360 from
 // a still camera, "nearField" with GATHER, "streams" a small room as streams have it, with shadows and with all
-// bounces. Times are from submit to done; the counters are milliseconds per stage, and, named by what they count per
-// second, how much a stage does: triangles voxelized, cells gathered, bytes that propagation reads and writes at the
-// least, and, where the device is software, what share those are of what memory copies in the same time.
+// bounces. Times are from submit to done; the counters are milliseconds per stage, medians and the least, and, named by
+// what they count per second, how much a stage does: triangles voxelized, cells gathered, bytes that propagation reads
+// and writes at the least, and, where the device is software, what share those are of what memory copies in the same
+// time.
 
 #include <benchmark/benchmark.h>
 
@@ -11,8 +12,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <string>
 #include <vector>
 
+#include "bench/rows.h"
 #include "core_scene.h"
 #include "reference/room.h"
 
@@ -41,14 +45,28 @@ FrameRequest frame(bool still) {
   return f;
 }
 
-/// Milliseconds of every stage as counters, averaged over the ticks.
-void countStages(benchmark::State& state, const TickReport& report) {
-  for (const StageTime& time : report.stages) {
-    benchmark::Counter& counter = state.counters[nameOf(time.stage)];
-    counter.flags = benchmark::Counter::kAvgIterations;
-    counter.value += 1e3 * time.seconds;
+/// What the ticks of one benchmark took, stage by stage.
+class Stages {
+ public:
+  void add(const TickReport& report) {
+    for (const StageTime& time : report.stages) milliseconds_[nameOf(time.stage)].push_back(1e3 * time.seconds);
   }
-}
+  /// The median of every stage as a counter with its name, and the least, which what else the machine does moves least.
+  void count(benchmark::State& state) const {
+    for (const auto& [name, all] : milliseconds_) {
+      state.counters[name] = bench::medianOf(all);
+      state.counters[name + "_least"] = *std::min_element(all.begin(), all.end());
+    }
+  }
+  /// What one tick does in a stage, per second of the stage's median.
+  void countRate(benchmark::State& state, const char* name, double amount, Stage stage) const {
+    const auto found = milliseconds_.find(nameOf(stage));
+    if (found != milliseconds_.end()) state.counters[name] = amount / (1e-3 * bench::medianOf(found->second));
+  }
+
+ private:
+  std::map<std::string, std::vector<double>> milliseconds_;
+};
 
 /// Bytes read and written per second by memcpy of more than caches hold.
 double copyBandwidth() {
@@ -74,23 +92,18 @@ double cellsOf(const Scene& scene) {
   return dims.x * dims.y * dims.z;
 }
 
-/// What one tick does in a stage, as a rate over the time that the stage took in all ticks.
-void countRate(benchmark::State& state, const char* name, double amount, Stage stage) {
-  const auto found = state.counters.find(nameOf(stage));
-  if (found == state.counters.end() || found->second.value <= 0.0) return;
-  state.counters[name] = amount * double(state.iterations()) / (1e-3 * found->second.value);
-}
-
 void transport(benchmark::State& state) {
   const Scene scene = bench::roomWith(bench::statue(), position(0), int(state.range(0)));
   bench::tick(request(scene, 0));
   int step = 1;
-  for (auto _ : state) countStages(state, bench::tick(request(scene, step++)).report);
+  Stages stages;
+  for (auto _ : state) stages.add(bench::tick(request(scene, step++)).report);
+  stages.count(state);
   const double triangles = double(bench::statue()->triangles.size());
-  countRate(state, "triangles_per_s", triangles, Stage::kVoxelize);
+  stages.countRate(state, "triangles_per_s", triangles, Stage::kVoxelize);
   constexpr double kBytesPerStep = 48.0;  // of a cell: four floats read, added and written
   const double bytes = kBytesPerStep * cellsOf(scene) * scene.options.iterationsFor(scene.grid);
-  countRate(state, "propagated_bytes_per_s", bytes, Stage::kPropagate);
+  stages.countRate(state, "propagated_bytes_per_s", bytes, Stage::kPropagate);
   if (bench::engine().device().software) {
     state.counters["propagated_share_of_copying"] = state.counters["propagated_bytes_per_s"].value / copyBandwidth();
   }
@@ -104,20 +117,24 @@ void gather(benchmark::State& state) {
   scene.options.visibility = Visibility::kOff;
   bench::tick(request(scene, 0));
   int step = 1;
-  for (auto _ : state) countStages(state, bench::tick(request(scene, step++)).report);
-  countRate(state, "triangles_per_s", double(bench::statue()->triangles.size()), Stage::kVoxelize);
-  countRate(state, "cells_per_s", cellsOf(scene), Stage::kGather);
+  Stages stages;
+  for (auto _ : state) stages.add(bench::tick(request(scene, step++)).report);
+  stages.count(state);
+  stages.countRate(state, "triangles_per_s", double(bench::statue()->triangles.size()), Stage::kVoxelize);
+  stages.countRate(state, "cells_per_s", cellsOf(scene), Stage::kGather);
 }
 
 void frames(benchmark::State& state) {
   const Scene scene = bench::roomWith(bench::statue(), position(0), int(state.range(0)));
   int step = 0;
+  Stages stages;
   for (auto _ : state) {
     TickRequest r = request(scene, step++);
     r.transported = false;
     r.frames = {frame(true)};
-    countStages(state, bench::tick(std::move(r)).report);
+    stages.add(bench::tick(std::move(r)).report);
   }
+  stages.count(state);
 }
 
 /// GATHER with the statue near walls: the near field at some pixels, as streams have it, or at each.
@@ -126,13 +143,15 @@ void nearField(benchmark::State& state) {
   scene.options.transport = Transport::kGather;
   scene.options.followTransport();
   int step = 0;
+  Stages stages;
   for (auto _ : state) {
     TickRequest r = request(scene, step++);
     r.transported = false;
     r.frames = {frame(true)};
     r.frames[0].reduced = state.range(0) != 0;
-    countStages(state, bench::tick(std::move(r)).report);
+    stages.add(bench::tick(std::move(r)).report);
   }
+  stages.count(state);
 }
 
 /// A stream's frame of the small room, the lamp moving; with shadows, and with as many bounces as are seen.
@@ -144,6 +163,7 @@ void streams(benchmark::State& state) {
   scene.options.bounces = state.range(0) > 1 ? kAutoBounces : 0;
   const glm::dvec3 lamp = scene.lights.begin()->second->transform.translation;
   int step = 0;
+  Stages stages;
   for (auto _ : state) {
     TickRequest r;
     r.session = 2;
@@ -152,8 +172,9 @@ void streams(benchmark::State& state) {
     r.frames[0].camera = reference::roomCamera();
     r.frames[0].size = {320, 180};
     r.frames[0].reduced = true;
-    countStages(state, bench::tick(std::move(r)).report);
+    stages.add(bench::tick(std::move(r)).report);
   }
+  stages.count(state);
 }
 
 constexpr auto kUnit = benchmark::kMillisecond;

@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/gtc/quaternion.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -85,7 +84,6 @@ std::vector<Method> methods() {
 /// In the middle of the room, turned, 1 m across, seen from a corner.
 Scene sceneOf(const Named& named, const Method& method, int cells) {
   Scene scene = bench::roomWith(named.mesh, {0.0, 1.5, 0.0}, cells);
-  const Grid grid = scene.grid;
   LightingSettings options = method.transport == Transport::kPropagate ? LightingSettings::paper() : LightingSettings();
   options.grid = scene.options.grid;
   if (method.transport != Transport::kPropagate) options.followTransport();
@@ -95,7 +93,6 @@ Scene sceneOf(const Named& named, const Method& method, int cells) {
   options.visibility = Visibility::kOff;
   if (method.transport == Transport::kPropagate) options.iterations = 2 * cells;
   scene.options = options;
-  scene.grid = grid;
   auto light = std::make_shared<Light>(*scene.lights.at("light"));
   light->texture = named.texture;
   light->visibleToCamera = false;  // so that every pixel shows a wall

@@ -12,12 +12,10 @@
 #include "bench/rows.h"
 #include "core_scene.h"
 #include "reference/meshes.h"
-#include "reference/room.h"
 
 namespace {
 
 using namespace lpv;
-using bench::Row;
 
 /// One thing that grows.
 struct Growth {
@@ -36,13 +34,11 @@ struct Ticks {
 
 Scene roomOf(const MeshPtr& lamp, int cells) {
   Scene scene = bench::roomWith(lamp, {0.0, 1.5, 0.0}, cells);
-  const Grid grid = scene.grid;
   scene.options = {};
   scene.options.transport = Transport::kGather;
   scene.options.followTransport();
   scene.options.visibility = Visibility::kOff;
   scene.options.bounces = 0;
-  scene.grid = grid;
   return scene;
 }
 

@@ -71,7 +71,7 @@ def logarithmic(axis, xs, ys):
         room = max(1.25, (high / low) ** 0.08)
         set_limits(low / room, high * room)
         ticks.set_major_locator(matplotlib.ticker.FixedLocator(ticks_between(low / room, high * room)))
-        ticks.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:.3g}"))
+        ticks.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:.3g}" if v < 1000 else f"{v:.0f}"))
         ticks.set_minor_locator(matplotlib.ticker.NullLocator())
 
 

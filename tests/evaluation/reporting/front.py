@@ -6,7 +6,7 @@ import re
 
 from reporting import kinds, rows
 
-TIMES = ("tick_seconds", "frame_seconds")
+TIMES = ("served_seconds", "tick_seconds", "frame_seconds")
 ERROR_OF = {"pixels": "nrmse", "edges": "hdr_flip"}
 ERRORS = ("raw_l2", "nrmse", "hdr_flip")
 MOST_NAMED = 16

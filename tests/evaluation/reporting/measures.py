@@ -63,7 +63,7 @@ def paper_pictures(content):
         "as the paper tells it; the errors beside it are against the truth, closed forms. The first five methods propagate as the paper",
         "does, which loses most of the light before it is at the walls, however it was injected; the last is this server's default. The",
         "pictures themselves are below, among the others. Panel (b) of figure 6, the specular light of a volume of two bands, is not",
-        "built here: glossy surfaces look at the lights themselves (GLOSS.md), which the paper calls the better way."),
+        "built here: the paper says itself that it is not good; glossy surfaces look at the lights themselves (GLOSS.md)."),
         page.table("Errors by light and injection", ["light", "method", "MSE to COUNT", "raw L2 %", "shape L2 %", "NRMSE %", "FLIP",
                                                      "tick, light moved, ms"], lines))
 

@@ -30,7 +30,7 @@ def percent(value):
     if value is None:
         return NOTHING
     value *= 100
-    return "0" if value == 0 else f"{value:.1e}" if abs(value) < 0.001 else f"{value:.0f}" if abs(value) >= 100 else f"{value:.2g}"
+    return "0" if value == 0 else f"{value:.1e}" if abs(value) < 0.001 else f"{value:.0f}" if abs(value) >= 99.5 else f"{value:.2g}"
 
 
 def short(value):
