@@ -13,25 +13,19 @@ SHORTEST_MS = 0.05  # stages that take less in both are not judged: a clock and 
 Ratio = collections.namedtuple("Ratio", "name old new ratio low high")
 
 
+def median(values):
+    ordered = sorted(values)
+    middle = len(ordered) // 2
+    return ordered[middle] if len(ordered) % 2 else 0.5 * (ordered[middle - 1] + ordered[middle])
+
+
 def interval(logs, seed=1):
-    """(low, high): the interval of the mean of `logs`, by Student's t of each resample, which is wider than percentiles
-    are where there are few pairs."""
-    n = len(logs)
-    mean = sum(logs) / n
-    deviation = math.sqrt(sum((x - mean) ** 2 for x in logs) / (n - 1)) / math.sqrt(n)
-    if deviation == 0.0:
-        return mean, mean
+    """(low, high): percentiles of the medians of resamples. Medians, since a machine that others use has pairs in which one
+    side stood still for a while."""
     source = random.Random(seed)
-    studentised = []
-    for _ in range(RESAMPLES):
-        drawn = [logs[source.randrange(n)] for _ in range(n)]
-        own = sum(drawn) / n
-        spread = math.sqrt(sum((x - own) ** 2 for x in drawn) / (n - 1)) / math.sqrt(n)
-        if spread > 0.0:
-            studentised.append((own - mean) / spread)
-    studentised.sort()
-    tail = int((1.0 - CONFIDENCE) / 2.0 * len(studentised))
-    return mean - deviation * studentised[-1 - tail], mean - deviation * studentised[tail]
+    medians = sorted(median(source.choices(logs, k=len(logs))) for _ in range(RESAMPLES))
+    tail = int((1.0 - CONFIDENCE) / 2.0 * RESAMPLES)
+    return medians[tail], medians[-1 - tail]
 
 
 def ratios(pairs):
@@ -42,12 +36,12 @@ def ratios(pairs):
         both = [(old[name], new[name]) for old, new in pairs]
         if any(a <= 0.0 or b <= 0.0 for a, b in both):
             continue
-        old, new = (sorted(values)[len(values) // 2] for values in zip(*both))
+        old, new = map(median, zip(*both))
         if max(old, new) < SHORTEST_MS:
             continue
         logs = [math.log(b / a) for a, b in both]
         low, high = interval(logs)
-        out.append(Ratio(name, old, new, math.exp(sum(logs) / len(logs)), math.exp(low), math.exp(high)))
+        out.append(Ratio(name, old, new, math.exp(median(logs)), math.exp(low), math.exp(high)))
     return out
 
 
