@@ -22,14 +22,15 @@ struct Seen {
   int ticks = 0;
 };
 
-/// Ticks for edits that come every `period`, each up to `late` too late; a tick shows all edits before it.
+/// Ticks for edits that come every `period`, all but the first up to `late` too late; a tick shows all edits before it.
 Seen run(Clock::duration period, Clock::duration late, int edits) {
   std::mt19937 random(3);
   Pacer pacer;
   Seen seen;
   Clock::time_point last{};
   for (int i = 0; i < edits; ++i) {
-    const Clock::duration lateness = late * std::uniform_int_distribution(0, 100)(random) / 100;
+    const Clock::duration lateness =
+        i == 0 ? Clock::duration() : late * std::uniform_int_distribution(0, 100)(random) / 100;
     const Clock::time_point edit = kBegin + i * period + lateness;
     if (edit <= last) continue;  // shown already
     last = std::max(edit, pacer.next());
@@ -47,7 +48,7 @@ TEST(Pacer, UnevenEditsAtTheRateDoNotWait) {
   EXPECT_EQ(seen.longestWait, 0ms);
 }
 
-// Broken by: no limit; a pause that is saved up.
+// Broken by: no limit; a pause that is saved up, as one tick more at once.
 TEST(Pacer, NoMoreThanTheRateComesThrough) {
   const Seen seen = run(1ms, 0ms, 33000);
   EXPECT_LE(seen.ticks, 1001);
@@ -55,8 +56,6 @@ TEST(Pacer, NoMoreThanTheRateComesThrough) {
   Pacer pacer;
   pacer.begin(kBegin, kInterval);
   const Clock::time_point later = kBegin + 1h;
-  pacer.begin(later, kInterval);
-  EXPECT_EQ(pacer.next(), later);  // one more at once
   pacer.begin(later, kInterval);
   EXPECT_EQ(pacer.next(), later + kInterval);
 }
