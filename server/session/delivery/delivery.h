@@ -107,7 +107,7 @@ class Delivery {
   Readers readers_ LPV_GUARDED_BY(mutex_);
   bool tickUnderWay_ LPV_GUARDED_BY(mutex_) = false;
   std::optional<MemoryUse> memory_ LPV_GUARDED_BY(mutex_);
-  Pacer pacer_ LPV_GUARDED_BY(mutex_);  ///< of ticks
+  Pacer pacer_ LPV_GUARDED_BY(mutex_){Pacer::Slack::kAnInterval};  ///< of ticks
   std::optional<Clock::time_point> wakesAt_ LPV_GUARDED_BY(mutex_);  ///< the timer's call that is pending
   double tickSeconds_ LPV_GUARDED_BY(mutex_) = 0.0;  ///< from a tick's plan to its results, smoothed
   double encodeSeconds_ LPV_GUARDED_BY(mutex_) = 0.0;  ///< of a volume, smoothed

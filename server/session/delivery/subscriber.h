@@ -63,7 +63,7 @@ struct Subscriber {
   std::uint64_t shownRevision = 0;  ///< of the last result sent
   bool shownAny = false;
   bool settingsChanged = false;  ///< camera, size or exposure since the last frame asked for
-  Pacer pacer;  ///< of results, where it has a rate of its own
+  Pacer pacer{Pacer::Slack::kNone};  ///< of results, where it has a rate of its own
   RoundTrip roundTrip;
   std::optional<Prefetch> prefetch;
   std::uint64_t prefetchFor = 0;  ///< the result whose acknowledgement a volume was last made ahead of

@@ -126,11 +126,11 @@ TEST_F(Pacing, MaxRateBoundsTheResultsOfASubscriber) {
   EXPECT_GE(secondsFor(kResults, server().address(), kRate), (kResults - 1) / kRate);
 }
 
-// Seen to fail when a tick may follow at once.
+// On average: one tick more may come at once (session/delivery/pacer.h). Seen to fail when every tick may.
 TEST_F(Pacing, MaxTickRateBoundsTheResultsOfASession) {
   constexpr int kResults = 8;
   ServerProcess slow({"--max-tick-rate", "5", "--max-edits-per-second", "100000"});
-  EXPECT_GE(secondsFor(kResults, slow.address(), 0.0), (kResults - 1) / 5.0);
+  EXPECT_GE(secondsFor(kResults, slow.address(), 0.0), (kResults - 2) / 5.0);
 }
 
 /// Reads frames of a light that always changes over a line of its own, and acknowledges each.
