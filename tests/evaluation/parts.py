@@ -1,6 +1,7 @@
 """The parts of the full report: which program measures what, how much of it, and the rows that come of it."""
 
 import collections
+import importlib.util
 import json
 import os
 import pathlib
@@ -264,6 +265,8 @@ def stability(run, folder):
 
 
 def cie(run, folder):
+    if importlib.util.find_spec("OpenImageIO") is None:
+        raise (LeftOut if run.size == "smoke" else Failed)("OpenImageIO for Python is missing; apt-get install python3-openimageio")
     document = run.script(folder, "evaluation/cie171", *run.by_size("--filter 5.3", ""))
     run.driver = document["device"]["driver"]
     return document["rows"], document["skipped"]
