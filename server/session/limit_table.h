@@ -37,7 +37,7 @@ inline constexpr std::tuple kLimitTable = {
              "edits of one client, or of all that do not say who they are"},
     LimitRow{"max_presence_updates_per_second", &Limits::maxPresenceUpdatesPerSecond, 0.1, 1000,
              "presence updates of one client"},
-    LimitRow{"max_tick_rate", &Limits::maxTickRate, 0.1, 240, "ticks of one session per second"},
+    LimitRow{"max_tick_rate", &Limits::maxTickRate, 0.1, 240, "ticks of one session per second, on average"},
     LimitRow{"max_uploads", &Limits::maxUploads, 1, 1000, "uploads of blobs on their way at once"},
     LimitRow{"max_session_files", &Limits::maxSessionFiles, 1, 1000, "session files on their way in or out at once"},
     LimitRow{"max_answer_bytes", &Limits::maxAnswerBytes, 1e6, 1e12, "bytes that answers in progress hold together"},

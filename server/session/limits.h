@@ -25,7 +25,7 @@ struct Limits {
   std::chrono::seconds presenceIdle{15};  ///< a member without streams who says nothing for so long is gone
   /// A member without streams who says nothing for so long gives its place to one who joins a full session.
   std::chrono::seconds memberSilent{3600};
-  double maxTickRate = 30.0;  ///< ticks of one session per second
+  double maxTickRate = 30.0;  ///< ticks of one session per second, on average
   double maxTickSeconds = 30.0;  ///< that a tick from nothing is predicted to take of the device
   int maxSessionFiles = 4;  ///< on their way in or out at once, of the whole server; each is held in memory
   int maxUploads = 32;  ///< of blobs on their way at once, of the whole server; each is held in memory

@@ -42,12 +42,10 @@ struct Named {
 };
 
 std::vector<Named> meshes() {
-  return {{"quad", reference::quad()},
-          {"pyramid", reference::pyramid()},
-          {"tube", reference::tube()},
-          {"sphere 720", reference::sphere()},
-          {"screen", reference::quad(), reference::noise(8, 8)},
-          {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
+  std::vector<Named> out;
+  for (const auto& [name, mesh] : bench::paperMeshes()) out.push_back({name, mesh});
+  out.push_back({"screen", reference::quad(), reference::noise(8, 8)});
+  return out;
 }
 
 struct Way {

@@ -21,12 +21,8 @@
 namespace {
 
 using namespace lpv;
+using bench::NamedMesh;
 using Colours = std::vector<glm::dvec3>;
-
-struct Named {
-  std::string name;
-  MeshPtr mesh;
-};
 
 struct Way {
   std::string name;
@@ -35,14 +31,6 @@ struct Way {
   InjectionMethod method = InjectionMethod::kCompute;
   int samples = 0;
 };
-
-std::vector<Named> meshes() {
-  return {{"quad", reference::quad()},
-          {"pyramid", reference::pyramid()},
-          {"tube", reference::tube()},
-          {"sphere 720", reference::sphere()},
-          {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
-}
 
 std::vector<Way> injections() {
   using enum InjectionMethod;
@@ -61,7 +49,7 @@ std::vector<Way> ways() {
 }
 
 /// In the unit cube's middle, a quarter of it across, turned.
-Scene sceneOf(const Named& named, const Way& way, int cells, const glm::dvec3& moved) {
+Scene sceneOf(const NamedMesh& named, const Way& way, int cells, const glm::dvec3& moved) {
   Scene scene;
   scene.grid = {glm::dvec3(0.0), 1.0 / cells, glm::ivec3(cells)};
   scene.options.transport = way.transport;
@@ -113,12 +101,12 @@ double distance(const Colours& a, const Colours& b) {
   return std::sqrt(sum);
 }
 
-bench::Row rowOf(const char* quantity, const Named& light, const Way& way, int cells) {
+bench::Row rowOf(const char* quantity, const NamedMesh& light, const Way& way, int cells) {
   return {light.name, quantity, {{"grid", double(cells)}, {"way", way.name}}, {}};
 }
 
 /// A lobe of a cell's power P has L00 = kLobe0 P / pi.
-void power(const Named& light, const Way& way, int cells, bench::Rows* rows) {
+void power(const NamedMesh& light, const Way& way, int cells, bench::Rows* rows) {
   const Scene scene = sceneOf(light, way, cells, glm::dvec3(0.0));
   const VolumePtr injected = tick(scene, 1, true).injected;
   double sum = 0.0;
@@ -133,7 +121,7 @@ void power(const Named& light, const Way& way, int cells, bench::Rows* rows) {
   bench::engine().forget(1);
 }
 
-void firstTick(const Named& light, const Way& way, int cells, bench::Rows* rows) {
+void firstTick(const NamedMesh& light, const Way& way, int cells, bench::Rows* rows) {
   const Scene before = sceneOf(light, way, cells, glm::dvec3(0.0));
   const Scene after = sceneOf(light, way, cells, {3.3, -2.6, 1.9});
   const std::vector<reference::Receiver> walls = reference::wallReceivers(before.grid);
@@ -146,7 +134,7 @@ void firstTick(const Named& light, const Way& way, int cells, bench::Rows* rows)
   for (const SessionKey session : {1, 2}) bench::engine().forget(session);
 }
 
-void flicker(const Named& light, const Way& way, int cells, int steps, bench::Rows* rows) {
+void flicker(const NamedMesh& light, const Way& way, int cells, int steps, bench::Rows* rows) {
   std::vector<Colours> errors;
   std::vector<double> seconds;
   for (int step = 0; step < steps; ++step) {
@@ -185,16 +173,16 @@ int main(int argc, char** argv) {
   app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
   bench::Rows rows(rowsFile, bench::engine().device().name);
-  for (const Named& light : meshes()) {
+  for (const NamedMesh& light : bench::paperMeshes()) {
     for (const int cells : grids) {
       for (const Way& way : injections()) power(light, way, cells, &rows);
     }
   }
-  const std::vector<Named> moving = {meshes()[0], meshes()[3]};
-  for (const Named& light : moving) {
+  const std::vector<NamedMesh> moving = {bench::paperMeshes()[0], bench::paperMeshes()[3]};
+  for (const NamedMesh& light : moving) {
     for (const Way& way : ways()) firstTick(light, way, grids.front(), &rows);
   }
-  for (const Named& light : moving) {
+  for (const NamedMesh& light : moving) {
     for (const Way& way : ways()) flicker(light, way, grids.front(), steps, &rows);
   }
   return 0;

@@ -79,6 +79,14 @@ MeshPtr statue() {
   return mesh;
 }
 
+std::vector<NamedMesh> paperMeshes() {
+  return {{"quad", reference::quad()},
+          {"pyramid", reference::pyramid()},
+          {"tube", reference::tube()},
+          {"sphere 720", reference::sphere()},
+          {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", statue()}};
+}
+
 Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells) {
   Scene scene;
   const Bounds room{glm::dvec3(-2.0, 0.0, -2.0), glm::dvec3(2.0, 3.0, 2.0)};

@@ -2,6 +2,7 @@
 // Scenes for the benches, and a blocking way to run a tick.
 
 #include <string>
+#include <vector>
 
 #include "engine/engine.h"
 #include "scene/scene.h"
@@ -17,6 +18,14 @@ TickResult tick(TickRequest request);
 /// The mesh of 33,446 triangles: Stanford's Lucy where LPV_BENCH_LUCY names the PLY file, else a bumpy sphere with as
 /// many triangles. About 1 m high.
 MeshPtr statue();
+
+struct NamedMesh {
+  std::string name;
+  MeshPtr mesh;
+};
+
+/// The five that the paper's Table 1 has as lights, statue() the last of them.
+std::vector<NamedMesh> paperMeshes();
 
 /// A closed box of 4 x 3 x 4 m as the room, and one light of `mesh` at `position`.
 Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells);

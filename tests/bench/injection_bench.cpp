@@ -25,11 +25,7 @@
 namespace {
 
 using namespace lpv;
-
-struct Named {
-  std::string name;
-  MeshPtr mesh;
-};
+using bench::NamedMesh;
 
 struct Way {
   std::string name;
@@ -42,14 +38,6 @@ struct Cost {
   double cpu = 0.0;     ///< of all threads: what a run beside others is compared by
   double inject = 0.0;  ///< wall of adding the finished voxels to the field
 };
-
-std::vector<Named> meshes() {
-  return {{"quad", reference::quad()},
-          {"pyramid", reference::pyramid()},
-          {"tube", reference::tube()},
-          {"sphere 720", reference::sphere()},
-          {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
-}
 
 std::vector<Way> ways() {
   using enum InjectionMethod;
@@ -138,7 +126,7 @@ int run(const std::vector<int>& grids, const std::string& only, int repeats, con
         gpu::Context& context) {
   bench::Rows rows(rowsFile, context.capabilities().renderer);
   Table table(repeats);
-  for (const Named& mesh : meshes()) {
+  for (const NamedMesh& mesh : bench::paperMeshes()) {
     if (!only.empty() && mesh.name.find(only) == std::string::npos) continue;
     for (const int cells : grids) {
       for (const Way& way : ways()) {

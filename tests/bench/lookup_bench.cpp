@@ -291,14 +291,8 @@ int main(int argc, char** argv) {
   app.add_option("--poses", poses, "Poses that the errors are taken over");
   app.add_option("--rows", rowsFile, bench::kRowsHelp);
   CLI11_PARSE(app, argc, argv);
-  const std::vector<std::pair<std::string, MeshPtr>> meshes = {
-      {"quad", reference::quad()},
-      {"pyramid", reference::pyramid()},
-      {"tube", reference::tube()},
-      {"sphere 720", reference::sphere()},
-      {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()}};
   bench::Rows rows(rowsFile, "no device: in double, on the CPU");
-  for (const auto& [name, mesh] : meshes) {
+  for (const auto& [name, mesh] : bench::paperMeshes()) {
     if (name.rfind(only, 0) != 0) continue;
     std::vector<Lit> lit;
     for (int pose = 0; pose < poses; ++pose) lit.push_back(litBy(mesh, pose, 200));

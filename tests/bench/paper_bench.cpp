@@ -61,13 +61,11 @@ MeshPtr directedQuad(int n) {
 }
 
 std::vector<Named> lights() {
-  return {{"quad", reference::quad()},
-          {"pyramid", reference::pyramid()},
-          {"tube", reference::tube()},
-          {"sphere 720", reference::sphere()},
-          {std::getenv("LPV_BENCH_LUCY") != nullptr ? "Lucy" : "bumpy 33446", bench::statue()},
-          {"quad with a texture", reference::quad(), reference::noise(8, 8)},
-          {"quad with emission directions", directedQuad(4)}};
+  std::vector<Named> out;
+  for (const auto& [name, mesh] : bench::paperMeshes()) out.push_back({name, mesh});
+  out.push_back({"quad with a texture", reference::quad(), reference::noise(8, 8)});
+  out.push_back({"quad with emission directions", directedQuad(4)});
+  return out;
 }
 
 std::vector<Method> methods() {

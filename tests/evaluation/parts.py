@@ -6,15 +6,13 @@ import json
 import os
 import pathlib
 import subprocess
-import sys
 
 import results
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).resolve().parent
-SIZES = ("smoke", "usual", "all")
 LUCY, ROOM = "meshes/stanford_lucy_33446.ply", "scenes/living_room.glb"
-# A quarter of a page of every transport, grid and quality, each with all else as it comes.
+# Default flags, and each of these in the place of one default.
 FRAME_FLAGS = ("", "--grid 16", "--grid 64", "--quality accurate", "--bounces 1", "--bounces 0", "--visibility off --bounces 0",
                "--transport direct", "--lookup sh2 --bounces 0", "--transport propagate --bounces 0 --visibility off")
 FRAME_SCENES = "two_boxes,television,cornell_box"
@@ -35,7 +33,7 @@ class Run:
 
     def __init__(self, build, data, output, size, seconds):
         self.build, self.data, self.output, self.size, self.seconds = build, data, output, size, seconds
-        self.driver = ""
+        self.device = {"choice": "auto", "driver": ""}
         self.environment = dict(os.environ)
         if self.has(LUCY):
             self.environment["LPV_BENCH_LUCY"] = str(data / LUCY)
@@ -66,13 +64,16 @@ class Run:
         file = folder / f"{name}.rows"
         file.unlink(missing_ok=True)
         self.start([self.program(name), *arguments, "--rows", file], folder)
-        rows, self.driver = read_rows(file)
+        rows, driver = read_rows(file)
+        self.device = {"choice": "auto", "driver": driver}
         return rows
 
     def script(self, folder, name, *arguments):
         """What a script of this house writes itself: its document."""
         self.start([HERE.parent / name, "--build", self.build, "--output", folder, *arguments], folder)
-        return json.loads((folder / "results.json").read_text())
+        document = json.loads((folder / "results.json").read_text())
+        self.device = document["device"]
+        return document
 
 
 def read_rows(path):
@@ -174,7 +175,6 @@ def frames(run, folder):
                               *run.by_size("16", "512", "1536"), "--points", *run.by_size("50", "400", "1000"), f"--flags={flags}")
         rows += [moved(row, f"flags{i}") for row in document["rows"]]
         skipped += document["skipped"]
-        run.driver = document["device"]["driver"]
     return rows, skipped
 
 
@@ -192,7 +192,6 @@ def edges(run, folder):
     run.program("reference_renderer")
     scenes = "two_boxes" if run.size == "smoke" else "two_boxes,knot,chair"
     document = run.script(folder, "evaluation/evaluate", "--edges", "--scenes", scenes, "--size", "160x90")
-    run.driver = document["device"]["driver"]
     return document["rows"], document["skipped"]
 
 
@@ -268,7 +267,6 @@ def cie(run, folder):
     if importlib.util.find_spec("OpenImageIO") is None:
         raise (LeftOut if run.size == "smoke" else Failed)("OpenImageIO for Python is missing; apt-get install python3-openimageio")
     document = run.script(folder, "evaluation/cie171", *run.by_size("--filter 5.3", ""))
-    run.driver = document["device"]["driver"]
     return document["rows"], document["skipped"]
 
 
@@ -295,13 +293,13 @@ def measured(part, run):
     folder = run.output / "parts" / part.name
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "log.txt").unlink(missing_ok=True)
-    run.driver = ""
+    run.device = {"choice": "auto", "driver": ""}
     skipped = []
     try:
         found = part.measure(run, folder)
         rows, skipped = found if isinstance(found, tuple) else (found, [])
     except (Failed, OSError, ImportError, ValueError) as error:
         rows, skipped = [], [{"case": part.name, "reason": str(error), "left_out": isinstance(error, LeftOut)}]
-    content = results.document(part.name, {"choice": "software", "driver": run.driver}, rows, skipped)
+    content = results.document(part.name, run.device, rows, skipped)
     results.write(folder, content)
     return content
