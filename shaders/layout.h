@@ -12,6 +12,7 @@ using uint = std::uint32_t;
 using glm::dmat4;
 using glm::ivec2;
 using glm::ivec3;
+using glm::ivec4;
 using glm::mat4;
 using glm::uvec3;
 using glm::uvec4;
@@ -34,7 +35,7 @@ LPV_CONST int kVoxelCells = 3;  // one light's cells: VoxelHeader, then uvec2 (c
 LPV_CONST int kLargeTriangles = 4;  // ListHeader, then uint per work item
 LPV_CONST int kCounters = 5;  // Counters
 LPV_CONST int kFieldOut = 6;  // vec4 per halo cell and channel
-LPV_CONST int kFieldSum = 7;  // vec4 per halo cell and channel (clamped form only)
+LPV_CONST int kFieldSum = 7;  // vec4 per halo cell and channel (clamped form), or what is added to a field
 LPV_CONST int kIncidentVolume = 8;  // float, kVolumeFloats per cell
 LPV_CONST int kExposure = 9;  // vec4: the exposure; then one per group of its reduction
 LPV_CONST int kRecordedPairs = 10;  // tests only: uvec2 (triangle, cell)
@@ -52,6 +53,7 @@ LPV_CONST int kTreeEntries = 19;  // vec4, kPlainEntryTexels or kTexturedEntryTe
 LPV_CONST int kReceiverBlocks = 20;  // uint per block of cells: packedBlock()
 LPV_CONST int kCursors =
     21;  // uvec2 per block: resume position of its walk through the tree, double-buffered by turn parity
+LPV_CONST int kAddedDistance = 21;  // as kEmitterDistanceBuffer, of lights that are added (gather_sum.comp)
 LPV_CONST int kEmitterDistanceBuffer = 22;  // float per cell: cells to the nearest VPL that was taken by itself
 LPV_CONST int kThinTriangles = 23;  // ListHeader, then uint: triangles that snapping makes a segment over several cells
 LPV_CONST int kRowMoments =
@@ -205,7 +207,6 @@ LPV_CONST int kSquareWords = 6 * kWideWords;  // at the end, with LPV_SQUARES: w
 LPV_CONST int kCoefficients = 4;  // 2-band SH
 LPV_CONST int kVolumeFloats = kColours * kCoefficients;  // of a cell: [colour][coefficient]
 LPV_CONST int kSectors = 8;  // layers where light is in layers by the direction that it comes from
-LPV_CONST int kSectorRounds = 4;  // of loops per entry of a tree, at most, where what is in no sector is passed over
 LPV_CONST float kSectorBorder = 0.1f;  // sine of the angle up to which two of them share the light beside a border
 
 // --- values of defines that choose a mode
@@ -270,6 +271,8 @@ LPV_CONST float kAsPolygons = 0.0;  // what a light of the emitter list is looke
 LPV_CONST float kAsVpls = 1.0;
 LPV_CONST float kAsEmitterTree = 2.0;
 LPV_CONST int kTreeSpaceTexels = 3;  // of an emitter tree's matrix, before its entries
+LPV_CONST int kGatherTargets = 4;  // layers that a light is put into: its group's and the one it is on its way to, of
+                                   // what is looked up and of what is looked at
 LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llvmpipe ends a thread's loops after
                                    // 2^16 rounds in all, without reporting it
 
@@ -363,10 +366,18 @@ struct GatherParams {
   LPV_VEC3 vec3 weight;  // per channel: radiance of a colour of 1, in units of the channel's palette radiance
   float openingRatio;  // k of MATHS.md 3b.3
   int entryCount;  // of the light's tree
-  int firstChannel;  // of the light's group
   int turn;  // of a walk through a large tree: dispatches of this piece before this one
-  int firstSector;  // LPV_SECTORS: of this dispatch
-  int sectorsEnd;  // one past its last
+  int targets;  // 1 .. kGatherTargets
+  int unused;
+  ivec4 firstChannel;  // of each target: its layer's, or its first sector's
+  vec4 share;  // of the light, that goes there
+};
+
+struct GatherSumParams {
+  LPV_VEC3 ivec3 dims;  // cells
+  uint firstBlock;  // blocks before this piece's first
+  int channels;  // of a layer
+  uint layers;  // a bit each: those that are added
 };
 
 struct InjectParams {
@@ -518,7 +529,8 @@ static_assert(offsetof(TreeParams, nodesBefore) == 32 && offsetof(TreeParams, sh
 static_assert(offsetof(TreeParams, firstThread) == 92 && offsetof(TreeParams, cell) == 108);
 static_assert(sizeof(TreeParams) == 112);
 static_assert(offsetof(GatherParams, firstBlock) == 12 && offsetof(GatherParams, openingRatio) == 28);
-static_assert(offsetof(GatherParams, sectorsEnd) == 48 && sizeof(GatherParams) == 64);
+static_assert(offsetof(GatherParams, firstChannel) == 48 && sizeof(GatherParams) == 80);
+static_assert(offsetof(GatherSumParams, channels) == 16 && offsetof(GatherSumParams, layers) == 20);
 static_assert(kBlockZ == 4);  // gather.comp: a column is a vec4
 static_assert(offsetof(InjectParams, group) == 12 && offsetof(InjectParams, sides) == 28);
 static_assert(offsetof(InjectParams, band1Factor) == 32 && offsetof(InjectParams, boxLower) == 48);

@@ -192,8 +192,17 @@ GpuTask Pipeline::Stages::gather(SessionState& s, const TickRequest& request) {
   if (missing.empty()) co_return;
   std::set_union(had.begin(), had.end(), missing.begin(), missing.end(), std::back_inserter(all));
   made.gathered.forget();  // while light is added to some blocks
-  co_await gatherer.run(s.field(), s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, missing,
-                        s.shadowed ? &shadows : nullptr, pacing(s));
+  const GatheredLights lights = {
+      s.lights, s.voxels, s.palette(), inputs.openingRatio, s.sectors, s.shadowed ? &shadows : nullptr};
+  if (had.empty() && s.lights.size() > 1) {
+    made.lightSums.begin({inputs.memory, inputs.openingRatio, s.sectors, inputs.turns, inputs.blockers, missing},
+                         sentInputs(s.lights, s.voxels, s.palette()));
+    co_await gatherer.run(s.field(), lights, missing, made.lightSums, pacing(s));
+    made.lightSums.end();
+  } else {
+    LightSums none;
+    co_await gatherer.run(s.field(), lights, missing, none, pacing(s));
+  }
   made.gathered.set(inputs, std::move(all));
 }
 

@@ -21,6 +21,7 @@
 #include "lpv/transport/emitter_list.h"
 #include "lpv/transport/gather.h"
 #include "lpv/transport/inject.h"
+#include "lpv/transport/light_sums.h"
 #include "lpv/transport/propagate.h"
 #include "lpv/transport/volume.h"
 #include "lpv/voxelize/voxelize.h"
@@ -120,6 +121,7 @@ struct StageProducts {
   Cached<InjectInputs> injected;  ///< PROPAGATE
   Cached<PropagateInputs> propagated;
   Cached<GatherInputs, ReceiverBlocks> gathered;  ///< the blocks that are
+  LightSums lightSums;  ///< of what was gathered, parts
   Cached<SurfaceBlocksInputs, ReceiverBlocks> surfaceBlocks;
   Cached<EmitterListInputs> listed;
   EmitterBufferList emitters;

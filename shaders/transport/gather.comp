@@ -1,12 +1,13 @@
 // GATHER (MATHS.md 3b.3-4): what one light sends to a block of cells. The work-group walks the light's tree depth first;
 // a node that is far enough for its size is taken whole, else its children are. Each thread sums for a column of cells.
 //
-// LPV_TWO_SIDED: the light emits from both sides. LPV_TEXTURED: each VPL has a colour. LPV_SECTORS: where light is in
-// layers by direction, the walk is repeated for each, and leaves out what cannot be in it. LPV_SHADOWED: cells get the
-// share of it that they see (shaders/transport/cell_visibility.comp).
+// LPV_TWO_SIDED: the light emits from both sides. LPV_TEXTURED: each VPL has a colour. LPV_SECTORS: light is in layers by
+// the direction that it comes from, node by node. LPV_SHADOWED: cells get the share of it that they see
+// (shaders/transport/cell_visibility.comp).
 #include "layout.h"
 #include "common/field.glsl"
 #include "common/sh.glsl"
+#include "transport/receiver_block.glsl"
 #include "transport/vpls.glsl"
 #define LPV_RECEIVERS 4
 #include "transport/vpl_kernel.glsl"
@@ -41,63 +42,63 @@ const int kSums = kColours;
 const int kSums = 1;
 #endif
 #if LPV_SECTORS == LPV_SECTORS_NONE
-const int kRoundsPerEntry = 1;
+const int kLayers = 1;
 #else
-const int kRoundsPerEntry = kSectorRounds;
+const int kLayers = kSectors;
 #endif
-const float kBeyondNode = 0.015625;  // cells that a VPL may lie outside its node: what snapping leaves
-Arriving sums[kSums];      // one number per cell of the column (kBlockZ is 4)
+/// Of one number per cell of the column (kBlockZ is 4).
+struct Light {
+  vec4 fluence;
+  vec4 x, y, z;  // vector irradiance
+};
+const Light kDark = Light(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+Light sums[kLayers * kSums];
+Light ofNode[kSums];       // what a node's VPLs send
 vec4 closest = vec4(0.0);  // 1 / distance of the nearest VPL
-bool lit;                  // whether the sums hold anything; the same in all threads
 
-void add(inout Arriving to, Arriving from, vec4 factor) {
-  to.fluence += factor * from.fluence;
-  to.x += factor * from.x;
-  to.y += factor * from.y;
-  to.z += factor * from.z;
-}
-
-void addVpl(int at, int sector, vec2 receiver, vec4 depth) {
+void addVpl(int at, vec2 receiver, vec4 depth) {
   const VplEntry v =
       vplEntry(texelFetch(tree, at), texelFetch(tree, at + 1), texelFetch(tree, at + 2), texelFetch(tree, at + 3));
-  const vec2 d = v.position.xy - receiver;
-  const vec4 dz = v.position.z - depth;
-  const Arriving light = arrivingFrom(v, d.x, d.y, dz, LPV_TWO_SIDED == 1);
+  const Arriving light =
+      arrivingFrom(v, v.position.x - receiver.x, v.position.y - receiver.y, v.position.z - depth, LPV_TWO_SIDED == 1);
   closest = max(closest, light.inverseDistance);
-#if LPV_SECTORS == LPV_SECTORS_NONE
-  const vec4 share = vec4(1.0);
-#else
-  const vec4 inverse = light.inverseDistance;
-  const vec4 share = sectorShare(sector, d.x * inverse, d.y * inverse, dz * inverse);
-#endif
 #if LPV_TEXTURED
   const vec3 colour = texelFetch(tree, at + 4).rgb;
-  for (int k = 0; k < kColours; ++k) add(sums[k], light, share * colour[k]);
 #else
-  add(sums[0], light, share);
+  const vec3 colour = vec3(1.0);
 #endif
+  for (int k = 0; k < kSums; ++k) {
+    ofNode[k].fluence += colour[k] * light.fluence;
+    ofNode[k].x += colour[k] * light.x;
+    ofNode[k].y += colour[k] * light.y;
+    ofNode[k].z += colour[k] * light.z;
+  }
 }
 
-/// Whether light from within `reach` of a place along each axis may be in a sector for some receiver of the block.
-bool mayBeIn(int sector, vec3 place, float reach, vec3 lower, vec3 upper) {
+/// To the sums; where layers are by direction, to each its share by the direction that the node's light as a whole
+/// comes from.
+void addNode() {
+  for (int k = 0; k < kSums; ++k) {
+    const Light light = ofNode[k];
 #if LPV_SECTORS == LPV_SECTORS_NONE
-  return true;
+    const vec4 shares[kLayers] = vec4[](vec4(1.0));
 #else
-  return sectorReached(sector, place - upper - reach, place - lower + reach);
+    const vec4 inverse = inversesqrt(max(light.x * light.x + light.y * light.y + light.z * light.z, 1e-30));
+    const vec4 shares[kLayers] = sectorShares(inverse * light.x, inverse * light.y, inverse * light.z);
 #endif
-}
-
-/// The first of a node's VPLs from `i` on that may be in the sector; beyond `last`: none. A loop of its own: llvmpipe
-/// goes through what a branch leaves out, so a VPL passed over there takes as long as one that is summed.
-int nextIn(int sector, int i, int last, vec3 lower, vec3 upper) {
-#if LPV_SECTORS != LPV_SECTORS_NONE
-  while (i <= last && !mayBeIn(sector, texelFetch(tree, i * kEntryTexels).xyz, 0.0, lower, upper)) ++i;
-#endif
-  return i;
+    for (int layer = 0; layer < kLayers; ++layer) {
+      const vec4 share = shares[layer];
+      sums[layer * kSums + k].fluence += share * light.fluence;
+      sums[layer * kSums + k].x += share * light.x;
+      sums[layer * kSums + k].y += share * light.y;
+      sums[layer * kSums + k].z += share * light.z;
+    }
+    ofNode[k] = kDark;
+  }
 }
 
 /// From entry `at` on; returns where the walk stands when it has done its share.
-int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
+int walk(int at, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) {
   const int end = params.entryCount;
   const float reach = params.openingRatio * params.openingRatio;
   for (int rounds = 0; at < end && rounds < kMaxRounds;) {
@@ -105,15 +106,11 @@ int walk(int at, int sector, vec2 receiver, vec4 depth, vec3 lower, vec3 upper) 
     const int vpls = int(next.x), after = int(next.y);
     const vec3 gap = max(max(lower - node.xyz, node.xyz - upper), 0.0);
     const bool leaf = after == at + 1 + vpls;
-    const bool outside = !mayBeIn(sector, node.xyz, 0.5 * node.w + kBeyondNode, lower, upper);
-    const bool whole = leaf || outside || dot(gap, gap) > reach * node.w * node.w;
-    const int last = whole && !outside ? at + vpls : at;
-    for (int i = nextIn(sector, at + 1, last, lower, upper); i <= last;
-         i = nextIn(sector, i + 1, last, lower, upper)) {
-      lit = true;
-      addVpl(i * kEntryTexels, sector, receiver, depth);
-    }
-    rounds += kRoundsPerEntry * (1 + last - at);
+    const bool whole = leaf || dot(gap, gap) > reach * node.w * node.w;
+    const int last = whole ? at + vpls : at;
+    for (int i = at + 1; i <= last; ++i) addVpl(i * kEntryTexels, receiver, depth);
+    addNode();
+    rounds += 1 + last - at;
     at = whole ? after : at + 1 + vpls;
   }
   return at;
@@ -141,42 +138,44 @@ vec4 arrived(ivec3 cell, vec4 light) {
 void store(ivec3 cell, int z, int layer) {
   for (int k = 0; k < LPV_CHANNELS; ++k) {
     if (params.weight[k] == 0.0) continue;  // uniform: a light of another chromaticity
-    const int s = min(k, kSums - 1);
+    const int s = layer * kSums + min(k, kSums - 1);
     const vec4 light = arrived(cell, vec4(sums[s].x[z], sums[s].y[z], sums[s].z[z], max(sums[s].fluence[z], 0.0)));
     const vec3 flux = light.xyz;
     // A series cut off can give what no light does; only beside nodes taken from too near.
     const float fluence = light.w, possible = fluence / max(length(flux), 1e-30);
-    field[haloIndex(cell, params.dims, params.firstChannel + layer * LPV_CHANNELS + k)] +=
-        params.weight[k] * vec4(kY0 * fluence, kY1 * min(possible, 1.0) * flux.yzx);
+    const vec4 sent = params.weight[k] * vec4(kY0 * fluence, kY1 * min(possible, 1.0) * flux.yzx);
+    for (int target = 0; target < params.targets; ++target) {
+      field[haloIndex(cell, params.dims, params.firstChannel[target] + layer * LPV_CHANNELS + k)] +=
+          params.share[target] * sent;
+    }
   }
-}
-
-/// The inverse of packedBlock().
-ivec3 unpackedBlock(uint block) {
-  const uint mask = (1u << kBlockBits) - 1u;
-  return ivec3(block & mask, (block >> kBlockBits) & mask, block >> (2 * kBlockBits));
 }
 
 void main() {
   const uint block = params.firstBlock + gl_WorkGroupID.x;
-  const uint corner = blocks[block];
-  const ivec3 first = unpackedBlock(corner) * ivec3(kBlockX, kBlockY, kBlockZ);
+  const ivec3 first = firstCellOf(blocks[block]);
   const ivec3 cell = first + ivec3(gl_LocalInvocationID.xy, 0);
   const vec3 lower = vec3(first) + 0.5;
   const vec3 upper = min(lower + vec3(kBlockX, kBlockY, kBlockZ) - 1.0, vec3(params.dims) - 0.5);
   const int turn = params.turn;
   const int from = turn > 0 ? int(cursors[block][turn & 1]) : 0;
   const bool inside = cell.x < params.dims.x && cell.y < params.dims.y;
-  int to = from;
-  for (int sector = params.firstSector; sector < params.sectorsEnd; ++sector) {
-    for (int k = 0; k < kSums; ++k) sums[k] = Arriving(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-    lit = false;
-    to = walk(from, sector, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
-    if (!inside || !lit) continue;
-    for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) store(cell + ivec3(0, 0, z), z, sector);
+  for (int i = 0; i < kLayers * kSums; ++i) sums[i] = kDark;
+  for (int k = 0; k < kSums; ++k) ofNode[k] = kDark;
+  const int to = walk(from, vec2(cell.xy) + 0.5, float(cell.z) + vec4(0.5, 1.5, 2.5, 3.5), lower, upper);
+  for (int layer = 0; layer < kLayers; ++layer) {
+    // Where no light is, the loop has no rounds: llvmpipe would go through what a branch leaves out.
+    bvec4 lit = bvec4(false);
+    for (int k = 0; k < kSums; ++k) {
+      const vec4 fluence = sums[layer * kSums + k].fluence;
+      lit = bvec4(lit.x || fluence.x > 0.0, lit.y || fluence.y > 0.0, lit.z || fluence.z > 0.0, lit.w || fluence.w > 0.0);
+    }
+    for (int z = inside && any(lit) ? 0 : kBlockZ; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
+      store(cell + ivec3(0, 0, z), z, layer);
+    }
   }
   // Not where the group's other threads may still be about to read.
-  if (params.entryCount > kMaxRounds / kRoundsPerEntry && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
+  if (params.entryCount > kMaxRounds && gl_LocalInvocationIndex == 0u) cursors[block][(turn + 1) & 1] = uint(to);
   if (!inside) return;
   for (int z = 0; z < kBlockZ && cell.z + z < params.dims.z; ++z) {
     const int i = cellIndex(cell + ivec3(0, 0, z), params.dims);

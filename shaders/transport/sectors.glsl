@@ -15,35 +15,21 @@
 
 const float kRootHalf = 0.70710678;
 
-bool isUpper(int sector, int side) { return (sector >> side & 1) != 0; }
-
-/// Of the light at this sine above a border: smoothstep.
-vec4 sideShare(bool upper, vec4 sine) {
-  const vec4 t = clamp(0.5 + (upper ? 0.5 : -0.5) / kSectorBorder * sine, 0.0, 1.0);
+/// Of the light at this sine above a border, what is above: smoothstep.
+vec4 upperShare(vec4 sine) {
+  const vec4 t = clamp(0.5 + 0.5 / kSectorBorder * sine, 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
 
-vec4 shareOfSides(int sector, vec4 first, vec4 second, vec4 third) {
+vec4[kSectors] sharesOfSides(vec4 first, vec4 second, vec4 third) {
 #if LPV_SECTORS != LPV_SECTORS_OCTANTS
   third = kRootHalf * (abs(first) - abs(second));
 #endif
-  return sideShare(isUpper(sector, 0), first) * sideShare(isUpper(sector, 1), second) *
-         sideShare(isUpper(sector, 2), third);
+  const vec4 x = upperShare(first), y = upperShare(second), z = upperShare(third);
+  const vec4 both = x * y, onlyX = x - both, onlyY = y - both, none = 1.0 - x - onlyY;
+  return vec4[](none - z * none, onlyX - z * onlyX, onlyY - z * onlyY, both - z * both,  //
+                z * none, z * onlyX, z * onlyY, z * both);
 }
 
-/// Of the light from the unit direction (x, y, z).
-vec4 sectorShare(int sector, vec4 x, vec4 y, vec4 z) { return shareOfSides(sector, LPV_PERMUTED(x, y, z)); }
-
-/// Whether the share may be above 0 for some direction towards a box; `low` and `high`: its corners, seen from the
-/// receiver.
-bool sectorReached(int sector, vec3 low, vec3 high) {
-  const float distance = length(max(abs(low), abs(high)));  // of the farthest corner
-  const vec3 least = vec3(LPV_PERMUTED(low.x, low.y, low.z)), most = vec3(LPV_PERMUTED(high.x, high.y, high.z));
-  vec3 above = vec3(isUpper(sector, 0) ? most.x : -least.x, isUpper(sector, 1) ? most.y : -least.y,
-                    isUpper(sector, 2) ? most.z : -least.z);
-#if LPV_SECTORS != LPV_SECTORS_OCTANTS
-  const vec2 farthest = max(abs(least.xy), abs(most.xy)), nearest = max(max(least.xy, -most.xy), 0.0);
-  above.z = kRootHalf * (isUpper(sector, 2) ? farthest.x - nearest.y : farthest.y - nearest.x);
-#endif
-  return all(greaterThanEqual(above, vec3(-kSectorBorder * distance)));
-}
+/// Per sector, of the light from the unit direction (x, y, z).
+vec4[kSectors] sectorShares(vec4 x, vec4 y, vec4 z) { return sharesOfSides(LPV_PERMUTED(x, y, z)); }

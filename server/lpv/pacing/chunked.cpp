@@ -12,8 +12,13 @@ std::vector<Chunk> chunksOf(std::size_t bytes) {
 }
 
 GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word) {
-  for (const Chunk& part : chunksOf(buffer.size() / 4 * 4)) {
-    buffer.fill(word, part.offset, part.bytes);
+  const Chunk whole = {0, buffer.size() / 4 * 4};
+  co_await fillChunked(buffer, word, whole);
+}
+
+GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word, Chunk part) {
+  for (const Chunk& piece : chunksOf(part.bytes)) {
+    buffer.fill(word, part.offset + piece.offset, piece.bytes);
     co_yield yield();
   }
 }

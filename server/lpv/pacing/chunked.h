@@ -22,5 +22,7 @@ std::vector<Chunk> chunksOf(std::size_t bytes);
 
 /// Fills `buffer`, which outlives the coroutine, with one 32-bit word.
 GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word = 0);
+/// A part of it.
+GpuTask fillChunked(gpu::Buffer& buffer, std::uint32_t word, Chunk part);
 
 }  // namespace lpv

@@ -13,6 +13,7 @@
 #include "lpv/resources/lights.h"
 #include "lpv/resources/palette.h"
 #include "lpv/transport/cell_visibility.h"
+#include "lpv/transport/light_sums.h"
 #include "lpv/transport/receiver_blocks.h"
 #include "lpv/transport/sectors.h"
 
@@ -37,10 +38,20 @@ struct GatherWork {
   double blocks = 0.0;
   double lights = 0.0;
   double rootsOfEntries = 0.0;  ///< square roots of the sizes of the lights' trees, summed
-  bool byDirection = false;     ///< layers by direction: what may be in several sectors is looked at several times
+  bool byDirection = false;     ///< layers by direction: eight sums in the place of one
 
   double units() const { return (byDirection ? kSectorWork : 1.0) * blocks * (16.0 * lights + 8.0 * rootsOfEntries); }
-  static constexpr double kSectorWork = 5.0;  ///< seen: 6.5 on 32^3 cells, 4.3 on 64^3
+  static constexpr double kSectorWork = 2.0;  ///< seen on 32^3 cells
+};
+
+/// Lights as cells gather them.
+struct GatheredLights {
+  const std::vector<EmittingLight>& lights;
+  const std::vector<LightVoxelsPtr>& voxels;
+  const Palette& palette;
+  double k = 0.0;  ///< the distance rule; infinite takes every VPL by itself
+  Sectors sectors = Sectors::kNone;
+  const CellShadows* shadows = nullptr;  ///< null where nothing stands in the way
 };
 
 class Gatherer {
@@ -50,19 +61,22 @@ class Gatherer {
   /// Takes all light out of the field.
   GpuTask clear(LightField& field);
   /// Adds what the lights send to these blocks, which hold zeros, as SH of incident radiance to field.transported().
-  /// `k`: the distance rule; infinite takes every VPL by itself. Each light goes into the layer of its group, or, with
-  /// `sectors`, what comes from each into that sector's; what receivers look at of it into those apart.
-  /// `shadows`: null where nothing stands in the way.
-  GpuTask run(LightField& field, const std::vector<EmittingLight>& lights, const std::vector<LightVoxelsPtr>& voxels,
-              const Palette& palette, double k, Sectors sectors, const ReceiverBlocks& blocks,
-              const CellShadows* shadows, Pacing pacing);
+  /// Each light goes into the layer of its group, or, with `sectors`, what comes from each into that sector's; what
+  /// receivers look at of it into those apart. `sums`: what is kept of some, between begin() and end(), or empty.
+  GpuTask run(LightField& field, const GatheredLights& lights, const ReceiverBlocks& blocks, LightSums& sums,
+              Pacing pacing);
 
  private:
   struct Source;
-  struct Target;
-  static std::vector<Target> targetsOf(const EmittingLight& light, const LightField& field, Sectors sectors);
-  GpuTask add(LightField& field, const Source& source, const Target& target, double& queued, Pacing pacing);
-  void bind(const LightField& field, const LightVoxels& voxels);
+  struct Targets;
+  struct Into;
+  struct Run;
+  static Targets targetsOf(const EmittingLight& light, const LightField& field);
+  GpuTask sum(Run& run, LightRange range, Into to, bool keep);
+  GpuTask half(Run& run, LightRange range, Into to, bool keep);
+  GpuTask addLight(Run& run, std::size_t light, Into to);
+  GpuTask addSource(Run& run, const Source& source, const Targets& targets, Into to);
+  GpuTask addSum(Run& run, const LightSum& sum, std::uint32_t layers, Into to);
 
   struct Variant {
     int channels = 1;
@@ -75,7 +89,8 @@ class Gatherer {
   };
   CellVisibilityPass visibility_;
   gpu::Programs<Variant> programs_{{"transport/gather.comp"}};
-  gpu::Buffer params_;
+  gpu::ProgramVariants sumProgram_{{"transport/gather_sum.comp"}};
+  gpu::Buffer params_, sumParams_;
 };
 
 }  // namespace lpv

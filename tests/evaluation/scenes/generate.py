@@ -200,6 +200,7 @@ SCENES = {
     "room_2": (room(2), "walls on the bounds, two lights", {"view": ROOM_VIEW}),
     "room_8": (room(8), "walls on the bounds, eight lights", {"view": ROOM_VIEW}),
     "room_20": (room(20), "walls on the bounds, twenty lights", {"view": ROOM_VIEW}),
+    "room_64": (room(64), "walls on the bounds, 64 lights", {"view": ROOM_VIEW}),
     "television": (television, "a textured screen in a room", {"view": {"eye": [2.3, 1.7, 1.75], "target": [-1.5, 0.8, -0.8], "fov": 65}}),
     "thin_tube": (thin_tube, "a tube of 10 m and 4 mm", {"view": {"eye": [0, 2.5, 5.5], "target": [0, 1.0, -2], "fov": 60}}),
     "statue_near_wall": (statue((0.3, 0.001, -1.5)), "a statue that glows near a wall",

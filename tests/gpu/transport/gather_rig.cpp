@@ -151,7 +151,8 @@ void GatherRig::clear() {
 }
 
 void GatherRig::gatherBlocks(double k, const ReceiverBlocks& blocks) {
-  finish(gatherer_.run(*field, lights, voxels, palette, k, sectors, blocks, nullptr, {&clock}));
+  const GatheredLights all = {lights, voxels, palette, k, sectors};
+  finish(gatherer_.run(*field, all, blocks, sums, {&clock}));
 }
 
 reference::Field GatherRig::gather(double k) {

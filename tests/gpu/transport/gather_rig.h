@@ -44,6 +44,7 @@ class GatherRig {
   Palette palette;
   std::vector<LightVoxelsPtr> voxels;
   std::unique_ptr<LightField> field;
+  LightSums sums;  ///< empty: all is summed anew
   StageClock clock;  ///< what GATHER's pieces are measured by: nothing is known of the device
 
  private:
