@@ -1,6 +1,7 @@
 #pragma once
 // Procedural meshes for benches that are given no files.
 
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,14 @@ namespace lpv::bench {
 template <typename T>
 std::string bytesOf(const std::vector<T>& values) {
   return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+/// The reverse.
+template <typename T>
+std::vector<T> numbersOf(const std::string& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
 }
 
 /// A sphere of about `triangles` triangles, radius 0.4 m, standing on the origin.

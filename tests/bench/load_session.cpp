@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "bench/load_meshes.h"
@@ -145,9 +145,22 @@ Status LoadSession::readLight() {
   if (!blob) return blob.status();
   v1::Mesh mesh;
   if (!mesh.ParseFromString(*blob)) return Status(Code::kInternal, "the light's mesh cannot be read back");
-  positions_.resize(mesh.positions().size() / sizeof(float));
-  std::memcpy(positions_.data(), mesh.positions().data(), positions_.size() * sizeof(float));
+  positions_ = numbersOf<float>(mesh.positions());
+  indices_ = numbersOf<std::uint32_t>(mesh.indices());
   return {};
+}
+
+std::string LoadSession::stillScene() const {
+  std::vector<double> placed;
+  for (std::size_t i = 0; i < positions_.size(); ++i)
+    placed.push_back(double(positions_[i]) * load_.lightScale + base_[i % 3]);
+  nlohmann::json scene = {{"light", {{"positions", placed}, {"indices", indices_}, {"radiance", load_.radiance}}}};
+  if (load_.sceneFile.empty()) {
+    const v1::Mesh mesh = room();
+    scene["room"] = {{"positions", numbersOf<float>(mesh.positions())},
+                     {"indices", numbersOf<std::uint32_t>(mesh.indices())}};
+  }
+  return scene.dump();
 }
 
 /// Its height, and the translation that stands it on its place.

@@ -29,6 +29,12 @@ class LoadSession {
   /// The edit of step `i`: the light on a circle, or breathing in place; or the camera on a circle.
   v1::Edit step(int i) const;
 
+  /// The light on its place again.
+  v1::Edit stillEdit() const { return moved(0.0, 0.0); }
+  /// What references of that need besides the scene's file: the light in world metres, W/(sr m^2), and the room where
+  /// there is no file, as JSON.
+  std::string stillScene() const;
+
   const std::string& id() const { return id_; }
   client::Client& client() { return client_; }
   std::int64_t lightTriangles() const { return lightTriangles_; }
@@ -49,8 +55,9 @@ class LoadSession {
   std::string server_;
   std::string id_;
   std::string light_;
-  std::vector<float> positions_;     ///< of the light, x y z each, metres before its scale
-  double span_ = 1.0;                ///< height of the light, likewise
+  std::vector<std::uint32_t> indices_;
+  std::vector<float> positions_;  ///< of the light, x y z each, metres before its scale
+  double span_ = 1.0;  ///< height of the light, likewise
   double base_[3] = {0.0, 0.0, 0.0};  ///< translation that stands the light on its place
   std::int64_t lightTriangles_ = 0;
 };

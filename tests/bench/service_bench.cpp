@@ -145,6 +145,8 @@ int main(int argc, char** argv) {
   app.add_flag("--volume", load.watchVolume, "a second client watches the volume");
   app.add_flag("--volume-only", volumeOnly, "it alone: nobody watches frames");
   app.add_flag("--orbit", load.orbit, "the camera moves instead of the light")->needs(camera);
+  app.add_option("--still", load.stillFolder,
+                 "folder for what the stream shows of the light on its place, and the scene of that, for references");
   app.add_option("--json", jsonFile, "also write the numbers here");
   auto* rows = app.add_option("--rows", rowsFile, lpv::bench::kRowsHelp);
   app.add_option("--row", rowName, "name of that row")->needs(rows);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <future>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -22,6 +25,7 @@ using Steady = std::chrono::steady_clock;
 
 constexpr double kMoreWarmUp = 0.2;  // seconds at a time, until a result has come
 constexpr std::chrono::minutes kWarmUpPatience{2};
+constexpr std::chrono::minutes kStillPatience{1};
 
 v1::FrameSubscription frameSubscription(const Load& load, const client::Editor& editor) {
   v1::FrameSubscription subscription;
@@ -38,6 +42,31 @@ v1::FrameSubscription frameSubscription(const Load& load, const client::Editor& 
     camera->set_fov_degrees(kFov);
   }
   return subscription;
+}
+
+/// What the stream shows of the light on its place, linear, and what references of that need: frame.exr and scene.json.
+Status writeStill(const Load& load, LoadSession& session, const client::Editor& editor) {
+  const auto ack = session.client().applyEdit(session.id(), session.stillEdit());
+  if (!ack) return ack.status();
+  v1::FrameSubscription subscription = frameSubscription(load, editor);
+  subscription.set_format(v1::FRAME_FORMAT_EXR);
+  std::promise<std::string> shown;
+  bool seen = false;
+  {
+    const client::FrameWatcher watcher(session.client(), subscription, [&](const client::FrameResult& frame) {
+      if (seen || frame.header.result().revision() < ack->revision()) return;
+      seen = true;
+      shown.set_value(frame.file);
+    });
+    auto file = shown.get_future();
+    if (file.wait_for(kStillPatience) != std::future_status::ready)
+      return Status(Code::kDeadlineExceeded, "no still frame came");
+    std::filesystem::create_directories(load.stillFolder);
+    const std::filesystem::path folder = load.stillFolder;
+    std::ofstream(folder / "frame.exr", std::ios::binary) << file.get();
+    std::ofstream(folder / "scene.json") << session.stillScene();
+  }
+  return {};
 }
 
 /// A load under way: its watchers, and the edits it sends.
@@ -140,6 +169,9 @@ Expected<Measured> measure(const Load& load, const std::string& address) {
   if (Status s = run.warmUp(); !s.ok()) return s;
   Expected<Measured> out = run.measure();
   if (!out) return out;
+  if (!load.stillFolder.empty()) {
+    if (Status s = writeStill(load, session, *editor); !s.ok()) return s;
+  }
   const auto info = session.client().serverInfo();
   const auto scene = session.client().session(session.id());
   if (!info || !scene) return Status(Code::kUnavailable, "the server went away");

@@ -35,6 +35,8 @@ struct Load {
   bool watchVolume = false;
   std::string visibility = "auto";             ///< or "on", "off"
   std::string bounces = "auto";                ///< or a number
+  std::string stillFolder;  ///< empty, or where frame.exr and scene.json are written: what the stream shows of the
+ ///< light on its place
 };
 
 /// What was seen.

@@ -219,20 +219,26 @@ def scale(run, folder):
 SCREEN = "v -.5 .6 0\nv .5 .6 0\nv .5 1.2 0\nv -.5 1.2 0\nf 1 2 3\nf 1 3 4\n"
 
 
+ROOM_CAMERA = {"eye": (2.0, 1.5, 7.5), "target": (0.0, 1.0, 2.0), "fov": 60}
+
+
 def service(run, folder):
     plain = ("--visibility", "off", "--bounces", "0")
-    asked = [("room, moving sphere", plain), ("room, moving sphere, volume watched too", (*plain, "--volume")),
-             ("room, sphere deforming at 10 Hz", (*plain, "--light-triangles", "33000", "--deform", "--rate", "10")),
-             ("room, moving sphere, all bounces", ())]
+    asked = [("room, moving sphere", plain), ("room, moving sphere, all bounces", ()),
+             ("room, moving sphere, volume watched too", (*plain, "--volume")),
+             ("room, sphere deforming at 10 Hz", (*plain, "--light-triangles", "33000", "--deform", "--rate", "10"))]
+    compared = {"room, moving sphere, all bounces": (None, None)}
     if run.has(ROOM) and run.has(LUCY) and run.size != "smoke":
         screen = folder / "screen.obj"
         screen.write_text(SCREEN)
-        view = ("--scene", run.data / ROOM, "--camera", "2", "1.5", "7.5", "0", "1", "2")
+        view = ("--scene", run.data / ROOM, "--camera", *ROOM_CAMERA["eye"], *ROOM_CAMERA["target"])
         statue = (*view, "--light", run.data / LUCY, "--light-scale", "0.001", "--place", "0.5", "0", "4")
         television = (*view, "--light", screen, "--place", "0.5", "0", "1")
         shadows = ("--bounces", "0")
         asked += [("living room, Lucy moving", (*plain, *statue)),
+                  ("living room, Lucy moving, all bounces", statue),
                   ("living room, Lucy moving, volume watched too", (*plain, *statue, "--volume")),
+                  ("living room, Lucy moving, volume watched too, all bounces", (*statue, "--volume")),
                   ("living room, Lucy deforming at 10 Hz", (*plain, *statue, "--deform", "--rate", "10")),
                   ("living room, Lucy moving, PROPAGATE", (*plain, *statue, "--transport", "propagate")),
                   ("living room, Lucy moving, shadows", (*statue, *shadows)),
@@ -240,10 +246,26 @@ def service(run, folder):
                   ("living room, television moving, shadows", (*television, *shadows)),
                   ("living room, television moving, shadows, volume alone", (*television, *shadows, "--volume-only")),
                   ("living room, camera moving, shadows", (*television, *shadows, "--orbit")),
-                  ("living room, television moving, shadows, all bounces", television)]
+                  ("living room, television moving, all bounces", television)]
+        compared |= {name: (run.data / ROOM, ROOM_CAMERA) for name, _ in asked if "living room" in name and "all bounces" in name}
     seconds = ("--warm-up", "1", "--seconds", "1") if run.size == "smoke" else ("--seconds", str(run.seconds))
-    return [row for name, flags in (asked[:1] if run.size == "smoke" else asked)
-            for row in run.bench(folder, "service_bench", "--row", name, *seconds, *flags)]
+    rows = []
+    for i, (name, flags) in enumerate(asked[:1] if run.size == "smoke" else asked):
+        still = folder / f"still{i}"
+        row, = run.bench(folder, "service_bench", "--row", name, *seconds, *flags, *(("--still", still) if name in compared else ()))
+        if name in compared:
+            row["values"].update(stream_errors(run, still, *compared[name]))
+        rows.append(row)
+    return rows
+
+
+def stream_errors(run, still, base, view):
+    """How far off what the stream shows is; nothing where no references can be made."""
+    if importlib.util.find_spec("OpenImageIO") is None or not (run.build / "bin/reference_renderer").is_file():
+        return {}
+    import references
+    import streamed
+    return streamed.errors(still, base, view, references.Embree(run.build / "bin/reference_renderer", ROOT / "build/evaluation/cache"))
 
 
 def streams(run, folder):

@@ -25,6 +25,18 @@ class Scene:
                      "extensionsUsed": ["KHR_materials_emissive_strength"]}
         self.binary = b""
 
+    @classmethod
+    def opened(cls, path):
+        """A .glb file, to which objects are added."""
+        data = path.read_bytes()
+        length, = struct.unpack_from("<I", data, 12)
+        size, = struct.unpack_from("<I", data, 20 + length)
+        scene = cls()
+        scene.gltf = {**scene.gltf, **json.loads(data[20:20 + length])}
+        scene.gltf["extensionsUsed"] = sorted({*scene.gltf["extensionsUsed"], "KHR_materials_emissive_strength"})
+        scene.binary = data[28 + length:28 + length + size]
+        return scene
+
     def surface(self, name, mesh, albedo=(0.7, 0.7, 0.7), uvs=None, picture=None, one_sided=False, roughness=1.0,
                 metalness=0.0, normals=None):
         """`picture`: 8-bit sRGB (height, width, 3), multiplies the albedo. `normals`: of the vertices; None: flat."""
@@ -83,4 +95,4 @@ class Scene:
         self.gltf["meshes"].append({"name": name, "primitives": [
             {"attributes": attributes, "indices": indices, "material": len(self.gltf["materials"]) - 1}]})
         self.gltf["nodes"].append({"name": name, "mesh": len(self.gltf["meshes"]) - 1})
-        self.gltf["scenes"][0]["nodes"].append(len(self.gltf["nodes"]) - 1)
+        self.gltf["scenes"][self.gltf["scene"]]["nodes"].append(len(self.gltf["nodes"]) - 1)
