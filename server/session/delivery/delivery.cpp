@@ -252,7 +252,10 @@ std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
   TickPlan plan;
   const Clock::time_point next = readers_.planSubscribers(at, hasView, &plan);
   answer(readers_.planCalls(at, hasView, takeRoom, &plan));
-  if (!plan.empty()) return plan;
+  if (!plan.empty()) {
+    readers_.planSharers(at, hasView, &plan);
+    return plan;
+  }
   if (next != Subscriber::kNever) wakeAt(next);
   return std::nullopt;
 }

@@ -92,7 +92,7 @@ class Delivery {
   void deliver(std::vector<Offer> offers) LPV_EXCLUDES(mutex_);
   void encodingTook(Clock::duration time) LPV_EXCLUDES(mutex_);
 
-  Pace pace() const LPV_REQUIRES(mutex_) { return {limits_.maxTickRate, tickSeconds_ + encodeSeconds_}; }
+  Pace pace() const LPV_REQUIRES(mutex_) { return {limits_.maxTickRate, tickSeconds_ + encodeSeconds_, tickSeconds_}; }
 
   SceneSource& source_;
   const std::string sessionId_;

@@ -65,18 +65,29 @@ Clock::time_point Readers::planSubscribers(const Occasion& at, const HasView& ha
       next = std::min(next, due);
       continue;
     }
-    const Subscription& wanted = subscriber->subscription;
-    if (wanted.volume) {
-      plan->addVolume(*wanted.volume, wanted.guarded);
-      if (!subscriber->hasCredit(at.pace)) plan->prefetchFor.push_back(subscriber);
-    } else if (wanted.frame && hasView(wanted.frame->camera, 0)) {
-      FrameSettings settings = *wanted.frame;
-      settings.size = subscriber->frameShape().size;
-      plan->frameReaders.push_back({subscriber, std::move(settings)});
-      subscriber->settingsChanged = false;
-    }
+    include(subscriber, at, hasView, plan);
   }
   return next;
+}
+
+void Readers::planSharers(const Occasion& at, const HasView& hasView, TickPlan* plan) {
+  for (const auto& [id, subscriber] : subscribers_) {
+    if (at.now >= subscriber->dueAt(at.revision, at.pace)) continue;  // has been planned
+    if (subscriber->sharesTick(at.revision, at.pace, at.now)) include(subscriber, at, hasView, plan);
+  }
+}
+
+void Readers::include(const SubscriberPtr& subscriber, const Occasion& at, const HasView& hasView, TickPlan* plan) {
+  const Subscription& wanted = subscriber->subscription;
+  if (wanted.volume) {
+    plan->addVolume(*wanted.volume, wanted.guarded);
+  } else if (wanted.frame && hasView(wanted.frame->camera, 0)) {
+    FrameSettings settings = *wanted.frame;
+    settings.size = subscriber->frameShape().size;
+    plan->frameReaders.push_back({subscriber, std::move(settings)});
+    subscriber->settingsChanged = false;
+  }
+  if (!subscriber->hasCredit(at.pace)) plan->prefetchFor.push_back(subscriber);
 }
 
 std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasView, const TakeRoom& takeRoom,
@@ -119,6 +130,7 @@ std::optional<Result> Readers::cachedVolume(const WaitingCall& call) const {
 Deliveries Readers::deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta,
                                    const Occasion& at) {
   Deliveries out;
+  for (const auto& [id, subscriber] : subscribers_) subscriber->dropStalePrefetch(at.revision, at.pace, at.now);
   if (tick.transported) deliverVolume(plan, meta, VolumeStage::kTransported, tick.transported, at, &out);
   if (tick.injected) deliverVolume(plan, meta, VolumeStage::kInjected, tick.injected, at, &out);
   deliverFrames(plan, meta, tick.frames, at, &out);
@@ -137,7 +149,6 @@ void Readers::deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage s
   meta.resultId = nextResult_++;
   const Result& latest = latest_[stage] = {meta, volume, nullptr, 0, 0, 0};
   for (const auto& [id, subscriber] : subscribers_) {
-    subscriber->dropStalePrefetch(at.revision, at.pace, at.now);
     const bool due = at.now >= subscriber->dueAt(at.revision, at.pace) ||
                      (plan.prefetchesFor(*subscriber) && subscriber->canStorePrefetch(at.pace));
     const Subscription& wanted = subscriber->subscription;
@@ -166,6 +177,10 @@ void Readers::deliverFrames(const TickPlan& plan, ResultMeta meta, const std::ve
     meta.clientSequence = plan.moment.sequenceOf(subscriber->subscription.clientId);
     Result result{meta, nullptr, *frame++, settings.cameraSequence, subscriber->frameShape().quality, 0};
     if (!subscribers_.contains(subscriber->id)) continue;
+    if (!subscriber->hasCredit(at.pace)) {
+      if (subscriber->canStorePrefetch(at.pace)) subscriber->storePrefetch(std::move(result), at.now);
+      continue;
+    }
     subscriber->markSent(result, at.now);
     out->offers.push_back({subscriber, std::move(result)});
   }

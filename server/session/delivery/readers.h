@@ -74,6 +74,8 @@ class Readers {
 
   /// Adds to the plan what subscribers are due. Returns when the first of the others is due.
   Clock::time_point planSubscribers(const Occasion& at, const HasView& hasView, TickPlan* plan);
+  /// Adds to a plan of others what subscribers want whose credit is about to come back.
+  void planSharers(const Occasion& at, const HasView& hasView, TickPlan* plan);
   /// Moves calls that can be answered now to the plan, or to the result where a volume is there already, or no room for
   /// a frame.
   std::vector<Answer> planCalls(const Occasion& at, const HasView& hasView, const TakeRoom& takeRoom, TickPlan* plan);
@@ -84,6 +86,7 @@ class Readers {
   static void restore(const TickPlan& plan);
 
  private:
+  static void include(const SubscriberPtr& subscriber, const Occasion& at, const HasView& hasView, TickPlan* plan);
   void deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage stage, const VolumePtr& volume,
                      const Occasion& at, Deliveries* out);
   void deliverFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames, const Occasion& at,

@@ -31,8 +31,15 @@ Clock::time_point Subscriber::dueAt(std::uint64_t revision, const Pace& pace) co
 /// dueAt() of a subscriber whose credit is out. Only where a round trip lasts for more than a tick's interval, as a
 /// second credit asks for, and strays by less than there is to gain.
 Clock::time_point Subscriber::prefetchDueAt(const Pace& pace) const {
-  if (!canStorePrefetch(pace) || !longTrip(pace) || roundTrip.deviation() >= pace.makingSeconds) return kNever;
+  if (!subscription.volume || !canStorePrefetch(pace) || !longTrip(pace) || roundTrip.deviation() >= pace.makingSeconds)
+    return kNever;
   return inFlight.front().at + durationOf(roundTrip.mean() - roundTrip.deviation() - pace.makingSeconds);
+}
+
+bool Subscriber::sharesTick(std::uint64_t revision, const Pace& pace, Clock::time_point now) const {
+  if (!wants(revision) || !canStorePrefetch(pace) || roundTrip.mean() == 0.0 || now < pacer.next()) return false;
+  const Clock::time_point back = inFlight.front().at + durationOf(roundTrip.mean() + roundTrip.deviation());
+  return back <= now + durationOf(pace.tickSeconds);
 }
 
 FrameShape Subscriber::frameShape() const {
@@ -72,7 +79,7 @@ void Subscriber::resend() {
 }
 
 bool Subscriber::canStorePrefetch(const Pace& pace) const {
-  if (!subscription.volume || hasCredit(pace)) return false;
+  if (hasCredit(pace)) return false;
   const std::uint64_t base = inFlight.front().resultId;
   return base != prefetchFor && base > basesAfter;
 }
@@ -85,16 +92,26 @@ Result Subscriber::storePrefetch(Result result, Clock::time_point now) {
 
 void Subscriber::dropStalePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now) {
   if (!prefetch || prefetch->result.meta.revision == revision) return;
-  if (now - prefetch->at > intervalOf(pace.tickRate)) prefetch.reset();
+  if (now - prefetch->at > intervalOf(pace.tickRate)) dropPrefetch();
+}
+
+/// A frame may have been all that shows the newest camera.
+void Subscriber::dropPrefetch() {
+  settingsChanged = settingsChanged || subscription.frame;
+  prefetch.reset();
 }
 
 std::optional<Result> Subscriber::takePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now) {
   dropStalePrefetch(revision, pace, now);
-  const std::optional<Prefetch> kept = std::exchange(prefetch, std::nullopt);
-  if (!kept || !hasCredit(pace) || now < pacer.next()) return std::nullopt;
-  if (kept->result.baseId != baseId || kept->result.meta.revision <= shownRevision) return std::nullopt;
-  markSent(kept->result, now);
-  return kept->result;
+  if (!prefetch) return std::nullopt;
+  const Result kept = prefetch->result;
+  const bool newer = kept.meta.revision > shownRevision || (kept.frame && kept.meta.revision == shownRevision);
+  if (!hasCredit(pace) || now < pacer.next() || kept.baseId != baseId || !newer) {
+    dropPrefetch();
+    return std::nullopt;
+  }
+  markSent(kept, now);
+  return kept;
 }
 
 }  // namespace lpv

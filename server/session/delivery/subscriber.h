@@ -2,9 +2,11 @@
 // One reader of results: what it has been sent, what it has acknowledged, and when it may be sent more. It has one
 // credit, or two over a long line (PROTOCOL.md, Results).
 //
-// Volumes for readers behind a long line are made ahead of their credit. Between an acknowledgement and the next result
-// lie a tick and its encoding; where the round trip is known well enough, they begin so much before the acknowledgement
-// is expected, and what they make waits for it: one volume for each credit at most.
+// Results are made ahead of a credit, and wait for it: one for each credit at most.
+// - Volumes for readers behind a long line. Between an acknowledgement and the next result lie a tick and its encoding;
+//   where the round trip is known well enough, they begin so much before the acknowledgement is expected.
+// - Whatever a reader wants whose acknowledgement is expected before a tick ends that begins for others: without that,
+//   readers whose acknowledgements come while the other's tick runs take turns with ticks of their own.
 
 #include <atomic>
 #include <cstdint>
@@ -26,6 +28,7 @@ namespace lpv {
 struct Pace {
   double tickRate = 1.0;  ///< ticks per second at most
   double makingSeconds = 0.0;  ///< from a tick's plan to the encoded volume, smoothed
+  double tickSeconds = 0.0;  ///< of a tick, smoothed
 };
 
 /// `rate` per second as the time between two.
@@ -39,7 +42,7 @@ struct Sent {
   Clock::time_point at{};
 };
 
-/// A volume that was made for a credit that is about to come back.
+/// A result that was made for a credit that is about to come back.
 struct Prefetch {
   Result result;
   Clock::time_point at{};
@@ -66,7 +69,7 @@ struct Subscriber {
   Pacer pacer{Pacer::Slack::kNone};  ///< of results, where it has a rate of its own
   RoundTrip roundTrip;
   std::optional<Prefetch> prefetch;
-  std::uint64_t prefetchFor = 0;  ///< the result whose acknowledgement a volume was last made ahead of
+  std::uint64_t prefetchFor = 0;  ///< the result whose acknowledgement one was last made ahead of
   std::optional<FrameAdapter> adapter;  ///< where the subscription has a rate to adapt to
 
   /// The last result sent, if any, is older than `revision`.
@@ -76,6 +79,10 @@ struct Subscriber {
   bool hasCredit(const Pace& pace) const;
   /// When a tick for the subscriber may begin; kNever where there is nothing to make, or no telling when.
   Clock::time_point dueAt(std::uint64_t revision, const Pace& pace) const;
+
+  /// Whether a tick that begins now for others serves this one, too: its credit is out, and expected back before the
+  /// tick ends.
+  bool sharesTick(std::uint64_t revision, const Pace& pace, Clock::time_point now) const;
 
   /// Size and quality of the next frame.
   FrameShape frameShape() const;
@@ -88,19 +95,20 @@ struct Subscriber {
   /// What was sent is lost: the next result is a whole one.
   void resend();
 
-  /// Whether a volume may be kept for the credit that comes back next: one for each, as a delta to what its
+  /// Whether a result may be kept for the credit that comes back next: one for each, a volume as a delta to what its
   /// acknowledgement will name, unless that is lost.
   bool canStorePrefetch(const Pace& pace) const;
-  /// Keeps a volume for that credit; returns it as the delta that it will be.
+  /// Keeps a result for that credit; returns it as what it will be sent as.
   Result storePrefetch(Result result, Clock::time_point now);
-  /// Drops a kept volume that has waited for longer than a tick's interval while the scene went on: the reader gets a
-  /// newer one, and whoever never acknowledges does not hold a volume.
+  /// Drops a kept result that has waited for longer than a tick's interval while the scene went on: the reader gets a
+  /// newer one, and whoever never acknowledges does not hold any.
   void dropStalePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now);
   /// Takes what was kept for the credit that has just come back, and marks it as sent; null where it is old, or a delta
   /// to what the reader does not hold.
   std::optional<Result> takePrefetch(std::uint64_t revision, const Pace& pace, Clock::time_point now);
 
  private:
+  void dropPrefetch();
   bool longTrip(const Pace& pace) const;
   Clock::time_point prefetchDueAt(const Pace& pace) const;
 };

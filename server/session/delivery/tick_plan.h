@@ -25,7 +25,7 @@ struct TickPlan {
   bool injected = false;
   bool guarded = false;
   bool probed = false;
-  std::vector<SubscriberPtr> prefetchFor;  ///< readers of volumes whose credit is out
+  std::vector<SubscriberPtr> prefetchFor;  ///< readers whose credit is out
   std::vector<FrameReader> frameReaders;
   std::vector<std::shared_ptr<WaitingCall>> volumeCalls;
   std::vector<std::shared_ptr<WaitingCall>> frameCalls;

@@ -1,8 +1,10 @@
-// Volumes that are made before the acknowledgement they wait for.
+// Results that are made before the acknowledgement they wait for.
 #include <gtest/gtest.h>
 
 #include <thread>
+#include <vector>
 
+#include "session/delivery/readers.h"
 #include "unit/session/session_fixture.h"
 
 namespace lpv {
@@ -103,6 +105,118 @@ TEST_F(FarReaders, HaveNothingMadeWhileThereIsNoTellingWhen) {
   rig_.settle();
   EXPECT_EQ(inbox_->prepared().size(), 0U);
   EXPECT_EQ(rig_.engine.ticks(), 1);
+}
+
+/// Two readers of one session, of a volume and of frames, whose ticks take longer than they do.
+class NearReaders : public testing::Test {
+ protected:
+  static constexpr auto kTick = std::chrono::milliseconds(50);
+  static constexpr auto kTrip = std::chrono::milliseconds(10);
+
+  NearReaders() {
+    Subscription ofVolume, ofFrames;
+    ofVolume.volume = VolumeStage::kTransported;
+    ofFrames.frame.emplace();
+    volume_ = readers_.add(ofVolume, nullptr);
+    frames_ = readers_.add(ofFrames, nullptr);
+  }
+  Occasion at(Clock::duration since) const { return {kBegin + since, revision_, {30.0, 0.06, 0.05}}; }
+  TickPlan plan(Clock::duration since) {
+    const auto hasView = [](const CameraChoice&, std::uint64_t) { return true; };
+    TickPlan plan;
+    readers_.planSubscribers(at(since), hasView, &plan);
+    if (!plan.empty()) readers_.planSharers(at(since), hasView, &plan);
+    return plan;
+  }
+  /// Ends at that time; what is sent.
+  std::vector<Offer> end(const TickPlan& plan, Clock::duration since) {
+    TickResult result;
+    if (plan.transported) result.transported = std::make_shared<Volume>();
+    for (std::size_t i = 0; i < plan.frameReaders.size(); ++i) result.frames.push_back(std::make_shared<Frame>());
+    ResultMeta meta;
+    meta.revision = revision_;
+    return readers_.deliverResults(plan, result, meta, at(since)).offers;
+  }
+  /// Both have been sent the first result and know how long their acknowledgements take; the frames' is back, and the
+  /// scene has changed.
+  void begin() {
+    end(plan({}), {});
+    for (int i = 0; i < 50; ++i) volume_->roundTrip.measured(std::chrono::duration<double>(kTrip).count());
+    for (int i = 0; i < 50; ++i) frames_->roundTrip.measured(std::chrono::duration<double>(kTrip).count());
+    ++revision_;
+  }
+  bool holds(const SubscriberPtr& one) const { return one->prefetch.has_value(); }
+  static void acknowledgeTo(const SubscriberPtr& one, Clock::duration since) {
+    one->acknowledge(one->lastSent, kBegin + since);
+  }
+
+  static constexpr Clock::time_point kBegin{std::chrono::hours(1)};
+  Readers readers_;
+  SubscriberPtr volume_, frames_;
+  std::uint64_t revision_ = 1;
+};
+
+// Seen to fail when ticks are made for those alone who have their credit.
+TEST_F(NearReaders, ShareATickThatEndsWhenTheirCreditIsBack) {
+  begin();
+  acknowledgeTo(volume_, kTrip / 2);
+  const TickPlan both = plan(kTrip / 2);
+  EXPECT_TRUE(both.transported);
+  ASSERT_EQ(both.frameReaders.size(), 1U);
+  acknowledgeTo(frames_, kTrip);
+  EXPECT_EQ(end(both, kTrip / 2 + kTick).size(), 2U) << "both have their credits";
+  EXPECT_FALSE(holds(frames_));
+}
+
+// Seen to fail when a frame is sent without a credit, or forgotten.
+TEST_F(NearReaders, AFrameWaitsForItsCredit) {
+  begin();
+  acknowledgeTo(volume_, kTrip / 2);
+  const TickPlan both = plan(kTrip / 2);
+  EXPECT_EQ(end(both, kTrip / 2 + kTick).size(), 1U) << "the volume";
+  ASSERT_TRUE(holds(frames_));
+  const Clock::duration late = kTrip + kTick;
+  acknowledgeTo(frames_, late);
+  const std::optional<Result> kept = frames_->takePrefetch(revision_, at(late).pace, kBegin + late);
+  ASSERT_TRUE(kept && kept->frame);
+  EXPECT_EQ(kept->meta.revision, revision_);
+}
+
+// Seen to fail when whoever takes long is waited for all the same.
+TEST_F(NearReaders, WhoTakesLongerThanATickHasNoShare) {
+  begin();
+  for (int i = 0; i < 50; ++i) frames_->roundTrip.measured(0.5);
+  acknowledgeTo(volume_, kTrip / 2);
+  EXPECT_TRUE(plan(kTrip / 2).frameReaders.empty());
+}
+
+// Seen to fail when a reader that does not acknowledge has a frame made in every tick.
+TEST_F(NearReaders, OneIsMadeForACredit) {
+  begin();
+  acknowledgeTo(volume_, kTrip / 2);
+  end(plan(kTrip / 2), kTick);
+  ++revision_;
+  acknowledgeTo(volume_, 2 * kTick);
+  EXPECT_TRUE(plan(2 * kTick).frameReaders.empty());
+}
+
+// Seen to fail when what a dropped frame would have shown of a camera is forgotten.
+TEST_F(NearReaders, AFrameThatIsDroppedIsStillWanted) {
+  begin();
+  acknowledgeTo(volume_, kTrip / 2);
+  frames_->shownRevision = revision_;
+  frames_->settingsChanged = true;
+  const TickPlan both = plan(kTrip / 2);
+  ASSERT_EQ(both.frameReaders.size(), 1U);
+  end(both, kTick);
+  ASSERT_TRUE(holds(frames_));
+  EXPECT_FALSE(frames_->wants(revision_));
+  acknowledgeTo(volume_, 2 * kTick);
+  ++revision_;
+  frames_->shownRevision = revision_;
+  end(plan(4 * kTick), 4 * kTick);
+  EXPECT_FALSE(holds(frames_));
+  EXPECT_TRUE(frames_->wants(revision_));
 }
 
 }  // namespace
