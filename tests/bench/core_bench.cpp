@@ -124,6 +124,28 @@ void gather(benchmark::State& state) {
   stages.countRate(state, "cells_per_s", cellsOf(scene), Stage::kGather);
 }
 
+/// As many lights, of which one moves.
+void lights(benchmark::State& state) {
+  const Scene scene = bench::roomOfLights(int(state.range(0)), 32);
+  int step = 0;
+  const auto moved = [&] {
+    auto next = std::make_shared<Scene>(scene);
+    auto lamp = std::make_shared<Light>(*scene.lights.at("light"));
+    lamp->transform.translation = position(step);
+    next->lights["light"] = lamp;
+    next->revision = std::uint64_t(++step);
+    TickRequest r;
+    r.session = 1;
+    r.scene = next;
+    r.transported = true;
+    return bench::tick(std::move(r)).report;
+  };
+  moved();
+  Stages stages;
+  for (auto _ : state) stages.add(moved());
+  stages.count(state);
+}
+
 void frames(benchmark::State& state) {
   const Scene scene = bench::roomWith(bench::statue(), position(0), int(state.range(0)));
   int step = 0;
@@ -180,6 +202,7 @@ void streams(benchmark::State& state) {
 constexpr auto kUnit = benchmark::kMillisecond;
 BENCHMARK(transport)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
 BENCHMARK(gather)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
+BENCHMARK(lights)->Arg(16)->Arg(64)->UseRealTime()->Unit(kUnit);
 BENCHMARK(frames)->Arg(32)->Arg(64)->UseRealTime()->Unit(kUnit);
 BENCHMARK(nearField)->ArgName("reduced")->Arg(0)->Arg(1)->UseRealTime()->Unit(kUnit);
 BENCHMARK(streams)->ArgName("features")->Arg(0)->Arg(1)->Arg(2)->UseRealTime()->Unit(kUnit);

@@ -1,5 +1,6 @@
 #include "core_scene.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -104,6 +105,30 @@ Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells) {
   walls->name = "walls";
   walls->mesh = reference::box(room.min, room.max, true);
   scene.surfaces[walls->name] = walls;
+  return scene;
+}
+
+/// By multiples of irrational numbers.
+glm::dvec3 spreadInRoom(int i) {
+  const glm::dvec3 unit = glm::fract(double(i) * glm::dvec3(0.8191725134, 0.6710436067, 0.5497004779));
+  return glm::dvec3(-1.8, 0.2, -1.8) + unit * glm::dvec3(3.6, 2.6, 3.6);
+}
+
+Scene roomOfLights(int lights, int cells) {
+  Scene scene = roomWith(reference::sphere(), {0.0, 1.5, 0.0}, cells);
+  scene.options = {};
+  scene.options.transport = Transport::kGather;
+  scene.options.followTransport();
+  scene.options.visibility = Visibility::kOff;
+  scene.options.bounces = 0;
+  const Light lamp = *scene.lights.begin()->second;
+  for (int i = 1; i < lights; ++i) {
+    auto light = std::make_shared<Light>(lamp);
+    light->name = "light" + std::to_string(i);
+    light->transform.translation = spreadInRoom(i);
+    light->transform.scale = glm::dvec3(0.1 / std::sqrt(double(lights)));
+    scene.lights[light->name] = light;
+  }
   return scene;
 }
 

@@ -46,25 +46,7 @@ Scene trianglesOf(int count) {
   return roomOf(count < 100 ? reference::sphereOf(3, 1 + count / 6) : reference::bumpySphere(std::size_t(count)), 32);
 }
 
-/// All of one size, spread in the room by multiples of irrational numbers.
-glm::dvec3 spread(int i) {
-  const glm::dvec3 unit = glm::fract(double(i) * glm::dvec3(0.8191725134, 0.6710436067, 0.5497004779));
-  return glm::dvec3(-1.8, 0.2, -1.8) + unit * glm::dvec3(3.6, 2.6, 3.6);
-}
-
-/// Their sizes shrink as they become more, so that their area does not grow.
-Scene lightsOf(int count) {
-  Scene scene = roomOf(reference::sphere(), 32);
-  const Light lamp = *scene.lights.begin()->second;
-  for (int i = 1; i < count; ++i) {
-    auto light = std::make_shared<Light>(lamp);
-    light->name = "light" + std::to_string(i);
-    light->transform.translation = spread(i);
-    light->transform.scale = glm::dvec3(0.1 / std::sqrt(double(count)));
-    scene.lights[light->name] = light;
-  }
-  return scene;
-}
+Scene lightsOf(int count) { return bench::roomOfLights(count, 32); }
 
 Scene surfacesOf(int count) {
   Scene scene = roomOf(reference::sphere(), 32);
@@ -75,7 +57,7 @@ Scene surfacesOf(int count) {
     auto surface = std::make_shared<Surface>();
     surface->name = "box" + std::to_string(i);
     surface->mesh = mesh;
-    surface->transform.translation = spread(i);
+    surface->transform.translation = bench::spreadInRoom(i);
     scene.surfaces[surface->name] = surface;
   }
   return scene;

@@ -127,10 +127,10 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
       assert.ok(apart(before, await eye(page)) > 0.1, `${key} steers`);
     }
   }
-  for (const keys of ["p", "o"]) {
+  for (const keys of ["p", "u", "o"]) {
     const download = page.waitForEvent("download");
     await press(keys);
-    assert.match((await download).suggestedFilename(), /\.(png|lpv)$/);
+    assert.match((await download).suggestedFilename(), /\.(png|exr|lpv)$/);
   }
   await press("l");
   await page.keyboard.press("Escape");

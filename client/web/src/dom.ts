@@ -16,3 +16,9 @@ export function el<K extends keyof HTMLElementTagNameMap>(tag: K, props: Props =
 export function labelled(label: string, control: HTMLElement): HTMLLabelElement {
   return el("label", { class: "field" }, el("span", {}, label), control);
 }
+
+export function download(file: Blob, name: string): void {
+  const address = URL.createObjectURL(file);
+  el("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}

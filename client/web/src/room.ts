@@ -1,5 +1,5 @@
 import { SessionService } from "../gen/lpv/v1/session_pb.ts";
-import { el } from "./dom.ts";
+import { download, el } from "./dom.ts";
 import { serverStream } from "./net/calls.ts";
 import type { Connection, ConnectionState } from "./net/connection.ts";
 import { CallError } from "./net/errors.ts";
@@ -238,15 +238,21 @@ export class Room {
     this.stage.frameObject(translation, Math.max(Math.abs(scale.x), Math.abs(scale.y), Math.abs(scale.z)));
   }
 
+  private async saveLinear(): Promise<void> {
+    try {
+      await this.stage.saveLinear();
+    } catch (error) {
+      this.words.refuse(error);
+    }
+  }
+
   private async saveSession(): Promise<void> {
     const parts: Uint8Array<ArrayBuffer>[] = [];
     try {
       for await (const part of serverStream(this.connection, SessionService.method.exportSession, { name: this.session })) {
         parts.push(part.data as Uint8Array<ArrayBuffer>);
       }
-      const address = URL.createObjectURL(new Blob(parts));
-      el("a", { href: address, download: `${this.session.replace("sessions/", "")}.lpv` }).click();
-      setTimeout(() => URL.revokeObjectURL(address), 10_000);
+      download(new Blob(parts), `${this.session.replace("sessions/", "")}.lpv`);
     } catch (error) {
       this.words.refuse(error);
     }
@@ -294,6 +300,7 @@ export class Room {
       { keys: "Escape", does: "select nothing", run: () => this.select("") },
       { keys: "m", does: "this browser's own shading of the light, or the server's pictures", run: () => void this.stage.flipLook() },
       { keys: "p", does: "save the picture", run: () => this.stage.savePicture() },
+      { keys: "u", does: "save the picture's linear radiance, as EXR", run: () => void this.saveLinear() },
       { keys: "o", does: "save the session as a file", run: () => void this.saveSession() },
       { keys: "c", does: "settings of the session, and what the server chose", run: () => this.settings.open(this.access.mayEdit) },
       { keys: "l", does: "share: links by role", run: () => this.access.mayShare && this.share.open() },

@@ -4,7 +4,7 @@ import { create } from "@bufbuild/protobuf";
 import { CameraSchema } from "../gen/lpv/v1/geometry_pb.ts";
 import { LightSchema, SceneChangeSchema, SceneSnapshotSchema } from "../gen/lpv/v1/scene_pb.ts";
 import { CameraRig } from "../src/view/camera_rig.ts";
-import { fromHex, lumens, radianceOf, toHex, watts } from "../src/scene/emission.ts";
+import { fromHex, fromKelvins, lumens, radianceOf, scaled, toHex, toKelvins, watts } from "../src/scene/emission.ts";
 import { SceneModel } from "../src/scene/model.ts";
 import { anglesOf, rotationOf } from "../src/scene/placement.ts";
 import { sphere } from "../src/scene/shapes.ts";
@@ -45,6 +45,23 @@ test("power is pi times area times radiance, light 179 lm/W of the luminance", (
 test("a colour comes back from the picker as it went in", () => {
   assert.equal(toHex({ x: 14, y: 14, z: 14 }), "#ffffff");
   for (const hex of ["#ff8000", "#12ff9a", "#0000ff"]) assert.equal(toHex(fromHex(hex)), hex);
+});
+
+test("a temperature is a black body's colour, and comes back", () => {
+  const daylight = fromKelvins(6504);
+  assert.ok(Math.abs(daylight.y / daylight.x - 0.943) < 2e-3 && Math.abs(daylight.z / daylight.x - 0.993) < 2e-3, "x .3135, y .3236");
+  const candle = fromKelvins(1900), sky = fromKelvins(15000);
+  assert.ok(candle.x === 1 && candle.y < 0.35 && candle.z < 0.02, "1,900 K is orange");
+  assert.ok(sky.z === 1 && sky.x < 0.55 && sky.x < sky.y, "15,000 K is blue");
+  const lamp = fromKelvins(2856); // CIE's illuminant A: x .4476, y .4074
+  const [X, Y, Z] = [0.4124564 * lamp.x + 0.3575761 * lamp.y + 0.1804375 * lamp.z,
+    0.2126729 * lamp.x + 0.7151522 * lamp.y + 0.072175 * lamp.z, 0.0193339 * lamp.x + 0.119192 * lamp.y + 0.9503041 * lamp.z];
+  assert.ok(Math.abs(X / (X + Y + Z) - 0.4476) < 1e-3 && Math.abs(Y / (X + Y + Z) - 0.4074) < 1e-3);
+  for (const kelvins of [1800, 2700, 4000, 6500, 12000]) {
+    const found = toKelvins(scaled(fromKelvins(kelvins), 7));
+    assert.ok(found !== undefined && Math.abs(found / kelvins - 1) < 0.01, `${kelvins} K`);
+  }
+  assert.equal(toKelvins({ x: 0, y: 1, z: 0 }), undefined, "green is no black body's");
 });
 
 test("angles and rotation are one another's inverse", () => {

@@ -68,7 +68,7 @@ class LightSums {
  public:
   /// Before all is summed. What is kept stays as far as it is made from the same.
   void begin(ReceivedInputs received, std::vector<SentInputs> lights);
-  /// When all is summed. Where nothing changes any more, no memory is kept.
+  /// When all is summed. Where nothing has changed for a while, no memory is kept.
   void end();
 
   /// Whether the sum of these is to be kept.

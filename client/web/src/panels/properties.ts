@@ -1,7 +1,7 @@
 import type { Light, Surface } from "../../gen/lpv/v1/scene_pb.ts";
 import { el, labelled } from "../dom.ts";
 import {
-  LUMENS_PER_WATT, emittingArea, fromHex, lumens, plainColour, plainHex, radianceOf, scaled, strongest, toHex, watts,
+  LUMENS_PER_WATT, emittingArea, fromHex, fromKelvins, lumens, luminance, plainColour, plainHex, radianceOf, scaled, strongest, toHex, toKelvins, watts,
   type Colour,
 } from "../scene/emission.ts";
 import type { Fields } from "../scene/actions.ts";
@@ -66,14 +66,20 @@ export class Properties {
     const byFactor = (now: number) => (wanted: number): void => {
       if (now > 0) set(scaled(radiance, wanted / now));
     };
+    const warmth = toKelvins(radiance);
+    const warmed = (kelvins: number): void => {
+      const body = fromKelvins(kelvins);
+      set(scaled(body, (luminance(radiance) || 1) / luminance(body)));
+    };
     const power = watts(radiance, area);
     const flux = lumens(radiance, area);
     return el("div", { class: "group" },
       labelled("Colour", colour(toHex(radiance), (hex) => set(scaled(fromHex(hex), strength || 1)))),
+      labelled("Temperature, K", number(Math.round((warmth ?? 0) / 10) * 10, 0, warmed, warmth !== undefined)),
       labelled("Radiance", number(strength, 0, (value) => set(strength > 0 ? scaled(radiance, value / strength) : { x: value, y: value, z: value }))),
       labelled("Power, W", number(power, 0, byFactor(power), oneSide !== undefined)),
       labelled("Light, lm", number(flux, 0, byFactor(flux), oneSide !== undefined)),
-      el("p", { class: "quiet" }, `Radiance in W/(sr m²) of the strongest colour; power of all three together; ${LUMENS_PER_WATT} lm/W times the luminance. ${oneSide === undefined ? "" : `Emitting area ${area.toFixed(3)} m².`}`),
+      el("p", { class: "quiet" }, `Temperature of a black body of this colour, where there is one: another keeps the light in lumens. Radiance in W/(sr m²) of the strongest colour; power of all three together; ${LUMENS_PER_WATT} lm/W times the luminance. ${oneSide === undefined ? "" : `Emitting area ${area.toFixed(3)} m².`}`),
       labelled("Group", text(light.group, (group) => this.actions.change(object, { group }, ["group"]))),
       this.flag(object, "Enabled", "enabled", light.enabled !== false),
       this.flag(object, "Two-sided", "two_sided", light.twoSided),

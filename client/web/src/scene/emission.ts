@@ -38,6 +38,42 @@ export function lumens(radiance: Colour, area: number): number {
   return LUMENS_PER_WATT * Math.PI * area * luminance(radiance);
 }
 
+// Of a black body at that many kelvins, the strongest of the three made 1: the Planckian locus in CIE 1931 xy by Kim et
+// al. (US patent 7024034, 2006), cubics for 1,667 to 25,000 K, .0005 off at 2,856; what Rec.709 cannot show is cut at 0.
+export const COLDEST = 1667, HOTTEST = 25000;
+export function fromKelvins(kelvins: number): Colour {
+  const t = 1e3 / Math.min(HOTTEST, Math.max(COLDEST, kelvins));
+  const x = t > 0.25
+    ? ((-0.2661239 * t - 0.234358) * t + 0.8776956) * t + 0.17991
+    : ((-3.0258469 * t + 2.1070379) * t + 0.2226347) * t + 0.24039;
+  const y = t > 1 / 2.222
+    ? ((-1.1063814 * x - 1.3481102) * x + 2.18555832) * x - 0.20219683
+    : t > 0.25
+      ? ((-0.9549476 * x - 1.37418593) * x + 2.09137015) * x - 0.16748867
+      : ((3.081758 * x - 5.8733867) * x + 3.75112997) * x - 0.37001483;
+  const X = x / y, Z = (1 - x - y) / y;
+  const colour = {
+    x: Math.max(0, 3.2404542 * X - 1.5371385 - 0.4985314 * Z),
+    y: Math.max(0, -0.969266 * X + 1.8760108 + 0.041556 * Z),
+    z: Math.max(0, 0.0556434 * X - 0.2040259 + 1.0572252 * Z),
+  };
+  return scaled(colour, 1 / strongest(colour));
+}
+
+// The temperature whose colour this is, to a percent; undefined where it is not that of a black body.
+export function toKelvins(colour: Colour): number | undefined {
+  const full = strongest(colour);
+  if (full <= 0) return undefined;
+  const hue = scaled(colour, 1 / full);
+  const off = (kelvins: number): number => {
+    const body = fromKelvins(kelvins);
+    return Math.max(Math.abs(body.x - hue.x), Math.abs(body.y - hue.y), Math.abs(body.z - hue.z));
+  };
+  let best = COLDEST;
+  for (let kelvins = COLDEST; kelvins < HOTTEST; kelvins *= 1.005) if (off(kelvins) < off(best)) best = kelvins;
+  return off(best) < 0.02 ? best : undefined;
+}
+
 const coded = (linear: number): number => (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
 const decoded = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
 
