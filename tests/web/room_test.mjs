@@ -68,6 +68,33 @@ test("a light that one page drags changes on both, and on the server", { timeout
   assert.deepEqual([...first.errors, ...second.errors], []);
 }));
 
+test("one page follows the other's camera until its own is moved", { timeout: 120_000 }, () => withServer((server) => server.start(), async (server) => {
+  const first = await RoomPage.open(browser, server.page);
+  await first.makeDemoRoom();
+  const second = await RoomPage.open(browser, `${server.page}#session=${await first.session}`);
+  await second.seesPicture();
+  const apart = async () => difference(await first.pixels(), await second.pixels());
+  const steer = async (room) => {
+    await room.page.keyboard.press("v");
+    await room.page.keyboard.down("ArrowLeft");
+    await room.page.waitForTimeout(500);
+    await room.page.keyboard.up("ArrowLeft");
+  };
+  await steer(first);
+  await until("the views differ", async () => (await apart()) > 5);
+  const follow = second.page.locator("text=Follow");
+  await follow.click();
+  await until("they are the same", async () => (await apart()) < 2);
+  await steer(first);
+  await until("and stay so", async () => (await apart()) < 2);
+  assert.equal(await follow.getAttribute("aria-pressed"), "true");
+  await second.shot("follows");
+  await steer(second);
+  await until("the second looks for itself", async () => (await apart()) > 5);
+  assert.equal(await follow.getAttribute("aria-pressed"), "false");
+  assert.deepEqual([...first.errors, ...second.errors], []);
+}));
+
 // The red handle is to the right of the lamp, which the camera "front" shows in the middle, near the ceiling.
 async function dragAlongX(page) {
   const box = await page.locator("#stage").boundingBox();

@@ -103,6 +103,16 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   await find("lamp");
   await press("t");
   await until("the lamp is on", () => light(session).enabled !== false);
+  await press("Ctrl+D");
+  await until("there is a lamp beside it", () => lights(session) === 2);
+  await until("which is selected", async () => (await page.inputValue("#object-name")) !== "lamp");
+  await press("k");
+  await until("k turns the first lamp off", () => all(session).filter((one) => one.enabled !== false).length === 1);
+  await press("k");
+  await until("and on again", () => all(session).filter((one) => one.enabled !== false).length === 2);
+  await press("Delete");
+  await until("one is left", () => lights(session) === 1);
+  await find("lamp");
   await press("Escape");
   assert.equal(await page.locator("#object-name").count(), 0);
 

@@ -43,6 +43,8 @@ export class Room {
   private readonly stop = new AbortController();
   private access: Access = { mayEdit: false, mayShare: false };
   private selected = "";
+  private silenced = new Set<string>(); // lights that this page has turned off for another's sake
+  private followed = ""; // the member whose camera this page's follows
   private drag = ""; // undo group of the drag under way
   private drags = 0;
   private started = false;
@@ -54,7 +56,7 @@ export class Room {
 
   constructor(private readonly connection: Connection, private readonly session: string, private readonly leave: () => void) {
     this.editor = new Editor(connection, session);
-    this.list = new SceneList(this.model, () => this.selected, (name) => this.select(name));
+    this.list = new SceneList(this.model, () => this.selected, (name) => this.select(name), () => this.followed, (member) => this.follow(member));
     this.properties = new Properties({
       change: (object, fields, paths) => void this.edit(() => this.editor.apply([update(object, fields, paths)])),
       place: (object, to) => void this.edit(() => place(this.editor, object, to, "")),
@@ -71,7 +73,10 @@ export class Room {
       drew: () => this.strip.drew(),
       looking: (local) => this.buttons.get("m")?.setAttribute("aria-pressed", String(local)),
       picked: (name) => this.select(name),
-      cameraMoved: () => this.presenceChanged(),
+      cameraMoved: (steered) => {
+        if (steered && this.followed) this.follow("");
+        this.presenceChanged();
+      },
       dragging: (on) => this.dragging(on),
       moved: (to) => this.moved(to),
       refused: this.words.refuse,
@@ -133,11 +138,19 @@ export class Room {
       void this.stage.start(this.access.mayEdit).then(() => this.changed());
     }
     if (this.selected && !this.model.find(this.selected)) this.selected = "";
+    const followed = this.model.people.get(this.followed);
+    if (!followed) this.followed = "";
+    else if (followed.camera) this.stage.follow(followed.camera);
     const object = this.model.find(this.selected);
     this.title.textContent = this.displayName || this.session.replace("sessions/", "");
     this.list.draw();
     this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
     this.stage.hold(object && placementOf(object.value.transform));
+  }
+
+  private follow(member: string): void {
+    this.followed = member;
+    this.changed();
   }
 
   private select(name: string): void {
@@ -231,6 +244,18 @@ export class Room {
     void this.edit(() => this.editor.apply([update(object, { enabled: object.value.enabled === false }, ["enabled"])]));
   }
 
+  // The others go off in one edit, for everybody, and come on again in another.
+  private solo(): void {
+    const object = this.model.find(this.selected);
+    if (object?.kind !== "light") return;
+    const others = [...this.model.lights.values()].filter((light) => light.name !== this.selected);
+    const on = others.filter((light) => light.enabled !== false);
+    const changed = on.length > 0 ? on : others.filter((light) => this.silenced.has(light.name));
+    this.silenced = new Set(on.map((light) => light.name));
+    if (changed.length === 0) return;
+    void this.edit(() => this.editor.apply(changed.map((value) => update({ kind: "light", value }, { enabled: on.length === 0 }, ["enabled"]))));
+  }
+
   private frameSelected(): void {
     const object = this.model.find(this.selected);
     if (!object) return;
@@ -290,6 +315,7 @@ export class Room {
       { keys: "Ctrl+D", does: "duplicate", run: () => this.duplicate(), edits: true },
       { keys: "Delete", does: "delete", run: () => this.remove(), edits: true },
       { keys: "t", does: "light on or off", run: () => this.toggle(), edits: true },
+      { keys: "k", does: "the light alone, or those again that were on beside it", run: () => this.solo(), edits: true },
       { keys: "Ctrl+Z", does: "undo", run: step("undo"), edits: true },
       { keys: "Ctrl+Y", does: "redo", run: step("redo"), edits: true },
       { keys: "f", does: "look at the selected object", run: () => this.frameSelected() },

@@ -1,3 +1,4 @@
+import type { Presence } from "../../gen/lpv/v1/session_pb.ts";
 import { el } from "../dom.ts";
 import { plainHex } from "../scene/emission.ts";
 import type { SceneModel } from "../scene/model.ts";
@@ -11,7 +12,10 @@ export class SceneList {
   private readonly people = el("ul", { class: "list", "aria-label": "Others here" });
   readonly element = el("nav", { class: "side", "aria-label": "Scene" }, this.search, this.list, this.people);
 
-  constructor(private readonly model: SceneModel, private readonly selected: () => string, private readonly select: (name: string) => void) {}
+  constructor(
+    private readonly model: SceneModel, private readonly selected: () => string, private readonly select: (name: string) => void,
+    private readonly followed: () => string, private readonly follow: (member: string) => void,
+  ) {}
 
   focus(): void {
     this.search.focus();
@@ -51,8 +55,18 @@ export class SceneList {
   private drawPeople(): void {
     const rows = [...this.model.people.values()].map((person) =>
       el("li", { class: "row" }, swatch(person.colour, ""), person.displayName || "a member",
-        el("span", { class: "quiet" }, person.selection.join(", "))));
-    this.people.replaceChildren(...(rows.length > 0 ? [heading("Also here"), ...rows] : []));
+        el("span", { class: "quiet" }, person.selection.join(", ")), this.followButton(person)));
+    keepFocus(this.people, rows.length > 0 ? [heading("Also here"), ...rows] : []);
+  }
+
+  // Looks from where they look, until this page's own camera is moved.
+  private followButton(person: Presence): HTMLElement | undefined {
+    if (!person.camera) return undefined;
+    const on = this.followed() === person.clientId;
+    const button = el("button", { "data-name": person.clientId, onclick: () => this.follow(on ? "" : person.clientId) }, "Follow");
+    button.setAttribute("aria-pressed", String(on));
+    button.setAttribute("aria-label", `Follow the camera of ${person.displayName || "a member"}`);
+    return button;
   }
 }
 

@@ -7,6 +7,7 @@ import { boxOf, type SceneModel } from "../scene/model.ts";
 import type { Placement } from "../scene/placement.ts";
 import { CameraRig } from "./camera_rig.ts";
 import { FrameView, type ShownFrame } from "./frames.ts";
+import type { Camera } from "../../gen/lpv/v1/geometry_pb.ts";
 import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
 import type { Field } from "../local/field.ts";
 import type { LocalView } from "../local/view.ts";
@@ -24,7 +25,7 @@ export interface StageReports {
   drew(): void;
   looking(local: boolean): void;
   picked(name: string): void;
-  cameraMoved(): void;
+  cameraMoved(steered: boolean): void; // by this page, or because it follows somebody
   dragging(on: boolean): void;
   moved(to: Placement): void;
   refused(error: unknown): void;
@@ -181,6 +182,14 @@ export class Stage {
     this.cameraChanged();
   }
 
+  // Looks as somebody else does.
+  follow({ eye, target, fovDegrees }: Camera): void {
+    if (!eye || !target) return;
+    const before = JSON.stringify(this.rig.view());
+    this.rig.set({ eye, target, fovDegrees });
+    if (JSON.stringify(this.rig.view()) !== before) this.cameraChanged(false);
+  }
+
   frameObject(centre: Placement["translation"], radius: number): void {
     this.rig.frame(centre, radius);
     this.cameraChanged();
@@ -220,12 +229,12 @@ export class Stage {
     }
   }
 
-  private cameraChanged(): void {
+  private cameraChanged(steered = true): void {
     if (!this.aimed) return;
     this.frames?.cameraMoved();
     this.local?.cameraMoved();
     this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
-    this.reports.cameraMoved();
+    this.reports.cameraMoved(steered);
   }
 
   private resized(): void {
