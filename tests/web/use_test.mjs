@@ -147,6 +147,11 @@ test("every action of ? is done by keys alone", { timeout: 180_000 }, async () =
   await press("m");
   await until("m shades here", async () => (await pressed("m")) === "true");
   await press("m");
+  await press("j");
+  await page.locator('[aria-label="Slice of the volume"] p', { hasText: "W/m²" }).waitFor();
+  await room.shot("slice");
+  await press("j");
+  await until("j closes it", async () => (await page.locator('[aria-label="Slice of the volume"]').count()) === 0);
   await press("c");
   await page.locator("#settings select").first().waitFor();
   await page.locator('[aria-label="Bounces"]').focus();

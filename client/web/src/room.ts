@@ -325,6 +325,7 @@ export class Room {
       { keys: "v", does: "focus the picture", run: () => this.stage.element.focus() },
       { keys: "Escape", does: "select nothing", run: () => this.select("") },
       { keys: "m", does: "this browser's own shading of the light, or the server's pictures", run: () => void this.stage.flipLook() },
+      { keys: "j", does: "a slice of the volume's cells", run: () => void this.stage.flipSlice() },
       { keys: "p", does: "save the picture", run: () => this.stage.savePicture() },
       { keys: "u", does: "save the picture's linear radiance, as EXR", run: () => void this.saveLinear() },
       { keys: "o", does: "save the session as a file", run: () => void this.saveSession() },

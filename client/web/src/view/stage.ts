@@ -10,6 +10,7 @@ import { FrameView, type ShownFrame } from "./frames.ts";
 import type { Camera } from "../../gen/lpv/v1/geometry_pb.ts";
 import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
 import type { Field } from "../local/field.ts";
+import type { SliceView } from "../local/slice.ts";
 import type { LocalView } from "../local/view.ts";
 import type { Gizmo, GizmoMode } from "./gizmo.ts";
 import { navigate } from "./navigate.ts";
@@ -41,6 +42,7 @@ export class Stage {
   readonly element = el("section", { class: "stage", tabindex: 0, id: "stage", "aria-label": "View" }, this.picture, this.shaded, this.handles, this.trouble);
   private frames: FrameView | undefined;
   private local: LocalView | undefined;
+  private slice: SliceView | undefined;
   private ev: number | undefined;
   private closed = false;
   private gizmo: Gizmo | undefined;
@@ -68,6 +70,7 @@ export class Stage {
     this.closed = true;
     this.frames?.close();
     this.local?.close();
+    this.slice?.close();
   }
 
   setExposure(ev: number | undefined): void {
@@ -82,6 +85,15 @@ export class Stage {
 
   get shading(): LocalView | undefined {
     return this.local;
+  }
+
+  // A plane of the volume's cells beside the picture, or none.
+  async flipSlice(): Promise<void> {
+    const { SliceView } = await import("../local/slice.ts");
+    if (this.closed) return;
+    this.slice?.close();
+    this.slice = this.slice ? undefined : new SliceView(this.connection, this.session, () => this.editor.identity);
+    if (this.slice) this.element.append(this.slice.element);
   }
 
   // The server's pictures, or this browser's own shading of the light.
