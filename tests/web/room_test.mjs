@@ -82,9 +82,13 @@ test("one page follows the other's camera until its own is moved", { timeout: 12
   };
   await steer(first);
   await until("the views differ", async () => (await apart()) > 5);
+  const shown = () => second.page.locator("canvas.handles").isVisible();
+  await until("the first's camera is in the second's picture", shown);
+  await second.shot("watched");
   const follow = second.page.locator("text=Follow");
   await follow.click();
   await until("they are the same", async () => (await apart()) < 2);
+  await until("nobody's camera is in the way", async () => !(await shown()));
   await steer(first);
   await until("and stay so", async () => (await apart()) < 2);
   assert.equal(await follow.getAttribute("aria-pressed"), "true");

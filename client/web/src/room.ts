@@ -145,6 +145,7 @@ export class Room {
     this.title.textContent = this.displayName || this.session.replace("sessions/", "");
     this.list.draw();
     this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
+    this.stage.showWatchers(this.model.people.values());
     this.stage.hold(object && placementOf(object.value.transform));
   }
 

@@ -5,14 +5,15 @@ import type { Connection } from "../net/connection.ts";
 import type { Editor } from "../scene/editor.ts";
 import { boxOf, type SceneModel } from "../scene/model.ts";
 import type { Placement } from "../scene/placement.ts";
-import { CameraRig } from "./camera_rig.ts";
+import { CameraRig, type Point } from "./camera_rig.ts";
 import { FrameView, type ShownFrame } from "./frames.ts";
 import type { Camera } from "../../gen/lpv/v1/geometry_pb.ts";
 import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
+import type { Presence } from "../../gen/lpv/v1/session_pb.ts";
 import type { Field } from "../local/field.ts";
 import type { SliceView } from "../local/slice.ts";
 import type { LocalView } from "../local/view.ts";
-import type { Gizmo, GizmoMode } from "./gizmo.ts";
+import type { Gizmo, GizmoMode, Watcher } from "./gizmo.ts";
 import { navigate } from "./navigate.ts";
 
 // The view of a session without cameras.
@@ -167,6 +168,17 @@ export class Stage {
     this.frames?.moving();
   }
 
+  // Those whose cameras are known.
+  showWatchers(people: Iterable<Presence>): void {
+    const watchers: Watcher[] = [];
+    for (const { camera, colour } of people) {
+      if (!camera?.eye || !camera.target) continue;
+      const { eye, target, fovDegrees } = camera;
+      watchers.push({ view: { eye: plain(eye), target: plain(target), fovDegrees: fovDegrees || 50 }, colour: plain(colour ?? { x: 0.3, y: 0.3, z: 0.3 }) });
+    }
+    this.gizmo?.setWatchers(watchers);
+  }
+
   hold(placement: Placement | undefined): void {
     this.gizmo?.attach(placement);
   }
@@ -290,3 +302,5 @@ export class Stage {
     }
   }
 }
+
+const plain = ({ x, y, z }: Point): Point => ({ x, y, z });
