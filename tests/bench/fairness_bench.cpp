@@ -64,6 +64,8 @@ Scene sceneOf(const Load& load) {
   options.transport = load.transport;
   if (load.transport != Transport::kPropagate) options.followTransport();
   options.grid = scene.options.grid;
+  options.visibility = Visibility::kOff;  // with shadows and bounces one tick of the largest frame takes four minutes
+  options.bounces = 0;
   scene.options = options;
   return scene;
 }
