@@ -33,8 +33,8 @@ Scene roomWith(const MeshPtr& mesh, const glm::dvec3& position, int cells);
 /// A point of that room, the `i`th of many that are spread evenly.
 glm::dvec3 spreadInRoom(int i);
 
-/// That room lit by `lights` spheres, which shrink as they become more, so that their area does not grow: GATHER, without
-/// shadows and bounces. The first is "light".
+/// That room lit by `lights` spheres, which shrink as they become more, so that their area does not grow: GATHER,
+/// without shadows and bounces. The first is "light".
 Scene roomOfLights(int lights, int cells);
 
 /// `scene` with its light moved.
