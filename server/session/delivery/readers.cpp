@@ -157,7 +157,8 @@ void Readers::deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage s
     Result result = latest;
     result.meta.clientSequence = plan.moment.sequenceOf(subscriber->subscription.clientId);
     if (!subscriber->hasCredit(at.pace)) {
-      out->offers.push_back({subscriber, subscriber->storePrefetch(std::move(result), at.now), Offer::kPrepare});
+      Result kept = subscriber->storePrefetch(std::move(result), at.now);
+      if (subscriber->worthAhead(at.pace)) out->offers.push_back({subscriber, std::move(kept), Offer::kPrepare});
       continue;
     }
     result.baseId = subscriber->baseId;

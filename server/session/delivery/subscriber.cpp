@@ -28,11 +28,9 @@ Clock::time_point Subscriber::dueAt(std::uint64_t revision, const Pace& pace) co
   return std::max(pacer.next(), hasCredit(pace) ? Clock::time_point::min() : prefetchDueAt(pace));
 }
 
-/// dueAt() of a subscriber whose credit is out. Only where a round trip lasts for more than a tick's interval, as a
-/// second credit asks for, and strays by less than there is to gain.
+/// dueAt() of a subscriber whose credit is out.
 Clock::time_point Subscriber::prefetchDueAt(const Pace& pace) const {
-  if (!subscription.volume || !canStorePrefetch(pace) || !longTrip(pace) || roundTrip.deviation() >= pace.makingSeconds)
-    return kNever;
+  if (!subscription.volume || !canStorePrefetch(pace) || !worthAhead(pace)) return kNever;
   return inFlight.front().at + durationOf(roundTrip.mean() - roundTrip.deviation() - pace.makingSeconds);
 }
 

@@ -98,6 +98,10 @@ struct Subscriber {
   /// Whether a result may be kept for the credit that comes back next: one for each, a volume as a delta to what its
   /// acknowledgement will name, unless that is lost.
   bool canStorePrefetch(const Pace& pace) const;
+  /// Whether it is worth while to make a volume for this reader alone, and to encode it, before its credit is back:
+  /// where a round trip lasts for more than a tick's interval, as a second credit asks for, and strays by less than
+  /// there is to gain. Else it may get a newer one instead.
+  bool worthAhead(const Pace& pace) const { return longTrip(pace) && roundTrip.deviation() < pace.makingSeconds; }
   /// Keeps a result for that credit; returns it as what it will be sent as.
   Result storePrefetch(Result result, Clock::time_point now);
   /// Drops a kept result that has waited for longer than a tick's interval while the scene went on: the reader gets a
