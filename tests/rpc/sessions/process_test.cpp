@@ -195,8 +195,8 @@ class KilledClients : public ::testing::Test {
   std::string session_ = makeLitSession(stubs_);
 };
 
-// As many uploads before the count begins: what the server allocates once for all uploads, and the heap of each thread that
-// had one keeps, is no leak.
+// As many uploads before the count begins: what the server allocates once for all uploads, and the heap of each thread
+// that had one keeps, is no leak.
 TEST_F(KilledClients, MidUploadLeaveNothing) {
   for (int i = 0; i < 4; ++i) {
     killInTheMidst("upload", [] { return true; });
