@@ -1,3 +1,4 @@
+import type { Light } from "../gen/lpv/v1/scene_pb.ts";
 import { SessionService } from "../gen/lpv/v1/session_pb.ts";
 import { download, el } from "./dom.ts";
 import { serverStream } from "./net/calls.ts";
@@ -245,16 +246,19 @@ export class Room {
     void this.edit(() => this.editor.apply([update(object, { enabled: object.value.enabled === false }, ["enabled"])]));
   }
 
-  // The others go off in one edit, for everybody, and come on again in another.
+  // The others go off in one edit, for everybody, and all that went off come on again in another. Whoever goes from one
+  // light to the next has the next alone.
   private solo(): void {
     const object = this.model.find(this.selected);
     if (object?.kind !== "light") return;
     const others = [...this.model.lights.values()].filter((light) => light.name !== this.selected);
     const on = others.filter((light) => light.enabled !== false);
-    const changed = on.length > 0 ? on : others.filter((light) => this.silenced.has(light.name));
-    this.silenced = new Set(on.map((light) => light.name));
-    if (changed.length === 0) return;
-    void this.edit(() => this.editor.apply(changed.map((value) => update({ kind: "light", value }, { enabled: on.length === 0 }, ["enabled"]))));
+    const switched = (lights: Light[], enabled: boolean) => lights.map((value) => update({ kind: "light", value }, { enabled }, ["enabled"]));
+    const operations = on.length > 0
+      ? [...switched(on, false), ...switched(object.value.enabled === false ? [object.value] : [], true)]
+      : switched(others.filter((light) => this.silenced.has(light.name)), true);
+    this.silenced = on.length > 0 ? new Set([...this.silenced, ...on.map((light) => light.name)]) : new Set();
+    if (operations.length > 0) void this.edit(() => this.editor.apply(operations));
   }
 
   private frameSelected(): void {

@@ -96,7 +96,7 @@ Gatherer::Targets Gatherer::targetsOf(const EmittingLight& light, const LightFie
   return targets;
 }
 
-/// A bit each.
+/// The layers that these lights are in, a bit each.
 std::uint32_t Gatherer::Run::layersOf(const LightRange& range) const {
   if (of.sectors != Sectors::kNone) return (1U << unsigned(field.groups)) - 1U;
   std::uint32_t layers = 0;

@@ -100,7 +100,7 @@ class LightSums {
 /// but not so few that adding the sums up takes longer, or that those under way take much memory. By the scene alone.
 /// `bytes`: of one sum.
 std::size_t lightsAtOnce(std::size_t lights, std::size_t bytes);
-/// Of a range of more than that.
+/// The two halves of a range of more lights than that; both begin where a sum does.
 std::array<LightRange, 2> halvesOf(const LightRange& range, std::size_t atOnce);
 
 }  // namespace lpv
