@@ -508,7 +508,7 @@ struct DrawParams {
   float normalScale;  // of the picture of normals
   float roughness;
   float metalness;
-  float pad0;
+  float atInfinity;  // 1: behind all else, wherever the camera is
   float pad1;
   float pad2;
 };

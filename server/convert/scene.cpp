@@ -6,6 +6,7 @@
 #include "convert/geometry.h"
 #include "convert/session.h"
 #include "convert/wire_fields.h"
+#include "scene/distant_lights.h"
 
 namespace lpv::api {
 namespace {
@@ -115,6 +116,12 @@ Status takeCommon(const MessageOf<T>& in, const FieldSelection& named, FieldsOf<
   return {};
 }
 
+/// What a distant light without a mesh has: one for all sessions.
+const Expected<MeshPtr>& skyAsBlob() {
+  static const Expected<MeshPtr> sky = inlineMesh(meshToProto(skyMesh()));
+  return sky;
+}
+
 Expected<LightFields> lightFields(const pb::Light& in, const FieldSelection& named) {
   LightFields out;
   if (Status s = takeCommon<Light>(in, named, &out); !s.ok()) return s;
@@ -122,6 +129,11 @@ Expected<LightFields> lightFields(const pb::Light& in, const FieldSelection& nam
   if (named("power", in.has_power())) out.power = fromProto(in.power());
   if (out.radiance && out.power) return invalid("power", "radiance and power are both to change; give one");
   if (named("texture", !in.texture().empty())) out.texture = in.texture();
+  if (named.isNew() && in.distant() && !out.mesh) {
+    const Expected<MeshPtr> sky = skyAsBlob();
+    if (!sky) return sky.status();
+    out.mesh = MeshReference{(*sky)->hash, *sky};
+  }
   return out;
 }
 

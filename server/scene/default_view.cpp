@@ -108,7 +108,7 @@ bool lightInside(const Scene& scene, const Occupancy& grid) {
   double inside = 0.0;
   double all = 0.0;
   for (const auto& [name, light] : scene.lights) {
-    if (!light->enabled) continue;
+    if (!light->enabled || light->distant) continue;
     const glm::dmat4 worldFromObject = light->transform.worldFromObject();
     const double side = glm::determinant(glm::dmat3(worldFromObject)) < 0.0 ? -1.0 : 1.0;
     const Mesh& mesh = *light->mesh;

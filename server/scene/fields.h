@@ -46,6 +46,7 @@ struct LightFields {
   std::optional<std::string> group;
   std::optional<bool> castsShadow;
   std::optional<bool> visibleToCamera;
+  std::optional<bool> distant;
 };
 
 /// Fields of a surface that an edit changes.
@@ -199,6 +200,7 @@ inline constexpr std::array kLight = {
     plain<&Light::group, &LightFields::group, checkGroup>("group"),
     plain<&Light::castsShadow, &LightFields::castsShadow>("casts_shadow"),
     plain<&Light::visibleToCamera, &LightFields::visibleToCamera>("visible_to_camera"),
+    plain<&Light::distant, &LightFields::distant>("distant"),
 };
 
 inline constexpr std::array kSurface = {

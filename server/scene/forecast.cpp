@@ -70,11 +70,14 @@ std::string lightsLeftOut(const Scene& scene) {
   for (const auto& [name, light] : scene.lights) {
     if (!emitsLight(*light)) continue;
     const Bounds box = light->mesh->bounds.transformed(light->transform.worldFromObject());
-    const bool apart = glm::any(glm::lessThan(box.max, grid.min)) || glm::any(glm::greaterThan(box.min, grid.max));
+    const bool apart =
+        light->distant || glm::any(glm::lessThan(box.max, grid.min)) || glm::any(glm::greaterThan(box.min, grid.max));
     const bool within =
         glm::all(glm::greaterThanEqual(box.min, grid.min)) && glm::all(glm::lessThanEqual(box.max, grid.max));
-    if (apart) outside.push_back(name);
-    if (!apart && !within) partly.push_back(name);
+    const std::string& known = nameOf(*light);
+    if (light->distant && !outside.empty() && outside.back() == known) continue;  // another part
+    if (apart) outside.push_back(known);
+    if (!apart && !within) partly.push_back(known);
   }
   std::string out;
   if (!outside.empty()) {

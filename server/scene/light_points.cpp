@@ -50,19 +50,12 @@ void sortInSpace(LightPoints& points, const Bounds& box) {
   std::ranges::stable_sort(points, {}, key);
 }
 
-}  // namespace
-
-LightPoints lightPoints(const Mesh& mesh, const Texture* texture) {
-  const bool even = (texture == nullptr || mesh.uvs.empty()) && mesh.directions.empty();
-  const bool few = even && mesh.evenTriangles().size() <= kFewPolygons;
-  const std::size_t count = few ? kPointsOfFewPolygons : kMostLightPoints;
-  const bool textured = texture != nullptr && !mesh.uvs.empty();
-  const bool varies = textured || !mesh.directions.empty();
-  const std::vector<glm::uvec3>& triangles = varies ? mesh.triangles : mesh.evenTriangles();
+/// Of so many points of these triangles, each stands for the same area.
+LightPoints evenlySpread(const Mesh& mesh, const std::vector<glm::uvec3>& triangles, std::size_t count,
+                         const CoarseTexture* coarse) {
   double area = 0.0;
   for (const glm::uvec3& t : triangles) area += 0.5 * glm::length(cornersCross(mesh, t));
   if (!(area > 0.0)) return {};
-  const std::optional<CoarseTexture> coarse = textured ? std::optional<CoarseTexture>(*texture) : std::nullopt;
   LightPoints points;
   double before = 0.0;
   for (const glm::uvec3& t : triangles) {
@@ -76,10 +69,42 @@ LightPoints lightPoints(const Mesh& mesh, const Texture* texture) {
       p.normal = glm::vec3(glm::normalize(cross));
       const glm::dvec3 direction = mesh.directions.empty() ? cross : mixed(mesh.directions, t, w);
       p.direction = glm::vec3(glm::normalize(glm::length(direction) > 0.0 ? direction : cross));
-      if (coarse) p.factor = coarse->at(mixed(mesh.uvs, t, w));
+      if (coarse != nullptr) p.factor = coarse->at(mixed(mesh.uvs, t, w));
     }
   }
   sortInSpace(points, mesh.bounds);
+  return points;
+}
+
+constexpr std::size_t kSpreadForPower = 32 * kMostLightPoints;  // points that those by power are chosen from
+
+}  // namespace
+
+LightPoints lightPoints(const Mesh& mesh, const Texture* texture) {
+  const bool textured = texture != nullptr && !mesh.uvs.empty();
+  const bool varies = textured || !mesh.directions.empty();
+  const bool few = !varies && mesh.evenTriangles().size() <= kFewPolygons;
+  const std::optional<CoarseTexture> coarse = textured ? std::optional<CoarseTexture>(*texture) : std::nullopt;
+  return evenlySpread(mesh, varies ? mesh.triangles : mesh.evenTriangles(),
+                      few ? kPointsOfFewPolygons : kMostLightPoints, coarse ? &*coarse : nullptr);
+}
+
+LightPoints lightPointsByPower(const Mesh& mesh, const CoarseTexture* picture) {
+  const LightPoints all = evenlySpread(mesh, mesh.triangles, kSpreadForPower, picture);
+  const auto brightness = [](const LightPoint& p) { return double(p.factor.x + p.factor.y + p.factor.z); };
+  double power = 0.0;
+  for (const LightPoint& p : all) power += brightness(p);
+  LightPoints points;
+  double before = 0.0;
+  for (const LightPoint& p : all) {
+    const double byArea = 1.0 / double(all.size());
+    const double chosen = double(kMostLightPoints) * 0.5 * (byArea + (power > 0.0 ? brightness(p) / power : byArea));
+    before += chosen;
+    while (double(points.size()) + 0.5 < before && points.size() < kMostLightPoints) {
+      points.push_back(p);
+      points.back().area = float(double(p.area) / chosen);
+    }
+  }
   return points;
 }
 

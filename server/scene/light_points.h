@@ -11,6 +11,8 @@
 
 namespace lpv {
 
+class CoarseTexture;
+
 /// Stands for a patch of `area` around it.
 struct LightPoint {
   glm::vec3 position{0.0F};
@@ -30,6 +32,9 @@ inline constexpr std::size_t kMostLightPoints = 1024;
 /// so that every n-th one is a sample of the whole. Empty for a mesh without area. `texture` may be null; it is not
 /// read where the mesh has no texture coordinates.
 LightPoints lightPoints(const Mesh& mesh, const Texture* texture);
+/// The same of a light of which some of it may be far brighter than the rest, a picture of the sky: half of the points
+/// are spread by area and half by what is sent, and each stands for the area that is left to it. `picture` may be null.
+LightPoints lightPointsByPower(const Mesh& mesh, const CoarseTexture* picture);
 /// Of a light with its mesh transformed; areas in the squared unit of the space that `transform` leads to.
 LightPoints transformed(const LightPoints& points, const glm::dmat4& transform);
 

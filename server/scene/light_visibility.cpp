@@ -30,8 +30,8 @@ void LightVisibility::prepare() const {
   }
   for (const auto& [name, light] : scene_->lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    const LightPoints points = lightPoints(*light->mesh, light->texture.get());
-    emitters_.push_back({transformed(points, light->transform.worldFromObject()), light->twoSided});
+    const LightPointsPtr points = pointsOf(*light);
+    emitters_.push_back({transformed(*points, light->transform.worldFromObject()), light->twoSided});
   }
 }
 

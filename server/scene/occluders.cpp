@@ -36,7 +36,8 @@ std::vector<Occluder> occludersOf(const Scene& scene) {
   int index = 0;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    if (blocksItself(*light) || (reflects && light->castsShadow)) {
+    const bool mirrored = gloss && light->distant;  // in nobody's way, and seen in mirrors
+    if (blocksItself(*light) || (reflects && light->castsShadow) || mirrored) {
       const int blocks = blocksItself(*light) ? index : kFromSurfaces;
       const bool textured = gloss && light->texture != nullptr && !light->mesh->uvs.empty();
       out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}, -1, index, textured});

@@ -53,7 +53,7 @@ void Occupancy::forEachTriangle(const Scene& scene, Visit visit) {
   };
   for (const auto& [name, surface] : scene.surfaces) visitMesh(*surface->mesh, surface->transform.worldFromObject());
   for (const auto& [name, light] : scene.lights) {
-    if (light->enabled) visitMesh(*light->mesh, light->transform.worldFromObject());
+    if (light->enabled && !light->distant) visitMesh(*light->mesh, light->transform.worldFromObject());
   }
 }
 

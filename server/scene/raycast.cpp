@@ -58,7 +58,8 @@ std::optional<Hit> raycast(const Scene& scene, const glm::dvec3& origin, const g
     search.meet(name, *surface->mesh, surface->transform, &coverage, surface->twoSided);
   }
   for (const auto& [name, light] : scene.lights) {
-    if (light->enabled && light->visibleToCamera) search.meet(name, *light->mesh, light->transform, nullptr, true);
+    if (light->enabled && light->visibleToCamera)
+      search.meet(nameOf(*light), *light->mesh, light->transform, nullptr, true);
   }
   return search.hit;
 }

@@ -66,6 +66,18 @@ glm::dvec3 meanOf(const TexturePtr& texture) {
   return sum / double(texels.size());
 }
 
+/// The same of a light, or of the part of one.
+glm::dvec3 meanFactor(const Light& light) {
+  if (light.points == nullptr || light.points->empty()) return meanOf(light.texture);
+  glm::dvec3 sum(0.0);
+  double area = 0.0;
+  for (const LightPoint& p : *light.points) {
+    sum += double(p.area) * glm::dvec3(p.factor);
+    area += double(p.area);
+  }
+  return sum / std::max(area, 1e-300);
+}
+
 /// To the nearest point of the segment from a to b.
 double distanceToEdge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
   const glm::dvec3 ab = b - a;
@@ -161,7 +173,7 @@ AreaLights::AreaLights(const Scene& scene, std::size_t most) {
     const bool tree = !constant || light->mesh->evenTriangles().size() > kMostTreeTriangles;
     const double across = glm::length(glm::dmat3(light->transform.worldFromObject()) * light->mesh->bounds.extent());
     lights_.push_back(
-        {emittedRadiance(*light) * meanOf(light->texture), light->twoSided ? 2 : 1, light->group, tree, across, false});
+        {emittedRadiance(*light) * meanFactor(*light), light->twoSided ? 2 : 1, light->group, tree, across, false});
     const std::size_t every = std::max<std::size_t>(1, light->mesh->triangles.size() / most);
     forEachTriangle(*light->mesh, light->transform, every, [&](const glm::dvec3(&c)[3]) {
       add({{c[0], c[1], c[2]}, lights_.size() - 1, double(every)});

@@ -4,6 +4,15 @@
 
 namespace lpv {
 
+const std::string& nameOf(const Light& light) {
+  return light.placedFrom == nullptr ? light.name : light.placedFrom->name;
+}
+
+LightPointsPtr pointsOf(const Light& light) {
+  if (light.points != nullptr) return light.points;
+  return std::make_shared<const LightPoints>(lightPoints(*light.mesh, light.texture.get()));
+}
+
 glm::dvec3 emittedRadiance(const Light& light) {
   if (!light.power) return light.radiance;
   const double area = worldArea(*light.mesh, light.transform) * (light.twoSided ? 2.0 : 1.0);
@@ -16,7 +25,8 @@ Bounds contentBounds(const Scene& scene) {
     bounds.add(surface->mesh->bounds.transformed(surface->transform.worldFromObject()));
   }
   for (const auto& [name, light] : scene.lights) {
-    if (light->enabled) bounds.add(light->mesh->bounds.transformed(light->transform.worldFromObject()));
+    if (light->enabled && !light->distant)
+      bounds.add(light->mesh->bounds.transformed(light->transform.worldFromObject()));
   }
   return bounds;
 }

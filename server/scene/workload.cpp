@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtx/component_wise.hpp>
 
+#include "scene/distant_lights.h"
+
 namespace lpv {
 namespace {
 
@@ -49,17 +51,29 @@ void Workload::countColour(const glm::dvec3& radiance) {
   if (!known) colours_.push_back(colour);
 }
 
+/// In parts, whose cells go by their size, not by the grid's.
+void Workload::addDistant() {
+  constexpr double kEntries = 3000.0;  // of an eighth of the sky
+  lights += double(kMostDistantParts);
+  rootsOfEntries += double(kMostDistantParts) * std::sqrt(kEntries);
+  columns += double(kMostDistantParts) * kEntries;
+}
+
 void Workload::add(const Light& light) {
   if (!light.enabled) return;
   const double triangles = double(light.mesh->triangles.size());
   const double area = light.mesh->area * areaScale(light.transform) * gridFromWorld_ * gridFromWorld_;
   const double met = std::min(area, 2.0 * triangles * face_);
   const double vpls = std::min({3.0 * triangles + 3.0 * met, kVplsPerCell * (1.0 + met), kVplsPerCell * cells});
-  lights += 1.0;
   lightTriangles += triangles;
-  columns += met;
-  litCells += std::min(cells, 3.0 * met + triangles);
-  rootsOfEntries += std::sqrt(kEntriesPerVpl * vpls);
+  if (light.distant) {
+    addDistant();
+  } else {
+    lights += 1.0;
+    columns += met;
+    litCells += std::min(cells, 3.0 * met + triangles);
+    rootsOfEntries += std::sqrt(kEntriesPerVpl * vpls);
+  }
   countMesh(*light.mesh);
   if (light.texture != nullptr) {
     bytes += 16.0 * double(light.texture->width) * double(light.texture->height);

@@ -42,6 +42,7 @@ class Workload {
   bool byDirection() const { return automatic() && lights > kMaxGroups; }
 
  private:
+  void addDistant();
   bool automatic() const;
   void countColour(const glm::dvec3& radiance);
   void countMesh(const Mesh& mesh);

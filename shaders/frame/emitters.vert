@@ -9,7 +9,10 @@ layout(location = kUvAttribute) in vec2 uv;
 
 out vec2 textureUv;
 
+const float kDepthOfDistant = 1e-20;  // reversed: behind all that is drawn, before nothing
+
 void main() {
   textureUv = uv;
   gl_Position = frame.clipFromEye * (draw.eyeFromObject * vec4(position, 1.0));
+  if (draw.atInfinity > 0.0) gl_Position.z = kDepthOfDistant * gl_Position.w;
 }

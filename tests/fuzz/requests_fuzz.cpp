@@ -71,6 +71,7 @@ std::vector<std::string> words() {
                            "metalness",
                            "casts_shadow",
                            "visible_to_camera",
+                           "distant",
                            "alpha_mode",
                            "alpha_cutoff",
                            "opacity",

@@ -11,8 +11,10 @@ namespace {
 std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, const SceneResources& resources) {
   std::vector<DrawItem> items;
   for (const auto& [name, light] : scene.lights) {
-    const glm::dmat4 worldFromObject = light->transform.worldFromObject();
-    if (!light->enabled || !light->visibleToCamera || !view.sees(light->mesh->bounds, worldFromObject)) continue;
+    if (!light->enabled || !light->visibleToCamera) continue;
+    const glm::dmat4 worldFromObject =
+        light->distant ? view.worldFromDistant(*light) : light->transform.worldFromObject();
+    if (!light->distant && !view.sees(light->mesh->bounds, worldFromObject)) continue;
     DrawItem& item = items.emplace_back();
     item.mesh = resources.meshes.at(light->mesh).get();
     if (light->texture != nullptr && item.mesh->uvs != nullptr)
@@ -20,6 +22,7 @@ std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, c
     item.mirrored = light->transform.mirrors();
     item.params = placed(view, worldFromObject);
     item.params.colour = glm::vec3(emittedRadiance(*light));
+    item.params.atInfinity = light->distant ? 1.0F : 0.0F;
     item.params.backColour = light->twoSided ? item.params.colour : glm::vec3(0.0F);
   }
   return items;

@@ -65,6 +65,12 @@ glm::dmat4 FrameView::eyeFromObject(const glm::dmat4& worldFromObject) const {
   return m;
 }
 
+glm::dmat4 FrameView::worldFromDistant(const Light& light) const {
+  glm::dmat4 m = (light.placedFrom != nullptr ? *light.placedFrom : light).transform.worldFromObject();
+  m[3] += glm::dvec4(camera_.eye, 0.0);
+  return m;
+}
+
 bool FrameView::sees(const Bounds& box, const glm::dmat4& worldFromObject) const {
   const glm::dmat4 clipFromObject = clipFromEyeOf(glm::dvec2(0.0), firstRow_, rows_) * eyeFromObject(worldFromObject);
   std::array<int, 6> outside{};

@@ -31,6 +31,8 @@ class FrameView {
   glm::mat4 clipFromEye(const glm::dvec2& offset, int firstRow, int rows) const;
   /// `worldFromObject` moved to the eye.
   glm::dmat4 eyeFromObject(const glm::dmat4& worldFromObject) const;
+  /// What a distant light is drawn with: its directions are the same wherever the eye is.
+  glm::dmat4 worldFromDistant(const Light& light) const;
   /// False when no point of the box can be in the picture.
   bool sees(const Bounds& objectBounds, const glm::dmat4& worldFromObject) const;
 

@@ -69,9 +69,10 @@ void GlossScene::update(const Scene& scene, const std::vector<EmittingLight>& li
     const EmittingLight& light = lights[i];
     const LightPool& range = pools.ranges[i];
     before += range.power;
+    const bool passed = light.source != nullptr && !light.source->castsShadow && !light.source->distant;
     const std::uint32_t flags = (light.twoSided ? layout::kGlossBothSides : 0U) |
                                 (light.mesh->directions.empty() ? 0U : layout::kGlossDirected) |
-                                (light.source == nullptr || light.source->castsShadow ? 0U : layout::kGlossUnseen);
+                                (passed ? layout::kGlossUnseen : 0U);
     texels.push_back(colourTexel(light.radiance, flags));
     Texel picture = placeOf(light.texture);
     picture.w = bitsOf(before / std::max(power, 1e-300));

@@ -30,6 +30,7 @@ void appendPoints(const EmittingLight& light, LightPool& range, const LightPoint
 }  // namespace
 
 LightPointsPtr LightPointCache::get(const EmittingLight& light) {
+  if (light.source != nullptr && light.source->points != nullptr) return light.source->points;
   Kept& kept = kept_[{light.mesh, light.texture}];
   if (kept.points == nullptr)
     kept.points = std::make_shared<const LightPoints>(lightPoints(*light.mesh, light.texture.get()));

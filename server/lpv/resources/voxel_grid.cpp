@@ -1,5 +1,6 @@
 #include "lpv/resources/voxel_grid.h"
 
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtx/component_wise.hpp>
 
@@ -27,8 +28,17 @@ bool tooLarge(const LatticeBox& box) {
   return size.x * size.y * size.z > kMostVoxels || glm::compMax(size) > kMostVoxelsAcross;
 }
 
+/// Of the diagonal of a distant light's box, which may be ten thousand cells of the field: for an eighth of the sky two
+/// degrees each.
+constexpr double kDistantCells = 48.0;
+
+double edgeOfDistant(const EmittingLight& light) {
+  return std::exp2(std::round(std::log2(cellsAcross(light) / kDistantCells)));
+}
+
 double edgeFor(const EmittingLight& light, const Bounds& bounds) {
-  double cell = fewPolygons(light) ? 1.0 : voxelEdge(cellsAcross(light));
+  const bool distant = light.source != nullptr && light.source->distant;
+  double cell = fewPolygons(light) ? 1.0 : distant ? edgeOfDistant(light) : voxelEdge(cellsAcross(light));
   while (tooLarge(latticeBox(bounds, cell))) cell *= 2.0;
   return cell;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/distant_lights.h"
 #include "scene/error_goal.h"
 #include "scene/grid_choice.h"
 #include "scene/transport_choice.h"
@@ -237,7 +238,7 @@ Bounds Document::content() const {
   };
   for (const auto& [name, surface] : surfaces_) add(surface.object->mesh, surface.object->transform);
   for (const auto& [name, light] : lights_) {
-    if (light.object->enabled) add(light.object->mesh, light.object->transform);
+    if (light.object->enabled && !light.object->distant) add(light.object->mesh, light.object->transform);
   }
   return bounds;
 }
@@ -304,7 +305,8 @@ bool Document::leftViewBounds(const Rollback& rollback) const {
   };
   for (const auto& [name, before] : rollback.lights) {
     const auto light = lights_.find(name);
-    if (light != lights_.end() && light->second.object->enabled && outside(*light->second.object)) return true;
+    if (light == lights_.end() || !light->second.object->enabled || light->second.object->distant) continue;
+    if (outside(*light->second.object)) return true;
   }
   for (const auto& [name, before] : rollback.surfaces) {
     const auto surface = surfaces_.find(name);
@@ -373,6 +375,7 @@ ScenePtr Document::snapshot() {
   scene->options = inForce();
   scene->grid = grid_;
   for (const auto& [name, light] : lights_) scene->lights.emplace_hint(scene->lights.end(), name, light.object);
+  placeDistantLights(scene->lights, scene->grid);
   for (const auto& [name, surface] : surfaces_) {
     scene->surfaces.emplace_hint(scene->surfaces.end(), name, surface.object);
   }

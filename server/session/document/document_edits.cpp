@@ -61,6 +61,14 @@ constexpr std::array kTextures<Surface> = {
     TextureSlot<Surface>{&Surface::albedoTexture, &SurfaceFields::albedoTexture, "albedo_texture"},
     TextureSlot<Surface>{&Surface::normalTexture, &SurfaceFields::normalTexture, "normal_texture"}};
 
+/// What the fields of a light may not be together.
+Status checkTogether(const Light& light) {
+  if (!light.distant || !light.power) return {};
+  return invalid("power", "power: a distant light has no area that it could be spread over; give its radiance");
+}
+
+Status checkTogether(const Surface&) { return {}; }
+
 template <typename T>
 Status assign(T& object, const FieldsOf<T>& f, const Blobs& blobs) {
   if (Status s = checkFields(f); !s.ok()) return s;
@@ -80,7 +88,7 @@ Status assign(T& object, const FieldsOf<T>& f, const Blobs& blobs) {
   if (!transform) return transform.status().within("transform");
   object.transform = *transform;
   assignValues(object, f);
-  return {};
+  return checkTogether(object);
 }
 
 /// What an edit calls objects of a kind.

@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "scene/distant_lights.h"
+
 namespace lpv {
 namespace {
 
@@ -26,7 +28,9 @@ void SceneCopy::apply(const SceneUpdate& update) {
   next->revision = update.revision;
   next->options = update.options;
   next->grid = update.grid;
+  for (const auto& [name, light] : update.lights) eraseParts(next->lights, name);
   put(update.lights, next->lights);
+  placeDistantLights(next->lights, next->grid);
   put(update.surfaces, next->surfaces);
   for (const auto& [name, camera] : update.cameras) {
     if (camera) {

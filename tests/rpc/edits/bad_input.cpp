@@ -234,6 +234,13 @@ std::vector<Row> valueRows() {
           "NoMesh", [](auto* l) { l->clear_inline_mesh(); }, ".mesh", "inline_mesh"),
       lightRow(
           "TwoMeshes", [](auto* l) { l->set_mesh(std::string(64, '0')); }, ".mesh", "give one"),
+      lightRow(
+          "PowerOfTheSky",
+          [](auto* l) {
+            l->set_distant(true);
+            *l->mutable_power() = vec3(1, 1, 1);
+          },
+          ".power", "give its radiance"),
       surfaceRow(
           "BrightAlbedo", [](auto* s) { *s->mutable_albedo() = vec3(0.5, 1.5, 0.5); }, ".albedo", "0 to 1"),
       surfaceRow(

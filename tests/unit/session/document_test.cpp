@@ -137,6 +137,39 @@ TEST_F(DocumentTest, RadianceAndPowerReplaceEachOther) {
   EXPECT_FALSE(light("Lamp")->power);
 }
 
+Operation createSky() {
+  Operation made = createLight("Sky");
+  std::get<CreateLight>(made).fields.distant = true;
+  std::get<CreateLight>(made).fields.transform.translation = glm::dvec3(0.0, 0.0, -5.0);
+  return made;
+}
+
+// Broken by: a grid that is fitted to the sky; names of parts that lights could have.
+TEST_F(DocumentTest, ADistantLightIsNoContentAndInPartsForTicks) {
+  Document fitted(LightingSettings(), limits_, test::nameOfContent);
+  ASSERT_TRUE(fitted.apply(editOf({createSurface("Floor")}), blobs_).ok());
+  const Grid before = fitted.grid();
+  ASSERT_TRUE(fitted.apply(editOf({createSky(), FitGrid{}}, 2), blobs_).ok());
+  EXPECT_EQ(fitted.grid(), before);
+  EXPECT_EQ(fitted.lightCount(), 1U);
+  EXPECT_EQ(fitted.lights()[0].object->name, "Sky");
+  const ScenePtr scene = fitted.snapshot();
+  ASSERT_EQ(scene->lights.size(), 1U);
+  EXPECT_EQ(scene->lights.begin()->first, "Sky/1");
+  EXPECT_EQ(nameOf(*scene->lights.begin()->second), "Sky");
+}
+
+TEST_F(DocumentTest, ADistantLightHasNoPower) {
+  applied({createSky()});
+  UpdateLight powered{"Sky", {}};
+  powered.fields.power = glm::dvec3(6.0);
+  const Status refused = apply({powered}).status();
+  EXPECT_EQ(refused.field(), "operations[0].update_light.light.power");
+  EXPECT_THAT(refused.message(), HasSubstr("give its radiance"));
+  powered.fields.distant = false;
+  applied({powered});
+}
+
 TEST_F(DocumentTest, AnotherRevisionThanExpectedAborts) {
   applied({createLight("Lamp")});
   Edit edit = editOf({setRadiance("Lamp", 2.0)});
