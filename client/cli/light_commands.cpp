@@ -1,4 +1,4 @@
-// light add | move | set | remove | list
+// light add | sky | move | set | remove | list
 
 #include <memory>
 #include <string>
@@ -19,6 +19,7 @@ struct LightFlags : ObjectFlags {
   std::optional<std::string> group;
   std::optional<bool> enabled;
   std::optional<bool> twoSided;
+  std::optional<bool> distant;
 
   void addTo(CLI::App& app) {
     auto* radiant =
@@ -32,6 +33,9 @@ struct LightFlags : ObjectFlags {
     app.add_option("--group", group,
                    "Light group; each group has its own volume layer (default of add: the unnamed group)")
         ->type_name("G");
+    addSwitch(app, "--distant", distant,
+              "Shine from so far away that the directions are the same everywhere: the mesh is what is seen from the "
+              "middle of the scene, in the unit of the distance (default of add: off)");
     addVisibilityTo(app);
     transform.addTo(app);
     addUpFlag(app, import);
@@ -64,6 +68,7 @@ Expected<std::vector<std::string>> writeLight(const LightFlags& flags, client::C
   fields.set("power", flags.power, [&](const auto& v) { *light.mutable_power() = client::toProto(v); });
   fields.set("two_sided", flags.twoSided, [&](bool on) { light.set_two_sided(on); });
   fields.set("enabled", flags.enabled, [&](bool on) { light.set_enabled(on); });
+  fields.set("distant", flags.distant, [&](bool on) { light.set_distant(on); });
   fields.set("group", flags.group, [&](const std::string& group) { light.set_group(group); });
   flags.writeVisibility(fields, light);
   return fields.paths();
@@ -85,6 +90,35 @@ Expected<v1::Operation> changedLight(const LightFlags& flags, client::Client& cl
   if (!paths) return paths.status();
   for (const std::string& path : *paths) update.mutable_update_mask()->add_paths(path);
   return operation;
+}
+
+/// All of the sky: the server has the mesh.
+Status addSky(Context& context, const LightFlags& flags) {
+  Expected<client::Client> client = context.connect();
+  if (!client) return client.status();
+  const Expected<v1::Operation> made = newLight(flags, *client);
+  if (!made) return made.status();
+  return applyAndPrint(context, *client, flags.id, client::editOf({*made}), true).status();
+}
+
+void addLightSky(CLI::App& group, Commands& commands) {
+  auto given = std::make_shared<LightFlags>();
+  given->name = "sky";
+  given->distant = true;
+  CLI::App& app = commands.add(group, "sky", "Light the scene by a picture of the sky, or evenly, and print the name",
+                               [given](Context& context) { return addSky(context, *given); });
+  addSession(app, given->id);
+  app.add_option("picture", given->texture,
+                 "Equirectangular image: hdr, exr or any other; its middle is towards +x (default: none, even light)")
+      ->type_name("IMG");
+  app.add_option("--name", given->name, "Name (default: sky)")->type_name("NAME");
+  addColour(app, "--radiance", given->radiance,
+            "Radiance, W/(sr m^2), linear Rec.709; multiplies the picture (default: 1,1,1)");
+  addVec3(app, "--rotate", given->transform.rotate, "Rotation, degrees: intrinsic X, then Y, then Z");
+  app.add_option("--group", given->group,
+                 "Light group; each group has its own volume layer (default: the unnamed group)")
+      ->type_name("G");
+  addSwitch(app, "--visible", given->visibleToCamera, "Show the sky in frames (default: on)");
 }
 
 void addLightAdd(CLI::App& group, Commands& commands, const ObjectKind& kind) {
@@ -113,7 +147,7 @@ std::vector<std::string> lightRow(const v1::Light& light) {
   return {light.name(),
           std::to_string(light.status().triangle_count()) + " triangles",
           (light.has_power() ? "power " : "radiance ") + triple(c),
-          "at " + triple(at),
+          light.distant() ? "distant" : "at " + triple(at),
           std::string(light.two_sided() ? "two-sided" : "one-sided"),
           light.has_enabled() && !light.enabled() ? "off" : "on",
           light.group().empty() ? "" : "group " + light.group()};
@@ -122,9 +156,10 @@ std::vector<std::string> lightRow(const v1::Light& light) {
 }  // namespace
 
 void addLightCommands(CLI::App& app, Commands& commands) {
-  CLI::App& group = Commands::group(app, "light", "Lights: add, move, set, remove, list");
+  CLI::App& group = Commands::group(app, "light", "Lights: add, sky, move, set, remove, list");
   const ObjectKind kind = lightKind();
   addLightAdd(group, commands, kind);
+  addLightSky(group, commands);
   addMove(group, commands, kind);
   addLightSet(group, commands, kind);
   addRemove(group, commands, kind);

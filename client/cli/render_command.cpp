@@ -6,6 +6,7 @@
 #include "command.h"
 #include "files.h"
 #include "frame_get.h"
+#include "import/image.h"
 #include "import/scene_file.h"
 #include "key_light.h"
 #include "lpv/convert.h"
@@ -26,6 +27,7 @@ constexpr std::int64_t kLifeSeconds = 600;
 
 struct RenderOptions {
   std::string file;
+  std::string sky;  ///< picture; "": none
   FrameFile out;
   ImportOptions import;
   SessionFlags session;
@@ -69,6 +71,17 @@ Camera viewOf(const RenderOptions& options, const ImportedScene& file, const Sce
   return camera;
 }
 
+/// A light of all of the sky; it has no mesh (scene_upload.cpp).
+Expected<Light> skyLight(const std::string& picture) {
+  Expected<Texture> read = asLocal(readImage(picture));
+  if (!read) return read.status();
+  Light sky;
+  sky.name = "sky";
+  sky.distant = true;
+  sky.texture = std::make_shared<const Texture>(std::move(*read));
+  return sky;
+}
+
 Status render(Context& context, const RenderOptions& options) {
   checkBinaryOutput(context, "render", options.out.path);
   if (const auto format = options.out.format(); !format) return format.status();
@@ -77,6 +90,11 @@ Status render(Context& context, const RenderOptions& options) {
   for (const std::string& warning : scene->warnings) warn(warning);
   for (const std::string& assumed : scene->assumed) note(assumed);
   std::optional<v1::Camera> camera = cameraFor(options, *scene);
+  if (!options.sky.empty()) {
+    const Expected<Light> sky = skyLight(options.sky);
+    if (!sky) return sky.status();
+    scene->lights.push_back(*sky);
+  }
   if (scene->lights.empty() && !scene->surfaces.empty()) {
     const Scene unlit = sceneOf(*scene);
     const Camera view = viewOf(options, *scene, unlit);
@@ -118,6 +136,11 @@ void addRenderCommand(CLI::App& app, Commands& commands) {
                    [given](Context& context) { return render(context, *given); });
   command.add_option("file", given->file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
   given->out.addTo(command);
+  command
+      .add_option(
+          "--sky", given->sky,
+          "Equirectangular image of the sky that lights the scene as well; its middle is towards +x (default: none)")
+      ->type_name("IMG");
   addImportFlags(command, given->import);
   given->frame.addTo(command);
   given->frame.addFalseColourTo(command);

@@ -55,7 +55,8 @@ constexpr std::size_t kMaxEditBytes = 900000;  // a message may have 1 MiB
 v1::Operation operationFor(const Light& light, const SceneBlobs& blobs) {
   v1::Light out;
   out.set_name(light.name);
-  out.set_mesh(blobs.hashOf(light.mesh.get()));
+  if (light.mesh) out.set_mesh(blobs.hashOf(light.mesh.get()));
+  out.set_distant(light.distant);
   *out.mutable_transform() = client::toProto(light.transform);
   *out.mutable_radiance() = client::toProto(light.radiance);
   out.set_texture(blobs.hashOf(light.texture.get()));
@@ -205,7 +206,7 @@ std::vector<std::string> leftOut(const ImportedScene& scene, const v1::Session& 
   const Grid grid = client::fromProto(session.grid());
   const bool propagates = session.settings().transport() == v1::TRANSPORT_PROPAGATE;
   for (const Light& light : scene.lights) {
-    const Place place = placeOf(light, grid);
+    const Place place = light.distant ? Place::kOutside : placeOf(light, grid);
     if (place == Place::kInside || !propagates) continue;
     out.push_back(
         "light '" + light.name + "' lies " + (place == Place::kOutside ? "" : "partly ") +

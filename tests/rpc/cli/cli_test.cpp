@@ -206,6 +206,17 @@ TEST_F(Cli, LightVerbs) {
   EXPECT_EQ(lpvctl({"light", "move", id_, "lamp", "--relative", "--translate", "1,1,1"}).exit, 1);
 }
 
+TEST_F(Cli, LightSky) {
+  EXPECT_EQ(lpvctlOut({"light", "sky", id_, folder_.write("sky.png", redGreenPng()), "--radiance", "2"}), "sky");
+  EXPECT_EQ(lpvctlOut({"light", "sky", id_, "--name", "even", "--rotate", "0,90,0"}), "even");
+  EXPECT_THAT(lpvctlOut({"light", "list", id_}), AllOf(HasSubstr("radiance 2,2,2"), HasSubstr("distant")));
+  EXPECT_THAT(lpvctlOut({"light", "list", id_, "--json"}), HasSubstr("\"distant\":true"));
+  EXPECT_EQ(lpvctlOut({"light", "set", id_, "even", "--distant", "off"}), "");
+  EXPECT_EQ(lpvctl({"light", "set", id_, "sky", "--power", "2"}).exit, 1);
+  EXPECT_EQ(lpvctl({"light", "sky", id_, "nosuch.hdr"}).exit, 1);
+  EXPECT_EQ(lpvctlOut({"light", "remove", id_, "sky", "even"}), "");
+}
+
 TEST_F(Cli, SurfaceVerbs) {
   EXPECT_EQ(lpvctlOut({"surface", "add", id_, lamp_, "--name", "Wall", "--albedo", "0.5"}), "Wall");
   EXPECT_EQ(lpvctlOut({"surface", "move", id_, "Wall", "--scale", "3"}), "");
