@@ -70,3 +70,12 @@ export function png(folder) {
   writeFileSync(file, Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), chunk("IHDR", head), chunk("IDAT", deflateSync(rows)), chunk("IEND", Buffer.alloc(0))]));
   return file;
 }
+
+// A sky of 8 x 4 texels: blue, a bright one, and one that is black.
+export function hdr(folder) {
+  const texels = [];
+  for (let i = 0; i < 32; ++i) texels.push(...(i === 9 ? [200, 180, 150, 138] : i === 20 ? [0, 0, 0, 0] : [40 + i, 90, 200, 129]));
+  const file = join(folder, "evening.hdr");
+  writeFileSync(file, Buffer.concat([Buffer.from("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n"), Buffer.from(texels)]));
+  return file;
+}

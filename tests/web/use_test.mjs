@@ -6,7 +6,7 @@ import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { after, before, test } from "node:test";
 import { difference, launch, RoomPage } from "./browser.mjs";
-import { gltf, obj, ply, png } from "./files.mjs";
+import { gltf, hdr, obj, ply, png } from "./files.mjs";
 import { shared, until } from "./server.mjs";
 
 const AXE = readFileSync(createRequire(pathToFileURL(join(process.env.LPV_PAGE_SOURCE, "package.json"))).resolve("axe-core"), "utf8");
@@ -194,6 +194,13 @@ test("files become lights, the same as lpvctl makes of them", { timeout: 120_000
   const screen = await found("screen");
   assert.deepEqual(shape(screen).slice(0, 2), [2, Math.round(1e6 * 1.6 * 0.8)]);
   assert.match(screen.texture, /^[0-9a-f]{64}$/);
+  await drop(room.page, [hdr(both.server.folder)]);
+  const sky = await found("evening");
+  both.server.lpvctl("light", "sky", other, hdr(both.server.folder), "--name", "evening");
+  const same = all(other).find((one) => one.name === "evening");
+  assert.ok(sky.distant && same.distant);
+  assert.deepEqual([sky.mesh, sky.texture], [same.mesh, same.texture], "a sky of the same texels");
+  await room.shot("sky");
   await drop(room.page, [join(both.server.folder, "nonsense.txt")], "nothing");
   await room.page.locator("text=nonsense.txt: what can be dropped is").waitFor();
   await room.shot("dropped");

@@ -36,7 +36,7 @@ export class Room {
   private readonly properties: Properties;
   private readonly share: ShareDialog;
   private readonly settings: SettingsDialog;
-  private readonly chooser = el("input", { type: "file", multiple: true, hidden: true, id: "files", accept: ".glb,.gltf,.bin,.obj,.ply,image/*", "aria-label": "Files of lights" });
+  private readonly chooser = el("input", { type: "file", multiple: true, hidden: true, id: "files", accept: ".glb,.gltf,.bin,.obj,.ply,.hdr,.exr,image/*", "aria-label": "Files of lights" });
   private readonly areas: LightAreas;
   private displayName = "";
   private readonly state = el("span", { class: "state", id: "state", role: "status" });
@@ -147,7 +147,8 @@ export class Room {
     this.list.draw();
     this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
     this.stage.showWatchers(this.model.people.values());
-    this.stage.hold(object && placementOf(object.value.transform));
+    const distant = object?.kind === "light" && object.value.distant; // nowhere that handles could be
+    this.stage.hold(object && !distant ? placementOf(object.value.transform) : undefined);
   }
 
   private follow(member: string): void {
@@ -316,7 +317,7 @@ export class Room {
       { keys: "y", does: "scale it", run: () => this.stage.setMode("scale"), edits: true },
       { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.setSnap(on)), edits: true },
       { keys: "b", does: "handles along the object's own axes, or the world's", run: () => this.flip("b", (on) => this.stage.setSpace(on ? "local" : "world")), edits: true },
-      { keys: "i", does: "add lights from files (or drop them): GLB, glTF, OBJ, PLY, pictures", run: () => this.chooser.click(), edits: true },
+      { keys: "i", does: "add lights from files (or drop them): GLB, glTF, OBJ, PLY, pictures; HDR and EXR light as the sky", run: () => this.chooser.click(), edits: true },
       { keys: "Ctrl+D", does: "duplicate", run: () => this.duplicate(), edits: true },
       { keys: "Delete", does: "delete", run: () => this.remove(), edits: true },
       { keys: "t", does: "light on or off", run: () => this.toggle(), edits: true },

@@ -15,6 +15,7 @@ import { fragment, MOST_LAYERS, vertex } from "./shaders.ts";
 // As in server/scene/tonemap.h: the mean lightness of surfaces becomes that of this luminance.
 const KEY = 0.18;
 const METER = [64, 36] as const;
+const DISTANCE = 5000; // metres; the camera sees twice as far
 const UP = new Vector3(0, 1, 0);
 
 type Textures = [Data3DTexture, Data3DTexture, Data3DTexture];
@@ -203,6 +204,7 @@ export class LocalRenderer {
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
     this.shared.worldFromEye.value.setFromMatrix4(camera.matrixWorld);
+    for (const { mesh, of } of this.drawn.values()) if ("distant" in of && of.distant) mesh.matrixWorld.copy(aroundEye(of, camera.position));
   }
 
   private put(object: Light | Surface, kind: "albedo" | "emits", meshes: Meshes | undefined, wanted: Set<string>): void {
@@ -292,6 +294,12 @@ function variantOf({ variants }: Drawn, defines: readonly string[]): RawShaderMa
     variants.set(key, variant);
   }
   return variant;
+}
+
+// What is far away is seen in the same directions from everywhere, behind everything else.
+function aroundEye(light: Light, eye: Vector3): Matrix4 {
+  const away = DISTANCE;
+  return matrixOf(light.transform).premultiply(new Matrix4().makeScale(away, away, away)).premultiply(new Matrix4().makeTranslation(eye));
 }
 
 function matrixOf(transform: Transform | undefined): Matrix4 {

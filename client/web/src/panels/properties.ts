@@ -62,6 +62,7 @@ export class Properties {
     const radiance = radianceOf(light, area);
     const set = (value: Colour): void =>
       this.actions.change(object, { emission: { case: "radiance", value: { $typeName: "lpv.v1.Vec3", ...value } } }, ["radiance"]);
+    const measured = oneSide !== undefined && !light.distant; // the sky has a radiance, and no area
     const strength = strongest(radiance);
     const byFactor = (now: number) => (wanted: number): void => {
       if (now > 0) set(scaled(radiance, wanted / now));
@@ -77,11 +78,12 @@ export class Properties {
       labelled("Colour", colour(toHex(radiance), (hex) => set(scaled(fromHex(hex), strength || 1)))),
       labelled("Temperature, K", number(Math.round((warmth ?? 0) / 10) * 10, 0, warmed, warmth !== undefined)),
       labelled("Radiance", number(strength, 0, (value) => set(strength > 0 ? scaled(radiance, value / strength) : { x: value, y: value, z: value }))),
-      labelled("Power, W", number(power, 0, byFactor(power), oneSide !== undefined)),
-      labelled("Light, lm", number(flux, 0, byFactor(flux), oneSide !== undefined)),
-      el("p", { class: "quiet" }, `Temperature of a black body of this colour, where there is one: another keeps the light in lumens. Radiance in W/(sr m²) of the strongest colour; power of all three together; ${LUMENS_PER_WATT} lm/W times the luminance. ${oneSide === undefined ? "" : `Emitting area ${area.toFixed(3)} m².`}`),
+      labelled("Power, W", number(power, 0, byFactor(power), measured)),
+      labelled("Light, lm", number(flux, 0, byFactor(flux), measured)),
+      el("p", { class: "quiet" }, `Temperature of a black body of this colour, where there is one: another keeps the light in lumens. Radiance in W/(sr m²) of the strongest colour; power of all three together; ${LUMENS_PER_WATT} lm/W times the luminance. ${!measured ? "" : `Emitting area ${area.toFixed(3)} m².`}`),
       labelled("Group", text(light.group, (group) => this.actions.change(object, { group }, ["group"]))),
       this.flag(object, "Enabled", "enabled", light.enabled !== false),
+      this.flag(object, "Distant", "distant", light.distant),
       this.flag(object, "Two-sided", "two_sided", light.twoSided),
       this.flag(object, "Casts shadow", "casts_shadow", light.castsShadow !== false));
   }
@@ -96,10 +98,10 @@ export class Properties {
       this.flag(object, "Casts shadow", "casts_shadow", surface.castsShadow !== false));
   }
 
-  private flag(object: SceneObject, label: string, path: "enabled" | "two_sided" | "casts_shadow", on: boolean): HTMLElement {
+  private flag(object: SceneObject, label: string, path: "enabled" | "two_sided" | "casts_shadow" | "distant", on: boolean): HTMLElement {
     const box = el("input", { type: "checkbox", checked: on });
     box.addEventListener("change", () => {
-      const fields = { enabled: { enabled: box.checked }, two_sided: { twoSided: box.checked }, casts_shadow: { castsShadow: box.checked } };
+      const fields = { enabled: { enabled: box.checked }, two_sided: { twoSided: box.checked }, casts_shadow: { castsShadow: box.checked }, distant: { distant: box.checked } };
       this.actions.change(object, fields[path], [path]);
     });
     return labelled(label, box);

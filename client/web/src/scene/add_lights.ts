@@ -3,7 +3,7 @@ import { BlobKind, BlobService, MeshSchema, TextureFormat, TextureSchema } from 
 import type { Box } from "../../gen/lpv/v1/geometry_pb.ts";
 import { clientStream } from "../net/calls.ts";
 import type { Connection } from "../net/connection.ts";
-import type { DroppedLight } from "./dropped.ts";
+import type { DroppedLight, DroppedMesh } from "./dropped.ts";
 import type { OperationInit } from "./editor.ts";
 
 const PART = 256 * 1024;
@@ -12,12 +12,8 @@ const PART = 256 * 1024;
 // it. `progress` is told the share that is uploaded.
 export async function addLights(connection: Connection, session: string, lights: readonly DroppedLight[], box: Box | undefined,
   progress: (share: number) => void): Promise<OperationInit[]> {
-  const blobs = lights.map((light) => ({
-    light,
-    mesh: toBinary(MeshSchema, create(MeshSchema, { positions: light.positions, indices: light.indices, ...(light.uvs ? { uvs: light.uvs } : {}) })),
-    texture: light.texture && toBinary(TextureSchema, create(TextureSchema, { ...light.texture, format: TextureFormat.RGB8_SRGB })),
-  }));
-  const all = blobs.reduce((sum, { mesh, texture }) => sum + mesh.length + (texture?.length ?? 0), 0);
+  const blobs = lights.map((light) => ({ light, mesh: meshOf(light), texture: textureOf(light) }));
+  const all = blobs.reduce((sum, { mesh, texture }) => sum + (mesh?.length ?? 0) + (texture?.length ?? 0), 0);
   let sent = 0;
   const upload = async (kind: BlobKind, bytes: Uint8Array): Promise<string> => {
     function* parts() {
@@ -36,8 +32,11 @@ export async function addLights(connection: Connection, session: string, lights:
       operation: {
         case: "createLight",
         value: {
-          name: light.name, mesh: await upload(BlobKind.MESH, mesh), transform: { translation: placeOf(light, box) },
-          emission: { case: "radiance", value: light.radiance }, twoSided: light.twoSided,
+          name: light.name,
+          ...(mesh ? { mesh: await upload(BlobKind.MESH, mesh) } : {}),
+          ...("sky" in light
+            ? { distant: true }
+            : { transform: { translation: placeOf(light, box) }, emission: { case: "radiance", value: light.radiance }, twoSided: light.twoSided }),
           ...(texture ? { texture: await upload(BlobKind.TEXTURE, texture) } : {}),
         },
       },
@@ -46,7 +45,19 @@ export async function addLights(connection: Connection, session: string, lights:
   return made;
 }
 
-function placeOf({ min, max }: DroppedLight, box: Box | undefined): { x: number; y: number; z: number } {
+// The server has the sky's.
+function meshOf(light: DroppedLight): Uint8Array | undefined {
+  if ("sky" in light) return undefined;
+  const { positions, indices, uvs } = light;
+  return toBinary(MeshSchema, create(MeshSchema, { positions, indices, ...(uvs ? { uvs } : {}) }));
+}
+
+function textureOf(light: DroppedLight): Uint8Array | undefined {
+  if ("sky" in light) return toBinary(TextureSchema, create(TextureSchema, { ...light.sky, format: TextureFormat.RGB16F }));
+  return light.texture && toBinary(TextureSchema, create(TextureSchema, { ...light.texture, format: TextureFormat.RGB8_SRGB }));
+}
+
+function placeOf({ min, max }: DroppedMesh, box: Box | undefined): { x: number; y: number; z: number } {
   const low = box?.min;
   const high = box?.max;
   if (!low || !high) return { x: 0, y: 0, z: 0 };

@@ -2,7 +2,7 @@ import { Box3, Mesh, Vector3, type BufferGeometry, type Object3D } from "three";
 import type { Colour } from "./emission.ts";
 
 // What a file gives: triangles in metres, and how they emit.
-export interface DroppedLight {
+export interface DroppedMesh {
   name: string;
   positions: Uint8Array; // float32 x, y, z
   indices: Uint8Array; // uint32
@@ -14,28 +14,73 @@ export interface DroppedLight {
   max: Colour;
 }
 
+// A picture of all that is far away.
+export interface DroppedSky {
+  name: string;
+  sky: { width: number; height: number; texels: Uint8Array }; // 3 half floats a texel, linear
+}
+
+export type DroppedLight = DroppedMesh | DroppedSky;
+
 const PICTURE = /\.(png|jpe?g|webp|gif|bmp|avif)$/i;
+const SKY = /\.(hdr|exr)$/i;
 const PICTURE_WIDTH = 1.6; // metres, of a picture as a television
 const MOST_TEXELS_ALONG = 4096;
 const PLAIN: Colour = { x: 5, y: 5, z: 5 };
 
-// Lights of the files that people drop or choose: a picture becomes a television, a mesh a light. Files that others name
+// Lights of the files that people drop or choose: a picture becomes a television, one with a high range (HDR, EXR) the sky,
+// a mesh a light. Files that others name
 // (buffers of glTF) are looked for among the dropped ones only.
 export async function readDropped(files: readonly File[]): Promise<DroppedLight[]> {
   const lights: DroppedLight[] = [];
   for (const file of files) {
     const name = file.name.replace(/\.[^.]*$/, "") || "light";
-    if (PICTURE.test(file.name) || file.type.startsWith("image/")) lights.push(await television(file, name));
+    if (SKY.test(file.name)) lights.push(await sky(file, name));
+    else if (PICTURE.test(file.name) || file.type.startsWith("image/")) lights.push(await television(file, name));
     else if (/\.ply$/i.test(file.name)) lights.push(...(await fromPly(file, name)));
     else if (/\.obj$/i.test(file.name)) lights.push(...(await fromObj(file, name)));
     else if (/\.(glb|gltf)$/i.test(file.name)) lights.push(...(await fromGltf(file, files)));
-    else if (!/\.bin$/i.test(file.name)) throw new Error(`${file.name}: what can be dropped is GLB, glTF with its .bin, OBJ, PLY and pictures.`);
+    else if (!/\.bin$/i.test(file.name)) throw new Error(`${file.name}: what can be dropped is GLB, glTF with its .bin, OBJ, PLY, pictures, and HDR or EXR for the sky.`);
   }
   if (lights.length === 0) throw new Error("There are no triangles in what was dropped.");
   return lights;
 }
 
-async function television(file: File, name: string): Promise<DroppedLight> {
+// The loader takes 255 for 1 where Radiance, and lpvctl, take 256.
+const OF_RADIANCE = 255 / 256;
+// three.js cuts halves off instead of rounding: this much more leaves those that are exact as they are.
+const TO_HALF = 1 + 2 ** -14;
+const LARGEST_HALF = 65504;
+
+// Linear, equirectangular; texels that are negative or not finite become 0, as lpvctl has them.
+async function sky(file: File, name: string): Promise<DroppedSky> {
+  const bytes = await file.arrayBuffer();
+  const { DataUtils, FloatType } = await import("three");
+  const isExr = /\.exr$/i.test(file.name);
+  const read = async () => {
+    if (!isExr) return new (await import("three/examples/jsm/loaders/HDRLoader.js")).HDRLoader().setDataType(FloatType).parse(bytes);
+    return new (await import("three/examples/jsm/loaders/EXRLoader.js")).EXRLoader().setDataType(FloatType).parse(bytes);
+  };
+  const { width, height, data } = await read().catch(() => {
+    throw new Error(`${file.name}: this is no picture that the page can read.`);
+  });
+  if (!width || !height || !data) throw new Error(`${file.name}: the picture is empty.`);
+  const channels = data.length / (width * height);
+  const texels = new DataView(new ArrayBuffer(width * height * 6));
+  for (let y = 0; y < height; ++y) {
+    const row = (isExr ? height - 1 - y : y) * width; // rows of EXR begin at the bottom
+    for (let x = 0; x < width; ++x) {
+      for (let c = 0; c < 3; ++c) {
+        const value = Number(data[(row + x) * channels + Math.min(c, channels - 1)]) * (isExr ? 1 : OF_RADIANCE);
+        const kept = Number.isFinite(value) && value > 0 ? Math.min(value * TO_HALF, LARGEST_HALF) : 0;
+        texels.setUint16(6 * (y * width + x) + 2 * c, DataUtils.toHalfFloat(kept), true);
+      }
+    }
+  }
+  return { name, sky: { width, height, texels: new Uint8Array(texels.buffer) } };
+}
+
+async function television(file: File, name: string): Promise<DroppedMesh> {
   const whole = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }).catch(() => {
     throw new Error(`${file.name}: this browser cannot read the picture.`);
   });
@@ -57,12 +102,12 @@ async function television(file: File, name: string): Promise<DroppedLight> {
   };
 }
 
-async function fromPly(file: File, name: string): Promise<DroppedLight[]> {
+async function fromPly(file: File, name: string): Promise<DroppedMesh[]> {
   const { PLYLoader } = await import("three/examples/jsm/loaders/PLYLoader.js");
   return [lightOf(new PLYLoader().parse(await file.arrayBuffer()), name)];
 }
 
-async function fromObj(file: File, name: string): Promise<DroppedLight[]> {
+async function fromObj(file: File, name: string): Promise<DroppedMesh[]> {
   const { OBJLoader } = await import("three/examples/jsm/loaders/OBJLoader.js");
   return lightsOf(new OBJLoader().parse(await file.text()), name);
 }
@@ -87,7 +132,7 @@ const JSON_CHUNK = 0x4e4f534a;
 const BIN_CHUNK = 0x004e4942;
 
 // The loader is given one GLB without pictures, so that it has nothing to fetch.
-async function fromGltf(file: File, among: readonly File[]): Promise<DroppedLight[]> {
+async function fromGltf(file: File, among: readonly File[]): Promise<DroppedMesh[]> {
   const { GLTFLoader } = await import("three/examples/jsm/loaders/GLTFLoader.js");
   const bytes = await file.arrayBuffer();
   const isGlb = bytes.byteLength >= 20 && new DataView(bytes).getUint32(0, true) === GLB;
@@ -165,8 +210,8 @@ function glbOf(json: Gltf, buffers: readonly Uint8Array[]): ArrayBuffer {
   return out.buffer;
 }
 
-function lightsOf(root: Object3D, name: string, materialOf: (mesh: Mesh) => Material | undefined = () => undefined): DroppedLight[] {
-  const lights: DroppedLight[] = [];
+function lightsOf(root: Object3D, name: string, materialOf: (mesh: Mesh) => Material | undefined = () => undefined): DroppedMesh[] {
+  const lights: DroppedMesh[] = [];
   root.updateMatrixWorld(true);
   root.traverse((one) => {
     if (!(one instanceof Mesh)) return;
@@ -182,7 +227,7 @@ function lightsOf(root: Object3D, name: string, materialOf: (mesh: Mesh) => Mate
   return lights;
 }
 
-function lightOf(geometry: BufferGeometry, name: string): DroppedLight {
+function lightOf(geometry: BufferGeometry, name: string): DroppedMesh {
   const position = geometry.getAttribute("position");
   if (!position || position.count < 3) throw new Error(`${name}: there are no triangles in it.`);
   const at = new Vector3();
