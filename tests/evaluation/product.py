@@ -87,10 +87,12 @@ class Server:
         found = re.search(r"info (OpenGL .*)", pathlib.Path(self.log.name).read_text(errors="replace"))
         return found.group(1) if found else ""
 
-    def load(self, file, flags):
-        """The name of a new session with the scene in it."""
+    def load(self, file, flags, sky=None):
+        """The name of a new session with the scene in it, lit by a picture of the sky if there is one."""
         session = json.loads(self.run("--json", "session", "create", *flags))["session"]["name"]
         self.run("scene", "load", session, file)
+        if sky:
+            self.run("light", "sky", session, sky)
         return session
 
     def show(self, session):

@@ -19,7 +19,7 @@ RENDERER = ["closed_form", "dump", "estimate", "gloss", "linear_texture", "main"
 def sources():
     """Files that decide what a reference shows: the renderer's, and those that read the scene."""
     patterns = [f"tests/evaluation/renderer/{name}.*" for name in RENDERER] + ["client/cli/import/*.*"]
-    patterns += [f"server/scene/{name}.*" for name in ("camera", "gloss", "mesh", "scene", "texture", "transform")]
+    patterns += [f"server/scene/{name}.*" for name in ("camera", "distant_lights", "gloss", "mesh", "scene", "texture", "transform")]
     return sorted(path for pattern in patterns for path in ROOT.glob(pattern))
 
 
@@ -45,17 +45,20 @@ class Embree:
         answer = json.loads(done)
         return {key: answer[key] for key in ("eye", "target", "up", "fov")}
 
-    def key(self, scene_file, view, size, samples, filter_name, gloss=False):
+    def key(self, scene_file, view, size, samples, filter_name, gloss=False, sky=None):
         """Hash of everything that the reference depends on: the scene's bytes and those of the files beside it that it
-        may name, the renderer's sources, the camera, size, samples and filter."""
+        may name, the sky's, the renderer's sources, the camera, size, samples and filter."""
         digest = hashlib.sha256()
         digest.update(json.dumps([self.version, view, size, samples, filter_name] + (["gloss"] if gloss else []), sort_keys=True).encode())
         digest.update(scene_bytes_hash(scene_file))
+        if sky:
+            digest.update(pathlib.Path(sky).read_bytes())
         return digest.hexdigest()[:24]
 
-    def pictures(self, scene_file, view, size, samples, levels, filter_name="centre", gloss=False):
-        """({level: layers of exr.read}, key, seconds it took; 0 from the cache). Levels are "0", "2", "all", ..."""
-        key = self.key(scene_file, view, size, samples, filter_name, gloss)
+    def pictures(self, scene_file, view, size, samples, levels, filter_name="centre", gloss=False, sky=None):
+        """({level: layers of exr.read}, key, seconds it took; 0 from the cache). Levels are "0", "2", "all", ..; `sky`: its
+        picture."""
+        key = self.key(scene_file, view, size, samples, filter_name, gloss, sky)
         stem = self.folder / key
         paths = {level: pathlib.Path(f"{stem}-bounces-{level}.exr") for level in levels}
         seconds = 0.0
@@ -64,7 +67,7 @@ class Embree:
             began = time.monotonic()
             part = self.folder / f"{key}.part"
             self._run(scene_file, *view_flags(view, size), "--samples", samples, "--bounces", ",".join(levels),
-                      "--filter", filter_name, *(["--gloss"] if gloss else []), "-o", part)
+                      "--filter", filter_name, *(["--gloss"] if gloss else []), *(["--sky", sky] if sky else []), "-o", part)
             for level, path in paths.items():  # whole files only, should this be interrupted
                 pathlib.Path(f"{part}-bounces-{level}.exr").rename(path)
             seconds = time.monotonic() - began

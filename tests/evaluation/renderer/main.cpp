@@ -3,17 +3,20 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <glm/gtx/component_wise.hpp>
 #include <iostream>
 #include <optional>
 #include <sstream>
 #include <thread>
 
+#include "import/image.h"
 #include "import/scene_file.h"
 #include "renderer/closed_form.h"
 #include "renderer/dump.h"
 #include "renderer/parallel.h"
 #include "renderer/picture.h"
 #include "scene/default_view.h"
+#include "scene/distant_lights.h"
 #include "values.h"
 
 namespace lpv::evaluation {
@@ -23,6 +26,7 @@ namespace {
 struct Options {
   std::string file;
   cli::ImportOptions import;
+  std::string sky;
   std::string camera;
   std::optional<glm::dvec3> eye, target, up;
   double fov = 50.0;
@@ -39,6 +43,8 @@ struct Options {
 void addTo(CLI::App& app, Options& o) {
   app.add_option("file", o.file, "Scene file: glb, gltf, obj, ply or stl")->required()->type_name("FILE");
   app.add_option("--scale", o.import.scale, "Metres per unit of the file (default: 1)")->type_name("S");
+  app.add_option("--sky", o.sky, "Equirectangular picture of the sky that lights the scene, too (default: none)")
+      ->type_name("IMG");
   app.add_option("--camera", o.camera, "Camera of the file (default: the view that the server would choose)")
       ->type_name("NAME");
   cli::addVec3(app, "--eye", o.eye, "Position of the camera, metres");
@@ -81,6 +87,25 @@ std::optional<std::vector<int>> levelsOf(const std::vector<std::string>& words) 
 }
 
 std::string levelName(int level) { return level == kAllBounces ? "all" : std::to_string(level); }
+
+constexpr double kSkyDistance = 2000.0;  ///< of the content's longest edge
+
+/// The sky as one sphere around the content.
+Expected<LightPtr> skyAround(const Scene& scene, const std::string& picture) {
+  Expected<Texture> read = cli::readImage(picture);
+  if (!read) return read.status();
+  Mesh mesh = skyMesh();
+  if (Status status = finishMesh(mesh); !status.ok()) return status;
+  const Bounds content = contentBounds(scene);
+  auto sky = std::make_shared<Light>();
+  sky->name = "sky";
+  sky->mesh = std::make_shared<const Mesh>(std::move(mesh));
+  sky->texture = std::make_shared<const Texture>(std::move(*read));
+  sky->distant = true;
+  sky->transform.translation = content.centre();
+  sky->transform.scale = glm::dvec3(kSkyDistance * glm::compMax(content.extent()));
+  return LightPtr(sky);
+}
 
 /// Objects under names that keep the file's order.
 Scene sceneOf(const cli::ImportedScene& imported) {
@@ -187,7 +212,12 @@ Status run(Options& o) {
   const Expected<cli::ImportedScene> imported = cli::importScene(o.file, o.import);
   if (!imported) return imported.status();
   for (const std::string& warning : imported->warnings) std::cerr << "reference_renderer: " << warning << "\n";
-  const Scene scene = sceneOf(*imported);
+  Scene scene = sceneOf(*imported);
+  if (!o.sky.empty()) {
+    const Expected<LightPtr> sky = skyAround(scene, o.sky);
+    if (!sky) return sky.status();
+    scene.lights["sky"] = *sky;
+  }
   const TracedScene traced(scene);
   if (!o.dump.empty()) return dumpScene(traced, o.dump);
   const PathTracer tracer(traced, *levels);

@@ -4,7 +4,7 @@
 usage: tests/evaluation/scenes/generate.py FOLDER [--data DIR]
 
 Writes one .glb per scene into FOLDER, and scenes.json: name, file, what it tests, cameras ("" is the view that the
-server chooses), and flags of `lpvctl session create` that belong to it. With --data, statues are Stanford's Lucy and bunny from DIR/meshes, and the Cornell box and the living
+server chooses), flags of `lpvctl session create` that belong to it, and the picture of its sky. With --data, statues are Stanford's Lucy and bunny from DIR/meshes, and the Cornell box and the living
 room of DIR are listed too; without, a sphere with waves stands in for the statues. The same arguments write the same
 bytes.
 """
@@ -188,7 +188,43 @@ def gloss_ball(roughness):
     return build
 
 
+def daylit(scene, data):
+    """A room with a window of 1.8 x 1.5 m in its left wall, in which nothing glows."""
+    walls, (x0, y0, z0), (x1, y1, z1) = (0.7, 0.68, 0.62), *ROOM
+    left, right, sill, top = 0.7, -1.1, 0.8, 2.3  # of the window: along z, along y
+    scene.surface("floor", quad((0, y0, 0), (x1 - x0, 0, 0), (0, 0, z0 - z1)), (0.5, 0.4, 0.3))
+    scene.surface("ceiling", quad((0, y1, 0), (x1 - x0, 0, 0), (0, 0, z1 - z0)), (0.8, 0.8, 0.8))
+    scene.surface("back", quad((0, y1 / 2, z0), (x1 - x0, 0, 0), (0, y1, 0)), walls)
+    scene.surface("front", quad((0, y1 / 2, z1), (x0 - x1, 0, 0), (0, y1, 0)), walls)
+    scene.surface("right", quad((x1, y1 / 2, 0), (0, 0, z1 - z0), (0, y1, 0)), walls)
+    for name, near, far, low, high in (("beside", z1, left, y0, y1), ("beyond", right, z0, y0, y1), ("below", left, right, y0, sill),
+                                       ("above", left, right, top, y1)):
+        # Walls are .2 m thick, so that the window has a reveal.
+        scene.surface(f"wall {name}", flat(box((x0 - 0.2, low, far), (x0, high, near))), walls)
+    scene.surface("table", flat(box((-0.9, 0.65, -1.0), (0.5, 0.72, 0.0))), (0.45, 0.3, 0.2))
+    scene.surface("cupboard", flat(box((1.9, 0.0, -1.6), (2.45, 1.9, -0.4))), (0.3, 0.45, 0.5))
+    scene.surface("ball", sphere((0.6, 0.4, -1.2), 0.4), (0.8, 0.8, 0.8))
+
+
+def sky_picture(sun, width=512):
+    """An equirectangular sky over a meadow, its middle towards +x: blue, brighter towards the horizon, and with a sun of 3
+    degrees at 30 degrees above -x, which gives half of the light."""
+    height = width // 2
+    v, u = np.mgrid[0:height, 0:width] + 0.5
+    azimuth, polar = 2 * np.pi * (u / width - 0.5), np.pi * v / height
+    towards = np.stack([np.sin(polar) * np.cos(azimuth), np.cos(polar), np.sin(polar) * np.sin(azimuth)], axis=-1)
+    high = np.clip(towards[..., 1:2], 0, 1)
+    blue, haze, meadow = np.array([1.6, 3.2, 7.0]), np.array([6.0, 6.4, 6.8]), np.array([0.5, 0.7, 0.3])
+    out = np.where(towards[..., 1:2] > 0, haze + (blue - haze) * np.sqrt(high), meadow)
+    at = np.array([-np.cos(np.radians(30.0)) * np.cos(0.3), np.sin(np.radians(30.0)), np.cos(np.radians(30.0)) * np.sin(0.3)])
+    disc = (towards @ at > np.cos(np.radians(1.5)))[..., None]
+    return np.where(disc & sun, np.array([9000.0, 8000.0, 6500.0]), out)
+
+
+SKIES = {"daylight": True, "overcast": False}  # scenes: whether there is a sun
+
 STRIPS_VIEW = {"eye": [0.0, 0.9, 3.0], "target": [0.0, 0.1, -0.1], "fov": 45}
+DAYLIT_VIEW = {"eye": [2.2, 1.7, 1.75], "target": [-1.2, 0.7, -0.9], "fov": 65}
 BALL_VIEW = {"eye": [0.0, 1.0, 3.4], "target": [0.0, 1.0, 0.0], "fov": 42}
 
 SCENES = {
@@ -220,6 +256,8 @@ SCENES = {
     "gloss_ball_0": (gloss_ball(0.0), "a mirror of a ball in a box", {"view": BALL_VIEW}),
     "gloss_ball_3": (gloss_ball(0.3), "the same of roughness .3", {"view": BALL_VIEW}),
     "gloss_ball_6": (gloss_ball(0.6), "the same of roughness .6", {"view": BALL_VIEW}),
+    "daylight": (daylit, "a room with a window, the sun in it", {"view": DAYLIT_VIEW}),
+    "overcast": (daylit, "the same by the sky alone", {"view": DAYLIT_VIEW}),
     "quad_2": (tessellated(1), "a square of 2 triangles", {"": None}),
     "quad_200": (tessellated(10), "the same of 200", {"": None}),
     "quad_20000": (tessellated(100), "the same of 20,000", {"": None}),
@@ -233,6 +271,16 @@ FILES = {  # of --data
 }
 
 
+def write_hdr(path, picture):
+    """Linear (height, width, 3) as Radiance's RGBE, without runs."""
+    largest = picture.max(axis=-1, keepdims=True)
+    mantissa, exponent = np.frexp(np.maximum(largest, 1e-30))
+    colours = picture * (mantissa * 256 / np.maximum(largest, 1e-30))
+    texels = np.concatenate([np.minimum(colours, 255), exponent + 128], axis=-1).astype(np.uint8)
+    height, width = picture.shape[:2]
+    path.write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + texels.tobytes())
+
+
 def generate(folder, data=None):
     """The rows of scenes.json, of which every file has been written."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -243,6 +291,9 @@ def generate(folder, data=None):
         scene.write(folder / f"{name}.glb")
         rows.append({"name": name, "file": f"{name}.glb", "what": what, "cameras": cameras,
                      "flags": FLAGS.get(name, "")})
+        if name in SKIES:
+            rows[-1]["sky"] = f"{name}.hdr"
+            write_hdr(folder / rows[-1]["sky"], sky_picture(SKIES[name]))
     for name, (file, what, cameras) in FILES.items() if data else ():
         if (data / file).exists():
             rows.append({"name": name, "file": str((data / file).resolve()), "what": what, "cameras": cameras,
