@@ -307,6 +307,10 @@ struct CellVisibilityParams {
   int firstPoint;  // of the light's points (shaders/visibility/light_points.glsl)
   int pointCount;
   int light;  // of those that emit, in the order of names
+  int toTheEnd;  // 1: cells whose first rays agree send the others all the same
+  int pad0;
+  int pad1;
+  int pad2;
 };
 
 struct PatchParams {
@@ -491,7 +495,7 @@ struct ShadowParams {
              // receiver
   int foldTurns;  // of rays all around to the pieces of folds; 0: none
   int firstRow;  // of the pixels, in the picture that they are some rows of
-  int pad0;
+  int darkTurns;  // that see nothing before a point is taken for dark, at least 1
   int pad1;
   int pad2;
 };
@@ -546,7 +550,7 @@ static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, e
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
-static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 48);
+static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&
               sizeof(GlossParams) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);

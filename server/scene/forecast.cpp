@@ -74,7 +74,7 @@ std::string lightsLeftOut(const Scene& scene) {
         light->distant || glm::any(glm::lessThan(box.max, grid.min)) || glm::any(glm::greaterThan(box.min, grid.max));
     const bool within =
         glm::all(glm::greaterThanEqual(box.min, grid.min)) && glm::all(glm::lessThanEqual(box.max, grid.max));
-    const std::string& known = nameOf(*light);
+    const std::string& known = sessionName(name, *light);
     if (light->distant && !outside.empty() && outside.back() == known) continue;  // another part
     if (apart) outside.push_back(known);
     if (!apart && !within) partly.push_back(known);

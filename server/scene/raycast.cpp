@@ -59,7 +59,7 @@ std::optional<Hit> raycast(const Scene& scene, const glm::dvec3& origin, const g
   }
   for (const auto& [name, light] : scene.lights) {
     if (light->enabled && light->visibleToCamera)
-      search.meet(nameOf(*light), *light->mesh, light->transform, nullptr, true);
+      search.meet(sessionName(name, *light), *light->mesh, light->transform, nullptr, true);
   }
   return search.hit;
 }

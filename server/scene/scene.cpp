@@ -4,8 +4,8 @@
 
 namespace lpv {
 
-const std::string& nameOf(const Light& light) {
-  return light.placedFrom == nullptr ? light.name : light.placedFrom->name;
+const std::string& sessionName(const std::string& name, const Light& light) {
+  return light.placedFrom == nullptr ? name : light.placedFrom->name;
 }
 
 LightPointsPtr pointsOf(const Light& light) {

@@ -43,8 +43,8 @@ struct Light {
   LightPointsPtr points;  ///< of such a part: where shadow rays go; null: as lightPoints spreads them
 };
 
-/// The name that the session has for a light of a scene.
-const std::string& nameOf(const Light& light);
+/// The name that the session has for a light that a scene has by `name`.
+const std::string& sessionName(const std::string& name, const Light& light);
 /// Where shadow rays go, object space.
 LightPointsPtr pointsOf(const Light& light);
 

@@ -36,19 +36,31 @@ bool decidesWith(uint other, uint four) {
   return other == four || (shadow.apart > 0 && blockOf(other) == blockOf(four));
 }
 
-/// Whether the first rays of a point and of those beside it all met the same: the light, or what stands before it.
+/// How much a point has seen in the turns before, as others may ask: what a turn counts goes where this turn does not read.
+float seenBefore(uint point) { return (shadow.turn & 1) == 1 ? shadowPoints[point].seen.a : shadowPoints[point].known.a; }
+
+void countSeen(uint point, float seen) {
+  const float all = seen + max(shadowPoints[point].seen.a, shadowPoints[point].known.a);
+  if ((shadow.turn & 1) == 0) shadowPoints[point].seen.a = all;
+  else shadowPoints[point].known.a = all;
+}
+
+/// Whether the first rays of a point and of those beside it all met the same: the light, or what stands before it. Where
+/// darkness is believed later, none of them may have seen anything since, either.
 bool agreed(uint four) {
-  float least = 8.0, most = -1.0;
+  float least = 8.0, most = -1.0, since = 0.0;
   for (uint i = four - min(four, kFoursBeside); i <= min(four + kFoursBeside, list.count - 1u); ++i) {
     if (!decidesWith(i, four)) continue;
     for (uint point = 4u * i; point < 4u * i + 4u; ++point) {
       const float met = shadowPoints[point].light.a;
       if (met == kMixed) return false;
+      since = max(since, seenBefore(point));
       if (met < 0.0) continue;
       least = min(least, met);
       most = max(most, met);
     }
   }
+  if (most <= 0.0 && (shadow.turn < shadow.darkTurns || (shadow.darkTurns > 1 && since > 0.0))) return false;
   return most - least <= 4.0 * kSameShare;
 }
 
@@ -82,19 +94,23 @@ void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
   vec4 weights;
   const ivec4 chosen = raysTo(x, n, inPicture(pixel), weights);
-  vec4 all = vec4(0.0), seen = vec4(0.0), shares = vec4(-1.0);
+  vec4 all = vec4(0.0), shares = vec4(-1.0);
+  vec3 seen = vec3(0.0);
+  float seenRays = 0.0;
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);
     const vec3 share = transmitted(x, mix(x, to, kShadowEnd), max(int(colour.a), kFromSurfaces));
     all += vec4(weights[i] * colour.rgb, 1.0);
-    seen += vec4(weights[i] * share * colour.rgb, 0.0);
+    seen += weights[i] * share * colour.rgb;
+    seenRays += max(max(share.r, share.g), share.b);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }
   if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);
   shadowPoints[point].all += all;
-  shadowPoints[point].seen += seen;
+  shadowPoints[point].seen.rgb += seen;
+  countSeen(point, seenRays);
 }
 
 void main() {

@@ -17,6 +17,7 @@ shared float firstSeen[kBlockX * kBlockY * kBlockZ];  // of a cell's first rays,
 
 /// Whether the rays of a column's cells all met the same: the light, or something before it.
 bool agreed() {
+  if (params.toTheEnd == 1) return false;
   const uint column = gl_LocalInvocationIndex % uint(kBlockX * kBlockY);
   float arrived = 0.0, sent = 0.0;
   for (uint z = 0u; z < uint(kBlockZ); ++z) {

@@ -4,9 +4,9 @@ struct ShadowPoint {
   vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
                // or the sum of their shares; -1 where none were sent, less where they differ
   vec4 asked;  // rgb: of it what was asked about when it was found; a: 1 where pieces of folds are near
-  vec4 known;  // rgb: of that what arrives
+  vec4 known;  // rgb: of that what arrives; a: as seen.a, after odd turns
   vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
-  vec4 seen;   // rgb: of those that arrived
+  vec4 seen;   // rgb: of those that arrived; a: how many did, or their shares' largest, after even turns
   vec4 sum;    // rgb: E of the pools before
 };
 

@@ -21,6 +21,21 @@ constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
 constexpr int kMostLightsOfEvenPoints = 4;  // in a pool: each must be met by a turn's rays
 
+/// How many turns of rays go to a pool, and how many that see nothing say that it is dark.
+struct PoolTurns {
+  int most, dark;
+};
+
+/// A window shows a small share of a part of the sky, which the first rays of neighbours miss together: two boxes under
+/// lamps lose nothing by four, a room by daylight lost a quarter of its light far from the window. So darkness is
+/// believed later, and where some of it is seen, twice as many rays make up for the share's noise. Patches and the
+/// points of streams are few: they go on to the end.
+PoolTurns turnsFor(const LightPool& pool, int turns, bool patches, bool reduced) {
+  if (!pool.distant || turns == 0) return {turns, 1};
+  if (patches) return {turns, turns};
+  return {2 * turns, reduced ? 2 * turns : std::max(turns / 2, 1)};
+}
+
 /// The finest pass between points has half of the pixels; each block's last four may be incomplete.
 std::size_t bytesOfPoints(const glm::ivec2& size) {
   const std::size_t half = count(partsOf(size, kBlock * glm::ivec2(1, 2)));
@@ -41,7 +56,7 @@ struct NearFieldPass::Inputs {
   const NearFieldSources& sources;
   const gpu::Buffer& frameParams;
   std::optional<std::size_t> pool = std::nullopt;  ///< what is made is of it alone; none: of all together
-  const gpu::Texture* poolPicture = nullptr;       ///< where it is kept; null: the buffer's
+  const gpu::Texture* poolPicture = nullptr;  ///< where it is kept; null: the buffer's
 
   int spacing() const { return sources.reduced ? layout::kNearFieldSpacing : 1; }
   bool everywhere() const { return sources.lights.emitterDistance == nullptr; }
@@ -85,8 +100,8 @@ struct NearFieldPass::Look {
   const gpu::Buffer& list;
   double points;  ///< on it, at most
   Receivers receivers;  ///< what they are
-  bool reduced;   ///< rays go to the same places from every pixel, which are spread evenly
-  int firstRow;   ///< of the pixels, in their picture
+  bool reduced;  ///< rays go to the same places from every pixel, which are spread evenly
+  int firstRow;  ///< of the pixels, in their picture
   std::function<void()> bind;
 };
 
@@ -99,9 +114,9 @@ struct NearFieldPass::LookAt {
 
 struct NearFieldPass::Pass {
   int pass = LPV_PASS_WEIGHTS;
-  glm::ivec2 part{0};     ///< pixels across and down of what a thread has
-  glm::ivec2 stride{0};   ///< of NearFieldParams
-  NearFieldWork work;     ///< of a thread
+  glm::ivec2 part{0};  ///< pixels across and down of what a thread has
+  glm::ivec2 stride{0};  ///< of NearFieldParams
+  NearFieldWork work;  ///< of a thread
 
   /// The two that begin.
   static Pass weights() { return {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}; }
@@ -174,13 +189,18 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
 GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   const ShadowCasters& shadows = from.shadows;
   layout::ShadowParams params = {};
-  params.turns = shadows.turns;
   params.pools = int(from.pools.size()) + (from.reflected ? 1 : 0);
   params.firstRow = from.firstRow;
-  params.jitter = from.reduced || (from.receivers == Receivers::kPatches && !from.reflected) ? 0 : 1;
+  const bool patches = from.receivers == Receivers::kPatches && !from.reflected;
+  params.jitter = from.reduced || patches ? 0 : 1;
   params.apart = from.receivers == Receivers::kPixels ? params.jitter : 0;
   for (const LightPool& pool : from.pools) {
-    params.even = from.reduced && pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints ? 1 : 0;
+    if (patches) params.jitter = pool.distant ? 1 : 0;
+    const PoolTurns turns = turnsFor(pool, shadows.turns, patches, from.reduced);
+    params.turns = turns.most;
+    params.darkTurns = turns.dark;
+    const bool few = pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints;
+    params.even = (from.reduced && few) || pool.distant ? 1 : 0;  // distant points are spread by what they send
     params.firstLight = pool.firstLight;
     params.lightsEnd = pool.lightsEnd;
     params.firstPoint = pool.firstPoint;
@@ -189,6 +209,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     params.pool++;
   }
   if (!from.reflected) co_return;
+  params.darkTurns = 1;
   params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
   params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;
   params.even = 0;

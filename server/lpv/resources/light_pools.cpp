@@ -54,8 +54,13 @@ void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache&
     pool.firstLight = int(i * lights.size() / count);
     pool.lightsEnd = int((i + 1) * lights.size() / count);
     pool.firstPoint = pointsSoFar();
+    pool.distant = pool.firstLight < pool.lightsEnd;
     for (int l = pool.firstLight; l < pool.lightsEnd; ++l) {
-      LightPool& one = ranges.emplace_back(LightPool{.firstLight = l, .lightsEnd = l + 1, .firstPoint = pointsSoFar()});
+      const LightPtr& source = lights[std::size_t(l)].source;
+      const bool distant = source != nullptr && source->distant;
+      pool.distant = pool.distant && distant;
+      LightPool& one = ranges.emplace_back(
+          LightPool{.firstLight = l, .lightsEnd = l + 1, .firstPoint = pointsSoFar(), .distant = distant});
       appendPoints(lights[std::size_t(l)], one, *cache.get(lights[std::size_t(l)]), points);
     }
     pool.points = pointsSoFar() - pool.firstPoint;

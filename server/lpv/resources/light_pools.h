@@ -20,6 +20,7 @@ struct LightPool {
   int points = 0;
   double area = 0.0;   ///< of one side, cells^2
   double power = 0.0;  ///< the same times the brightest channel of its radiance
+  bool distant = false;  ///< all of its lights are: seen through windows, of which rays miss many
 };
 
 /// Lights in so many pools at most: each its own, while there are no more.

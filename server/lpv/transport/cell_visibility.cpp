@@ -8,6 +8,7 @@ namespace lpv {
 namespace {
 
 constexpr std::size_t kMostKeptBytes = std::size_t(64) << 20U;
+constexpr int kTurnsOfDistant = 8;  ///< times as many: of what is seen through windows rays miss most
 
 CellVisibilityInputs inputsOf(const EmittingLight& light, std::size_t index, const glm::ivec3& dims,
                               const CellShadows& shadows) {
@@ -32,7 +33,7 @@ GpuTask CellVisibilityPass::sendRays(layout::CellVisibilityParams params, const 
                                      const gpu::Buffer& out, Pacing pacing) {
   const glm::ivec3 blockSize(layout::kBlockX, layout::kBlockY, layout::kBlockZ);
   params.blocks = (params.dims + blockSize - 1) / blockSize;
-  params.turns = shadows.turns;
+  params.turns = params.toTheEnd == 1 ? kTurnsOfDistant * shadows.turns : shadows.turns;
   const int blocks = params.blocks.x * params.blocks.y * params.blocks.z;
   const CellVisibilityWork block = {double(blockSize.x) * blockSize.y * blockSize.z, 1.0, 1.0};
   double queued = 0.0;
@@ -76,6 +77,7 @@ GpuTask CellVisibilityPass::run(const LightField& field, const std::vector<Emitt
     params.firstPoint = points.firstPoint;
     params.pointCount = points.points;
     params.light = int(light);
+    params.toTheEnd = points.distant ? 1 : 0;  // seen through windows: first rays miss what few of them meet
     co_await sendRays(params, shadows, buffer, pacing);
     known.set(std::move(inputs), std::move(buffer));
   }

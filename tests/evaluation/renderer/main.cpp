@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <glm/glm.hpp>
 #include <glm/gtx/component_wise.hpp>
 #include <iostream>
 #include <optional>

@@ -34,6 +34,21 @@ RTCRayHit rayOf(const glm::dvec3& origin, const glm::dvec3& direction, double fr
 /// Rec. 709.
 double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
+/// How bright a light's texture is over a triangle, about, and never none: any point of it may be chosen.
+double brightness(const TracedObject& object, const glm::uvec3& t) {
+  if (!object.texture) return 1.0;
+  constexpr int kSteps = 8;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps - i; ++j) {
+      const double u = (i + 1.0 / 3.0) / kSteps, v = (j + 1.0 / 3.0) / kSteps;
+      sum += luminance(object.texture->at(mix(object.uvs[t.x], object.uvs[t.y], object.uvs[t.z], u, v)));
+    }
+  }
+  constexpr double kLeast = 0.05;  // of the whole texture's
+  return std::max(sum / (0.5 * kSteps * (kSteps + 1)), kLeast * luminance(object.texture->mean()));
+}
+
 }  // namespace
 
 TracedScene::TracedScene(const Scene& scene)
@@ -43,6 +58,7 @@ TracedScene::TracedScene(const Scene& scene)
     TracedObject object;
     object.emits = true;
     object.twoSided = light->twoSided;
+    object.distant = light->distant;
     object.colour = emittedRadiance(*light);
     object.texture = linear(light->texture, *light->mesh);
     add(*light->mesh, light->transform, std::move(object));
@@ -124,13 +140,12 @@ void TracedScene::chooseLightsByPower() {
     TracedObject& object = objects_[i];
     if (!object.emits) continue;
     object.firstEmitter = emitters_.size();
-    const glm::dvec3 mean = object.texture ? object.colour * object.texture->mean() : object.colour;
-    const double weight = luminance(mean) * (object.twoSided ? 2.0 : 1.0);
+    const double weight = luminance(object.colour) * (object.twoSided ? 2.0 : 1.0);
     for (std::uint32_t t = 0; t < object.triangles.size(); ++t) {
       const auto [a, b, c] = cornersOf(i, t);
       const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
-      emitters_.push_back({i, t, area, area * weight});
-      sum += area * weight;
+      emitters_.push_back({i, t, area, area * weight * brightness(object, object.triangles[t])});
+      sum += emitters_.back().probability;
     }
   }
   if (sum <= 0.0) return;
@@ -188,7 +203,12 @@ std::optional<Hit> TracedScene::seen(const glm::dvec3& origin, const glm::dvec3&
                                      double to) const {
   while (true) {
     const std::optional<Hit> hit = cast(all_, origin, direction, from, to);
-    if (!hit || hit->front || objects_[hit->object].emits || objects_[hit->object].twoSided) return hit;
+    if (!hit) {
+      const std::optional<Hit> beyond =
+          cast(lights_, origin, direction, std::max(from, to), std::numeric_limits<double>::infinity());
+      return beyond && objects_[beyond->object].distant ? beyond : std::nullopt;
+    }
+    if (hit->front || objects_[hit->object].emits || objects_[hit->object].twoSided) return hit;
     from = past(*hit);
   }
 }

@@ -21,6 +21,7 @@ namespace lpv::evaluation {
 struct TracedObject {
   bool emits = false;
   bool twoSided = false;
+  bool distant = false;  ///< seen behind everything, however near the camera's far end is
   glm::dvec3 colour{0.0};  ///< radiance in W/(sr m^2), or albedo
   double roughness = 1.0;
   double metalness = 0.0;
@@ -64,7 +65,7 @@ class TracedScene {
   /// Nearest hit farther than `from` metres.
   std::optional<Hit> nearest(const glm::dvec3& origin, const glm::dvec3& direction, double from = 0.0) const;
   /// Nearest hit between the distances that a camera sees: backs of one-sided surfaces are not drawn, those of lights
-  /// are.
+  /// are, and distant lights wherever nothing else is.
   std::optional<Hit> seen(const glm::dvec3& origin, const glm::dvec3& direction, double from, double to) const;
   /// All lights that a ray meets, whatever stands between.
   std::vector<Hit> lightsAlong(const glm::dvec3& origin, const glm::dvec3& direction) const;

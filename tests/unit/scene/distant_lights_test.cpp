@@ -136,7 +136,7 @@ TEST(PlaceDistantLights, PutsPartsAroundTheGrid) {
   Bounds box;
   for (const auto& [name, light] : lights) {
     if (name == "lamp") continue;
-    EXPECT_EQ(nameOf(*light), "sky");
+    EXPECT_EQ(sessionName(name, *light), "sky");
     EXPECT_EQ(name, light->name);
     EXPECT_FALSE(light->castsShadow);
     box.add(light->mesh->bounds.transformed(light->transform.worldFromObject()));

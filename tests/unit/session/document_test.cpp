@@ -156,7 +156,7 @@ TEST_F(DocumentTest, ADistantLightIsNoContentAndInPartsForTicks) {
   const ScenePtr scene = fitted.snapshot();
   ASSERT_EQ(scene->lights.size(), 1U);
   EXPECT_EQ(scene->lights.begin()->first, "Sky/1");
-  EXPECT_EQ(nameOf(*scene->lights.begin()->second), "Sky");
+  EXPECT_EQ(sessionName("Sky/1", *scene->lights.at("Sky/1")), "Sky");
 }
 
 TEST_F(DocumentTest, ADistantLightHasNoPower) {
