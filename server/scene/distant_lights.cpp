@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <mutex>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -23,6 +22,7 @@ constexpr int kSkyRows = 32;
 /// whole.
 constexpr double kAlike = 0.03;
 constexpr int kBoxesOfPicture = 512;
+constexpr std::size_t kMostCut = 65'536;  ///< triangles; meshes of more stay whole: sorting a million takes seconds
 
 /// A triangle as it counts: where it is seen, and its share of the mesh, half by area and half by power.
 struct SeenTriangle {
@@ -122,7 +122,7 @@ std::size_t halve(std::span<SeenTriangle> part) {
 
 std::vector<std::span<SeenTriangle>> halved(SeenTriangles& triangles) {
   std::vector<std::span<SeenTriangle>> parts = {triangles};
-  while (parts.size() < kMostDistantParts) {
+  while (parts.size() < kMostDistantParts && triangles.size() <= kMostCut) {
     const auto spreadOf = [](std::span<const SeenTriangle> part) {
       const DirectionMoments all = directionMomentsOf(part);
       return all.spread() > kAlike * all.weight ? all.spread() : 0.0;

@@ -38,8 +38,8 @@ struct DistantShape {
 
 /// A mesh of `distant` lights in parts, each seen within few directions or sending little: those that differ most are
 /// halved, where that leaves the least differences of directions within the halves, by power and by area alike. Every
-/// triangle is in one of them. `texture` may be null. Made at the first call for both, some milliseconds and 10 for a
-/// picture of a million texels, and kept while somebody has them. Thread-safe.
+/// triangle is in one of them; meshes of more than 65,536 are one part. `texture` may be null. Made at the first call
+/// for both, in a tenth of a second for the sky, and kept while somebody has them. Thread-safe.
 std::shared_ptr<const std::vector<DistantPart>> distantParts(const MeshPtr& mesh, const TexturePtr& texture,
                                                              const DistantShape& shape = {});
 
