@@ -28,12 +28,13 @@ struct PoolTurns {
 
 /// A window shows a small share of a part of the sky, which the first rays of neighbours miss together: two boxes under
 /// lamps lose nothing by four, a room by daylight lost a quarter of its light far from the window. So darkness is
-/// believed later, and where some of it is seen, twice as many rays make up for the share's noise. Patches and the
+/// believed later, and where some of it is seen, half as many rays again make up for the share's noise. Patches and the
 /// points of streams are few: they go on to the end.
 PoolTurns turnsFor(const LightPool& pool, int turns, bool patches, bool reduced) {
   if (!pool.distant || turns == 0) return {turns, 1};
   if (patches) return {turns, turns};
-  return {2 * turns, reduced ? 2 * turns : std::max(turns / 2, 1)};
+  if (reduced) return {2 * turns, 2 * turns};
+  return {3 * turns / 2, std::max(turns / 4, 1)};
 }
 
 /// The finest pass between points has half of the pixels; each block's last four may be incomplete.
