@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <mutex>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "base/mutex.h"
 #include "scene/coarse_texture.h"
 
 namespace lpv {
@@ -183,13 +183,14 @@ using Parts = std::shared_ptr<const std::vector<DistantPart>>;
 /// Of all sessions, while their lights have them.
 class KnownParts {
  public:
-  Parts find(const MeshPtr& mesh, const TexturePtr& texture, const DistantShape& shape) {
-    const std::scoped_lock lock(mutex_);
+  Parts find(const MeshPtr& mesh, const TexturePtr& texture, const DistantShape& shape) LPV_EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
     const auto found = known_.find({mesh, texture, shape});
     return found == known_.end() ? nullptr : found->second.lock();
   }
-  void keep(const MeshPtr& mesh, const TexturePtr& texture, const DistantShape& shape, const Parts& parts) {
-    const std::scoped_lock lock(mutex_);
+  void keep(const MeshPtr& mesh, const TexturePtr& texture, const DistantShape& shape, const Parts& parts)
+      LPV_EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
     std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
     known_[{mesh, texture, shape}] = parts;
   }
@@ -211,8 +212,8 @@ class KnownParts {
       return numbers(shape) < numbers(other.shape);
     }
   };
-  std::mutex mutex_;
-  std::map<Key, std::weak_ptr<const std::vector<DistantPart>>> known_;
+  Mutex mutex_;
+  std::map<Key, std::weak_ptr<const std::vector<DistantPart>>> known_ LPV_GUARDED_BY(mutex_);
 };
 
 /// Each keeps all parts, so that these stay known while one of them is used: by its points, since what is known of
