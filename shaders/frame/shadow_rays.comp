@@ -54,13 +54,13 @@ bool agreed(uint four) {
     for (uint point = 4u * i; point < 4u * i + 4u; ++point) {
       const float met = shadowPoints[point].light.a;
       if (met == kMixed) return false;
-      since = max(since, seenBefore(point));
+      if (shadow.darkTurns > 1) since = max(since, seenBefore(point));
       if (met < 0.0) continue;
       least = min(least, met);
       most = max(most, met);
     }
   }
-  if (most <= 0.0 && (shadow.turn < shadow.darkTurns || (shadow.darkTurns > 1 && since > 0.0))) return false;
+  if (most <= 0.0 && (shadow.turn < shadow.darkTurns || since > 0.0)) return false;
   return most - least <= 4.0 * kSameShare;
 }
 
@@ -110,7 +110,7 @@ void sendRays(uint point, ivec2 pixel) {
   if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);
   shadowPoints[point].all += all;
   shadowPoints[point].seen.rgb += seen;
-  countSeen(point, seenRays);
+  if (shadow.darkTurns > 1) countSeen(point, seenRays);
 }
 
 void main() {
