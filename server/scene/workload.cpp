@@ -53,7 +53,7 @@ void Workload::countColour(const glm::dvec3& radiance) {
 
 /// In parts, whose cells go by their size, not by the grid's.
 void Workload::addDistant() {
-  constexpr double kEntries = 3000.0;  // of an eighth of the sky
+  constexpr double kEntries = 3000.0;  // of an eighth of the sky, an estimate: 28^2 cells, bent
   lights += double(kMostDistantParts);
   rootsOfEntries += double(kMostDistantParts) * std::sqrt(kEntries);
   columns += double(kMostDistantParts) * kEntries;

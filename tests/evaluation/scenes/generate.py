@@ -208,7 +208,7 @@ def daylit(scene, data):
 
 def sky_picture(sun, width=512):
     """An equirectangular sky over a meadow, its middle towards +x: blue, brighter towards the horizon, and with a sun of 3
-    degrees at 30 degrees above -x, which gives half of the light."""
+    degrees at 30 degrees above -x, from which a plane that faces it gets about as much as from all of the sky."""
     height = width // 2
     v, u = np.mgrid[0:height, 0:width] + 0.5
     azimuth, polar = 2 * np.pi * (u / width - 0.5), np.pi * v / height

@@ -298,8 +298,7 @@ function variantOf({ variants }: Drawn, defines: readonly string[]): RawShaderMa
 
 // What is far away is seen in the same directions from everywhere, behind everything else.
 function aroundEye(light: Light, eye: Vector3): Matrix4 {
-  const away = DISTANCE;
-  return matrixOf(light.transform).premultiply(new Matrix4().makeScale(away, away, away)).premultiply(new Matrix4().makeTranslation(eye));
+  return matrixOf(light.transform).premultiply(new Matrix4().makeScale(DISTANCE, DISTANCE, DISTANCE)).premultiply(new Matrix4().makeTranslation(eye));
 }
 
 function matrixOf(transform: Transform | undefined): Matrix4 {
