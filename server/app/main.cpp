@@ -329,13 +329,13 @@ int serve(int argc, char** argv, Options options, Signals& signals) {
   health.serve(*journal, *services.damaged);
   const std::unique_ptr<ops::Endpoint> endpoint = std::move(*early);  // destroyed before the objects that it reads
   if (endpoint) publish(*endpoint, context, services, queue->get());
+  announce(options, access, door.port(), context.device);
   if (const Status status = writePortFile("--port-file", options.portFile, door.port()); !status.ok())
     return fail(status);
   checkKeptSessions(services, background, [damaged = services.damaged](std::size_t checked) {
     if (checked > 0) spdlog::info("state directory: {} sessions read, {} are damaged", checked, damaged->count());
   });
   trimMemory(timers, background);
-  announce(options, access, door.port(), context.device);
   Reloader reloader(argc, argv, options, access, registry);
   const int signal = signals.waitForEnd([&] { reloader.run(); });
   spdlog::info("signal {}: draining", signal);

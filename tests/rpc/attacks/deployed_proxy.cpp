@@ -91,7 +91,7 @@ int DeployedProxy::check(const Authority& authority, std::string* said) {
   std::vector<std::string> words = commandLine(authority, freePort(), freePort(), freePort(), {});
   words.push_back("-c");
   ChildProcess process("/usr/bin/env", words);
-  const std::optional<int> status = process.wait(std::chrono::seconds(20));
+  const std::optional<int> status = process.wait();
   *said = process.output() + process.errors();
   return status.value_or(-1);
 }

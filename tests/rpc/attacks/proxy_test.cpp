@@ -81,8 +81,8 @@ TEST_F(BehindTheProxy, WhoFloodsIsCutOffAndOthersAreNot) {
   const std::string port = std::to_string(proxy.port());
   ChildProcess reset(ATTACKER_PATH, {"reset", port, "127.0.0.2", "tls", "3"});
   ChildProcess continuation(ATTACKER_PATH, {"continuation", port, "127.0.0.3", "tls", "3"});
-  EXPECT_EQ(reset.wait(std::chrono::seconds(60)), 0);
-  EXPECT_EQ(continuation.wait(std::chrono::seconds(60)), 0);
+  EXPECT_EQ(reset.wait(), 0);
+  EXPECT_EQ(continuation.wait(), 0);
   const Calls calls = bystander.take();
   EXPECT_EQ(calls.failed, 0) << calls.lastError << "\n" << proxy.errors();
   EXPECT_GT(calls.milliseconds.size(), 0U);
@@ -115,7 +115,7 @@ TEST(WithoutAProxy, AFloodLosesItsConnectionsAndGetsNoOthers) {
   Stubs stubs(server.address());
   Bystander bystander(stubs.channel, makeSession(stubs));
   ChildProcess reset(ATTACKER_PATH, {"reset", std::to_string(server.port()), "127.0.0.2", "plain", "2"});
-  EXPECT_EQ(reset.wait(std::chrono::seconds(60)), 0);
+  EXPECT_EQ(reset.wait(), 0);
   long connections = 0;
   ASSERT_EQ(std::sscanf(reset.output().c_str(), "reset: %ld", &connections), 1) << reset.output();
   EXPECT_GT(connections, 1);

@@ -348,7 +348,7 @@ TEST_F(Cli, WatchTellsRevisionsAsTheyCome) {
     (void)lpvctlOut({"light", "move", id_, "lamp", "--relative", "--translate", "0,-0.1,0"});
     ASSERT_TRUE(rpc::eventually([&] { return linesOf(watch.output()).size() >= 2; })) << watch.errors();
     watch.signal(SIGINT);
-    EXPECT_EQ(watch.wait(std::chrono::seconds(20)), 0);
+    EXPECT_EQ(watch.wait(), 0);
     const auto lines = linesOf(watch.output());
     EXPECT_NE(text(json(lines[0]).fields().at("result").struct_value(), "revision"),
               text(json(lines.back()).fields().at("result").struct_value(), "revision"));
@@ -361,7 +361,7 @@ TEST_F(Cli, WatchTellsRevisionsAsTheyCome) {
                             {"--server", rpc::server().address(), "watch", id_, "--adapt", "10", "--json"});
   ASSERT_TRUE(rpc::eventually([&] { return !adapted.output().empty(); })) << adapted.errors();
   adapted.signal(SIGINT);
-  EXPECT_EQ(adapted.wait(std::chrono::seconds(20)), 0);
+  EXPECT_EQ(adapted.wait(), 0);
   EXPECT_THAT(lpvctl({"watch", id_, "--adapt", "1000", "--seconds", "5"}).err, testing::HasSubstr("adapt_rate"));
 }
 
@@ -453,7 +453,7 @@ TEST_F(Cli, RenderInterruptedDeletesItsSession) {
                     "propagate", "--iterations", "1000", "--server", rpc::server().address()});
   ASSERT_TRUE(rpc::eventually([&] { return sessions() > before; })) << render.errors();
   render.signal(SIGINT);
-  EXPECT_EQ(render.wait(std::chrono::seconds(60)), 130);
+  EXPECT_EQ(render.wait(), 130);
   EXPECT_EQ(render.errors(), "lpvctl: CANCELLED: interrupted\n");
   EXPECT_EQ(sessions(), before);
   EXPECT_FALSE(std::filesystem::exists(folder_.path("i.png")));

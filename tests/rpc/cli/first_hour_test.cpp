@@ -233,7 +233,7 @@ TEST_F(FirstHour, FilesGoToStdoutAlone) {
   (void)lpvctlOut({"session", "delete", "from-stdout"});
   rpc::ChildProcess loads("/bin/bash", {"-c", std::string(LPVCTL_PATH) + " session load - --id from-stdin --server " +
                                                   rpc::server().address() + " <" + folder_.path("saved")});
-  EXPECT_EQ(loads.wait(std::chrono::seconds(60)), 0) << loads.errors();
+  EXPECT_EQ(loads.wait(), 0) << loads.errors();
   EXPECT_EQ(loads.output(), "from-stdin\n");
   (void)lpvctlOut({"session", "delete", "from-stdin"});
   EXPECT_THAT(errorOf({"frame", "get", id_, "-o", "-", "--json"}, 2), HasSubstr("--json"));

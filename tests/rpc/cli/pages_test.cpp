@@ -21,7 +21,7 @@ Outcome offline(std::vector<std::string> arguments) { return runLpvctl(std::move
 /// A command of bash, in which $LPVCTL is the program.
 std::string bash(const std::string& command) {
   rpc::ChildProcess shell("/bin/bash", {"-c", "set -euo pipefail; LPVCTL=" LPVCTL_PATH "; " + command});
-  EXPECT_EQ(shell.wait(std::chrono::seconds(60)), 0) << command << "\n" << shell.output() << shell.errors();
+  EXPECT_EQ(shell.wait(), 0) << command << "\n" << shell.output() << shell.errors();
   EXPECT_EQ(shell.errors(), "") << command;
   return shell.output();
 }

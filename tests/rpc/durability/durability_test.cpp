@@ -38,7 +38,7 @@ class Durable : public ::testing::Test {
   }
   void kill() {
     server_->process().signal(SIGKILL);
-    ASSERT_EQ(server_->process().wait(std::chrono::seconds(20)), -SIGKILL);
+    ASSERT_EQ(server_->process().wait(), -SIGKILL);
   }
   void killAndStart(const std::vector<std::string>& arguments = {}) {
     kill();

@@ -158,7 +158,7 @@ TEST(Signals, TermEndsReadinessBeforeTheProcess) {
     EXPECT_EQ(watched.get("/live").status, 200) << "it is not to be killed";
     EXPECT_GE(watched.metric("process_open_fds"), 0) << "to the end";
   }
-  EXPECT_EQ(watched.server().process().wait(std::chrono::seconds(20)), 0);
+  EXPECT_EQ(watched.server().process().wait(), 0);
 }
 
 TEST(Signals, ASecondOneEndsAtOnce) {
@@ -169,7 +169,7 @@ TEST(Signals, ASecondOneEndsAtOnce) {
     watched.server().process().signal(SIGTERM);
     ASSERT_TRUE(eventually([&] { return draining(watched); }));
     watched.server().process().signal(signal);
-    EXPECT_EQ(watched.server().process().wait(std::chrono::seconds(20)), -signal);
+    EXPECT_EQ(watched.server().process().wait(), -signal);
   }
 }
 

@@ -183,7 +183,7 @@ class KilledClients : public ::testing::Test {
     ASSERT_TRUE(eventually([&] { return !client.output().empty(); })) << what;
     ASSERT_TRUE(eventually(there)) << what;
     client.signal(SIGKILL);
-    ASSERT_EQ(client.wait(std::chrono::seconds(20)), -SIGKILL);
+    ASSERT_EQ(client.wait(), -SIGKILL);
   }
   pb::GetStatsResponse stats() {
     pb::GetStatsResponse response;
@@ -195,18 +195,22 @@ class KilledClients : public ::testing::Test {
   std::string session_ = makeLitSession(stubs_);
 };
 
-// As many uploads before the count begins: what the server allocates once for all uploads, and the heap of each thread
-// that had one keeps, is no leak.
+// Some uploads before the count begins: what the server allocates once for all uploads, and the heap of each thread
+// that had one keeps, is no leak. Nor is what the heap has free: the server gives it back from 16 MiB on, so that a
+// quarter of what each client had sent says more than the heap's habits only with a dozen of them.
 TEST_F(KilledClients, MidUploadLeaveNothing) {
+  constexpr int kClients = 12;  // 8 MB of each arrive
   for (int i = 0; i < 4; ++i) {
     killInTheMidst("upload", [] { return true; });
   }
   const std::int64_t before = server().residentBytes();
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < kClients; ++i) {
     killInTheMidst("upload", [] { return true; });
   }
-  EXPECT_TRUE(eventually([&] { return server().residentBytes() - before < 8 * kMiB * (kSanitized ? 4 : 1); }))
-      << "32 MB had arrived; still held are " << (server().residentBytes() - before) / kMiB << " MiB";
+  EXPECT_TRUE(eventually([&] {
+    return server().residentBytes() - before < kClients * 2 * kMiB * (kSanitized ? 4 : 1);
+  })) << kClients * 8
+      << " MB had arrived; still held are " << (server().residentBytes() - before) / kMiB << " MiB";
   EXPECT_EQ(stats().blobs(), 0);
   EXPECT_THAT(upload(stubs_, session_, pb::BLOB_KIND_MESH, sheet(4).SerializeAsString()), IsOk());
 }
@@ -329,7 +333,7 @@ TEST(Termination, SaysThatItDoesNotServeBeforeItTellsItsStreams) {
   EXPECT_EQ(health->next(), 2);
   health.reset();
   for (const auto& each : crowd) each->readNotice();
-  EXPECT_EQ(leaving.process().wait(std::chrono::seconds(30)), 0);
+  EXPECT_EQ(leaving.process().wait(), 0);
 }
 
 /// SIGTERM with streams open: every stream gets its notice, then the process ends with 0.
@@ -377,13 +381,13 @@ TEST(Termination, DrainsItsStreams) {
   }
   EXPECT_EQ(noticed.kind(), pb::Notice::KIND_DRAINING);
   EXPECT_THAT(edits->Finish(), HasCode(StatusCode::UNAVAILABLE));
-  EXPECT_EQ(leaving.process().wait(std::chrono::seconds(15)), 0);
+  EXPECT_EQ(leaving.process().wait(), 0);
 }
 
 TEST(Termination, OfAServerWithNothingToDoIsQuick) {
   ServerProcess leaving;
   leaving.process().signal(SIGINT);
-  EXPECT_EQ(leaving.process().wait(std::chrono::seconds(15)), 0);
+  EXPECT_EQ(leaving.process().wait(), 0);
 }
 
 }  // namespace

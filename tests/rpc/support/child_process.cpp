@@ -71,7 +71,7 @@ ChildProcess::ChildProcess(const std::string& program, const std::vector<std::st
 ChildProcess::~ChildProcess() {
   if (!wait(std::chrono::milliseconds(0))) {
     signal(SIGKILL);
-    wait(std::chrono::seconds(30));
+    wait();
   }
   std::error_code ignored;
   std::filesystem::remove_all(directory_, ignored);

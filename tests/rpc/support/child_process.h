@@ -9,6 +9,10 @@
 
 namespace lpv::rpc {
 
+/// How long a test waits for what must come. No measure of speed: it is long enough for the slowest machine, one that
+/// builds, tests and makes its driver's programs for the first time, all at once.
+constexpr std::chrono::seconds kPatience{60};
+
 /// A new, empty folder for temporary files.
 std::string makeDirectory();
 
@@ -27,7 +31,7 @@ class ChildProcess {
   pid_t pid() const { return pid_; }
   void signal(int number) const;
   /// The exit status, or minus the signal that ended it; nothing while it runs after `patience`.
-  std::optional<int> wait(std::chrono::milliseconds patience);
+  std::optional<int> wait(std::chrono::milliseconds patience = kPatience);
   /// What it has written so far.
   std::string output() const;
   std::string errors() const;

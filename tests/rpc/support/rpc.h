@@ -19,6 +19,7 @@
 #include "lpv/v1/scene.grpc.pb.h"
 #include "lpv/v1/server.grpc.pb.h"
 #include "lpv/v1/session.grpc.pb.h"
+#include "rpc/support/child_process.h"
 
 namespace grpc {
 void PrintTo(const Status& status, std::ostream* out);
@@ -115,10 +116,10 @@ std::vector<glm::dvec3> probe(Stubs& stubs, const std::string& session,
 
 client::Client clientOf(const std::string& address);
 
-/// Polls until `true`, for at most 20 s.
+/// Polls until `true`, for at most kPatience.
 template <typename Condition>
 bool eventually(Condition condition) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto until = std::chrono::steady_clock::now() + kPatience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > until) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

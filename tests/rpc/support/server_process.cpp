@@ -10,7 +10,6 @@
 namespace lpv::rpc {
 namespace {
 
-constexpr std::chrono::seconds kStartPatience{60};
 constexpr std::chrono::milliseconds kPoll{10};
 
 std::vector<const ServerProcess*>& liveServers() {
@@ -30,7 +29,7 @@ ServerProcess::ServerProcess(const std::vector<std::string>& arguments, const st
   std::vector<std::string> words{"--listen", listen, "--port-file", portFile_};
   words.insert(words.end(), arguments.begin(), arguments.end());
   process_ = std::make_unique<ChildProcess>(program.empty() ? whereItIs(LPVD_PATH) : program, words);
-  const auto until = std::chrono::steady_clock::now() + kStartPatience;
+  const auto until = std::chrono::steady_clock::now() + kPatience;
   while (!(std::ifstream(portFile_) >> port_)) {
     if (!running() || std::chrono::steady_clock::now() > until) {
       throw std::runtime_error("lpvd did not start:\n" + log());

@@ -63,7 +63,6 @@ struct Finished {
   std::string output;
   std::string errors;
 };
-Finished runServer(const std::vector<std::string>& arguments,
-                   std::chrono::milliseconds patience = std::chrono::seconds(20));
+Finished runServer(const std::vector<std::string>& arguments, std::chrono::milliseconds patience = kPatience);
 
 }  // namespace lpv::rpc

@@ -16,14 +16,14 @@
 namespace lpv::rpc {
 namespace {
 
-constexpr timeval kPatience{20, 0};
+constexpr timeval kSocketPatience{20, 0};
 constexpr int kClose = 8, kPing = 9, kPong = 10;
 
 int connectTo(int port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   constexpr int kOn = 1;
-  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &kPatience, sizeof kPatience);
-  setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &kPatience, sizeof kPatience);
+  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &kSocketPatience, sizeof kSocketPatience);
+  setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &kSocketPatience, sizeof kSocketPatience);
   setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &kOn, sizeof kOn);
   sockaddr_in address{};
   address.sin_family = AF_INET;

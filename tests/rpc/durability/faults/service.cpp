@@ -27,7 +27,7 @@ void Service::start() {
 void Service::end(int signal, int status) {
   lives_.push_back(residentBytes());
   server_->process().signal(signal);
-  ASSERT_EQ(server_->process().wait(std::chrono::seconds(60)), status);
+  ASSERT_EQ(server_->process().wait(), status);
   stubs_.reset();
   server_.reset();
 }
