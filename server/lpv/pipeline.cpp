@@ -229,16 +229,18 @@ GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene)
   if (s.glossy) made.glossScene.update(scene, s.lights, made.pools, made.pooled.stamp());
 }
 
+/// Those with pieces serve ticks that do not look for them, too.
 GpuTask Pipeline::Stages::findPatches(SessionState& s, const TickRequest& request) {
   StageProducts& made = *s.products;
   const Scene& scene = *request.scene;
-  made.foldsRead = s.reflectionsBlocked && (made.foldsRead || looksForPieces(request));
   PatchInputs inputs = {{},
                         s.field().grid,
                         patchesWanted(scene.options),
-                        made.foldsRead ? piecesWanted(scene.options) : 0,
+                        s.reflectionsBlocked ? piecesWanted(scene.options) : 0,
                         made.occluders.surfaces()};
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  if (made.patches.madeFrom(inputs)) co_return;
+  if (!looksForPieces(request)) inputs.pieces = 0;
   if (made.patches.holds(inputs)) co_return;
   auto patched = std::make_shared<const PatchedScene>(patchedScene(scene, inputs.count, inputs.pieces));
   auto set = patched->patches.empty()
@@ -256,22 +258,27 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   co_await findPatches(s, request);
   PatchSet* patches = made.patches.product().get();
   const int turns = s.shadowed ? shadowTurns(request.scene->options) : 0;
-  const ReflectInputs inputs = {made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(),
-                                made.occluders.all(), s.bounces,           turns};
+  const bool pieces = patches != nullptr && patches->folded() && looksForPieces(request);
+  const ReflectInputs inputs = {
+      made.patches.stamp(), made.pooled.stamp(), made.listed.stamp(), made.occluders.all(), s.bounces, turns, pieces};
   if (patches == nullptr || made.reflected.holds(inputs)) co_return;
-  co_await nearFieldPass.run(*patches, made.emitters, {&made.pools, &made.occluders, turns}, pacing(s));
-  if (patches->folded()) co_await bouncePass.takeMeans(*patches, pacing(s));
+  const ShadowCasters shadows = {&made.pools, &made.occluders, turns};
+  co_await nearFieldPass.run(*patches, made.emitters, shadows, pacing(s));
+  if (pieces) {
+    co_await nearFieldPass.lookFromPieces(*patches, made.emitters, shadows, pacing(s));
+    co_await bouncePass.takeMeans(*patches, pacing(s));
+  }
   if (s.reflectionsBlocked) co_await bouncePass.findLights(*patches, made.occluders, pacing(s));
-  co_await bounce(s, *request.scene, *patches);
+  co_await bounce(s, *request.scene, *patches, pieces);
   made.reflected.set(inputs);
 }
 
 /// The pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it
 /// on.
-GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& patches) {
+GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& patches, bool pieces) {
   const StageProducts& made = *s.products;
   const int turns = s.bounces.turns;
-  const bool look = patches.folded() && turns > 1;
+  const bool look = pieces && turns > 1;
   co_await bouncePass.run(patches, s.bounces, 0, look ? turns - 1 : turns, pacing(s));
   if (!look) co_return;
   const ShadowCasters shadows = {

@@ -76,6 +76,7 @@ struct ReflectInputs {
   Stamp blockers = 0;
   BouncePlan bounces;
   int turns = 0;   ///< of shadow rays
+  bool pieces = false;  ///< of folds get light of their own, too
 
   bool operator==(const ReflectInputs&) const = default;
 };
@@ -131,7 +132,6 @@ struct StageProducts {
   GpuOccluders occluders;
   GlossScene glossScene;
   CellVisibilities cellVisibilities;
-  bool foldsRead = false;  ///< somebody looks for their pieces, or did
   Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
   Cached<ReflectInputs> reflected;
   /// Patches that send light, or null.
@@ -174,7 +174,7 @@ struct Pipeline::Stages {
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
   GpuTask findPatches(SessionState& s, const TickRequest& request);
   GpuTask reflect(SessionState& s, const TickRequest& request);
-  GpuTask bounce(SessionState& s, const Scene& scene, PatchSet& patches);
+  GpuTask bounce(SessionState& s, const Scene& scene, PatchSet& patches, bool pieces);
   GpuTask makeTextures(SessionState& s, const TickRequest& request, Transported light);
   GpuTask makeVolumes(SessionState& s, const TickRequest& request, Transported light, VolumeCopies& copies);
   GpuTask finishCopies(SessionState& s, const TickViews& views);

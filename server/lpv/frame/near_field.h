@@ -108,12 +108,13 @@ class NearFieldPass {
   /// `frameParams` holds the view's FrameParams.
   GpuTask run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
               const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing);
-  /// The same for patches and pieces, which get what comes from the lights; `shadows` has no reflections.
+  /// The same for patches, which get what comes from the lights; `shadows` has no reflections.
   GpuTask run(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows, Pacing pacing);
   /// The same for what reflections have met.
   GpuTask lookFromMet(const MetPlaces& places, const EmitterBufferList& emitters, const ShadowCasters& shadows,
                       Pacing pacing);
-  /// What pieces get of what is reflected: `shadows` has the patches, and turns of rays to the pieces.
+  /// What pieces get from the lights; where `shadows` has the patches, and turns of rays to the pieces, of what is
+  /// reflected.
   GpuTask lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
                          Pacing pacing);
 

@@ -92,7 +92,7 @@ PatchSet::PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid
       shares(throughPanes
                  ? gpu::Buffer("patch shares", source->patches.size() * source->patches.size() * sizeof(std::uint32_t))
                  : gpu::Buffer()),
-      points(listsOf(0, count + pieces)),
+      points(listsOf(0, count)),
       piecePoints(listsOf(count, pieces)),
       shadows("patch shadows", bytesOfVec4(std::size_t(kMostOfList) * kShadowPointTexels)),
       lights("patch lights", bytesOfVec4(source->patches.size() * layout::kLightPointTexels)),

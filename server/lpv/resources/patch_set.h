@@ -40,7 +40,7 @@ struct PatchSet {
   gpu::Buffer exchange;  ///< layout::kPatchExchange
   gpu::Buffer sent;  ///< layout::kPatchSent
   gpu::Buffer shares;  ///< layout::kPatchShares; empty without panes
-  std::vector<PatchList> points;  ///< all patches and pieces
+  std::vector<PatchList> points;  ///< all patches
   std::vector<PatchList> piecePoints;  ///< the pieces; empty without
   gpu::Buffer shadows;  ///< layout::kShadowPoints of one list
   gpu::Buffer lights;  ///< what they send, as shaders/visibility/light_points.glsl has points

@@ -500,6 +500,34 @@ TEST_F(BouncesTest, FramesAndProbesAgreeBesideSmallTriangles) {
   EXPECT_LE(coarseDifference(*frame, want), 0.04);
 }
 
+// What pieces of folds are found to send is for frames that look for them; others go on as if they were not there,
+// whichever came first. Broken by: patches that keep their pieces' mean; pieces that were looked from taken for those
+// that were not, and the other way round.
+TEST_F(BouncesTest, FramesOfStreamsDoNotDependOnThoseAskedForBetween) {
+  Scene scene = ballUnderLamp();
+  scene.options.bounces = 2;
+  auto plate = std::make_shared<Surface>(*scene.surfaces.at("plate"));
+  plate->albedo = glm::dvec3(0.7);
+  scene.surfaces["plate"] = plate;
+  FrameRequest still = test::linearFrame(test::frontCamera(1.5)), streamed = still;
+  streamed.reduced = true;
+  const auto change = [&scene] {
+    auto lamp = std::make_shared<Light>(*scene.lights.begin()->second);
+    lamp->transform.translation.x += 0.05;
+    scene.lights[lamp->name] = lamp;
+    ++scene.revision;
+  };
+  for (int i = 0; i < 2; ++i) {
+    const FramePtr before = frameOf(scene, streamed, 1), asked = frameOf(scene, still, 1);
+    EXPECT_NE(before->rgb32f, asked->rgb32f);
+    EXPECT_EQ(frameOf(scene, streamed, 1)->rgb32f, before->rgb32f) << "after one that was asked for";
+    EXPECT_EQ(frameOf(scene, still, SessionKey(2 + i))->rgb32f, asked->rgb32f) << "alone";
+    change();
+    const FramePtr moved = frameOf(scene, streamed, 1);
+    EXPECT_EQ(frameOf(scene, streamed, SessionKey(4 + i))->rgb32f, moved->rgb32f) << "alone, moved";
+  }
+}
+
 // Light that has gone, or changed, is not there in the next tick: nothing is fed back from one to another.
 // Broken by: what arrived in the tick before as a beginning.
 TEST_F(BouncesTest, AChangeIsAllThereInItsTick) {
