@@ -30,6 +30,8 @@ enum class PixelFormat {
 struct Exposure {
   bool automatic = true;
   double ev = 0.0;  ///< stops added: colours are multiplied by 2^ev
+
+  bool operator==(const Exposure&) const = default;
 };
 
 /// What a picture shows.
@@ -49,6 +51,8 @@ struct FrameRequest {
   FrameQuantity quantity = FrameQuantity::kRadiance;  ///< irradiance: kRgb32F, one sample
   int samples = 1;  ///< of each pixel, for edges and textures: 1, 2, 4, 8 or 16; light is found once per pixel
   bool reduced = false;  ///< GATHER: near lights are looked at from some pixels, not from each (streams)
+
+  bool operator==(const FrameRequest&) const = default;
 };
 
 /// Pixels, rows from top to bottom, tightly packed.
@@ -58,6 +62,7 @@ struct Frame {
   std::vector<std::uint8_t> rgb8;
   std::vector<float> rgb32f;
   double exposureEv = 0.0;  ///< what was applied (automatic exposure says its choice)
+  Camera camera;            ///< what it shows the scene through
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
@@ -71,6 +76,7 @@ struct TickRequest {
   bool injected = false;              ///< read the injected volume back
   bool guarded = false;               ///< and the guard cells with them (Volume::guarded)
   std::vector<FrameRequest> frames;
+  bool patient = false;  ///< goes on only while no other session's tick can, and may be abandoned
 };
 
 struct StageTime {
@@ -141,6 +147,9 @@ class Engine {
   /// Queues a tick. Sessions take turns, a bounded piece of GPU work at a time. At most one tick per session may be
   /// under way: the caller waits for `done` before the next.
   virtual void submit(TickRequest request, TickDone done) = 0;
+  /// Ends the session's tick under way, if it is a patient one, with CANCELLED, as soon as the device is done with the
+  /// piece that it works at; one that is nearly through may succeed all the same. What its stages have made is kept.
+  virtual void abandon(SessionKey session) = 0;
   /// From what this device was measured to take so far.
   virtual Prediction predict(const Workload& workload) const = 0;
   /// How often the graphics context was lost. Sessions do not notice: what was under way is made again from its scene,

@@ -215,6 +215,7 @@ std::shared_ptr<Frame> emptyFrame(const FrameRequest& request) {
   frame->size = request.size;
   frame->format = request.format;
   frame->exposureEv = request.exposure.ev;
+  frame->camera = request.camera;
   const std::size_t values = std::size_t(request.size.x) * std::size_t(request.size.y) * 3;
   if (request.format == PixelFormat::kRgb32F) {
     frame->rgb32f.reserve(values);

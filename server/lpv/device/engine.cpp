@@ -42,6 +42,7 @@ class GlEngine final : public Engine {
   void submit(TickRequest request, TickDone done) override {
     queue_.push(SubmitJob{std::move(request), std::move(done)});
   }
+  void abandon(SessionKey session) override { queue_.push(AbandonJob{session}); }
   Prediction predict(const Workload& workload) const override { return lpv::predict(*costs_, workload); }
   std::int64_t contextLosses() const override { return losses_; }
   void loseContext(std::uint64_t afterPieces) { queue_.push(LoseContextJob{afterPieces}); }

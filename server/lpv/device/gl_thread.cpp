@@ -34,6 +34,8 @@ Status currentError() {
   }
 }
 
+Status abandonedStatus() { return {Code::kCancelled, "the tick was given up for what came after it"}; }
+
 std::unique_ptr<Pipeline> newPipeline(bool software) {
   return std::make_unique<Pipeline>(software ? kSoftwarePieceSeconds : kHardwarePieceSeconds);
 }
@@ -158,12 +160,17 @@ void GlThread::recover() {
   context_.reset();
   Status made = remake();
   for (auto tick = ticks_.begin(); tick != ticks_.end();) {
-    if (made.ok() && tick->losses < kMostLosses) {
+    if (made.ok() && tick->losses < kMostLosses && !tick->abandoned) {
       begin(*tick++);
       continue;
     }
+    const bool abandoned = tick->abandoned;
     const TickDone done = std::move(tick->done);
     tick = ticks_.erase(tick);
+    if (abandoned) {
+      done(abandonedStatus());
+      continue;
+    }
     done(made.ok() ? Status(Code::kUnavailable, "the graphics device was reset every time this was tried") : made);
   }
 }
@@ -183,6 +190,14 @@ Status GlThread::remake() {
     return currentError();
   }
   return {};
+}
+
+void GlThread::handle(const AbandonJob& job) {
+  for (Tick& tick : ticks_) {
+    if (tick.request.session != job.session || !tick.request.patient || tick.storyEnded) continue;
+    tick.story.reset();
+    tick.storyEnded = tick.abandoned = true;
+  }
 }
 
 void GlThread::handle(const ForgetJob& job) {
@@ -214,9 +229,11 @@ bool GlThread::ready(const Tick& tick) {
   return pause.kind != Pause::Kind::kFence || pause.fence == nullptr || pause.fence->signalled();
 }
 
-/// Of the ticks that can go on, the one whose session has had the least of the device.
+/// Of the ticks that can go on, the one whose session has had the least of the device; patient ones last.
 GlThread::Tick* GlThread::nextReady() {
-  auto able = ticks_ | std::views::filter(ready);
+  const auto pressing = [](const Tick& tick) { return ready(tick) && !tick.request.patient; };
+  const bool any = std::ranges::any_of(ticks_, pressing);
+  auto able = ticks_ | std::views::filter([&](const Tick& tick) { return any ? pressing(tick) : ready(tick); });
   const auto found =
       leastServed(fairQueue_, able.begin(), able.end(), [](const Tick& tick) { return tick.request.session; });
   return found == able.end() ? nullptr : &*found;
@@ -287,6 +304,12 @@ void GlThread::deliverFinished() {
   for (auto tick = ticks_.begin(); tick != ticks_.end();) {
     if (!tick->storyEnded || timeline_.holds(*tick->session->clock)) {
       ++tick;
+      continue;
+    }
+    if (tick->abandoned) {
+      const TickDone done = std::move(tick->done);
+      tick = ticks_.erase(tick);
+      done(abandonedStatus());
       continue;
     }
     const StageClock& clock = *tick->session->clock;

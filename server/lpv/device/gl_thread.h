@@ -24,6 +24,9 @@ struct SubmitJob {
   TickRequest request;
   TickDone done;
 };
+struct AbandonJob {
+  SessionKey session;
+};
 struct ForgetJob {
   SessionKey session;
   std::optional<std::uint64_t> view;  ///< nothing: the whole session
@@ -32,7 +35,7 @@ struct ForgetJob {
 struct LoseContextJob {
   std::uint64_t afterPieces;
 };
-using Job = std::variant<SubmitJob, ForgetJob, LoseContextJob>;
+using Job = std::variant<SubmitJob, AbandonJob, ForgetJob, LoseContextJob>;
 
 /// Jobs from any thread to the GL thread.
 class JobQueue {
@@ -66,11 +69,13 @@ class GlThread {
     std::shared_ptr<SessionState> session;
     std::optional<GpuTask> story;
     bool storyEnded = false;  ///< the coroutine has run to its end: only fences are outstanding
+    bool abandoned = false;  ///< the coroutine is gone
     std::uint64_t piecesBefore = 0;  ///< begun on the device before this tick
     int losses = 0;  ///< of the context, while it was under way
   };
 
   void handle(SubmitJob job);
+  void handle(const AbandonJob& job);
   void handle(const ForgetJob& job);
   void handle(const LoseContextJob& job) { loseAt_ = piecesBegun_ + job.afterPieces; }
   void begin(Tick& tick);

@@ -266,6 +266,58 @@ TEST_F(EngineContractTest, TurnsGoByTime) {
   EXPECT_GT(ticks, 3U) << "while the long one was under way";
 }
 
+/// A scene whose tick takes `iterations`, to be waited for or given up.
+Scene slowScene(int iterations) {
+  Scene scene = test::smallScene();
+  scene.grid = {glm::dvec3(-2.0), 4.0 / 64.0, glm::ivec3(64)};
+  scene.options.iterations = iterations;
+  return scene;
+}
+
+// Broken by: a tick that is waited for to its end; what its story has half made taken for made; an answer while the
+// device is at its pieces still.
+TEST_F(EngineContractTest, AnAbandonedTickEndsAndTheNextIsAsIfItHadNotBeen) {
+  TickRequest request = test::requestOf(slowScene(1000000));
+  request.transported = request.patient = true;
+  auto endless = submit(*engine_, request);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  engine_->abandon(2);  // another session
+  EXPECT_EQ(endless.wait_for(std::chrono::milliseconds(0)), std::future_status::timeout);
+  engine_->abandon(1);
+  const Expected<TickResult> ended = endless.get();
+  ASSERT_FALSE(ended.ok());
+  EXPECT_EQ(ended.status().code(), Code::kCancelled) << ended.status().message();
+  engine_->abandon(1);  // there is none
+  request.patient = false;
+  request.scene = std::make_shared<Scene>(slowScene(100));
+  auto pressing = submit(*engine_, request);
+  engine_->abandon(1);
+  EXPECT_TRUE(pressing.get().ok()) << "it is not patient";
+  request.scene = std::make_shared<Scene>(slowScene(5));
+  TickRequest fresh = request;
+  fresh.session = 3;
+  EXPECT_EQ(run(request).transported->layers[0].coefficients, run(fresh).transported->layers[0].coefficients);
+}
+
+// Broken by: turns by time alone, in which a new session goes first only until it has had as much.
+TEST_F(EngineContractTest, APatientTickWaitsForAllOthers) {
+  run(test::requestOf(slowScene(1), 2));
+  TickRequest patient = test::requestOf(slowScene(1000000), 1);
+  patient.patient = true;
+  auto waits = submit(*engine_, patient);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::uint64_t own = 0, others = 0;
+  for (int iterations = 100; iterations <= 102; ++iterations) {
+    const TickReport report = run(test::requestOf(slowScene(iterations), 2)).report;
+    own += report.pieces;
+    others += report.othersPieces;
+  }
+  EXPECT_EQ(waits.wait_for(std::chrono::milliseconds(0)), std::future_status::timeout);
+  engine_->abandon(1);
+  EXPECT_FALSE(waits.get().ok());
+  EXPECT_LT(4 * others, own) << "but for those that fit between a fence and its turn";
+}
+
 TEST_F(EngineContractTest, ASecondTickOfOneSessionIsRefused) {
   Scene heavy = test::smallScene();
   heavy.options.iterations = 1000;

@@ -22,6 +22,7 @@ class LosingEngine final : public Engine {
   const DeviceInfo& device() const override { return engine_->device(); }
   Prediction predict(const Workload& workload) const override { return engine_->predict(workload); }
   std::int64_t contextLosses() const override { return engine_->contextLosses(); }
+  void abandon(SessionKey session) override { engine_->abandon(session); }
   void forget(SessionKey session) override { engine_->forget(session); }
   void forgetView(SessionKey session, std::uint64_t view) override { engine_->forgetView(session, view); }
 
