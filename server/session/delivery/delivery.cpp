@@ -18,12 +18,24 @@ void smooth(double& mean, Clock::duration measured) {
   mean += (mean == 0.0 ? 1.0 : kTimeSmoothing) * (seconds - mean);
 }
 
+/// The number of the frame that shows what is wanted, with a view of its own where there is none yet.
+std::size_t addShared(const FrameRequest& wanted, std::uint64_t view, std::vector<FrameRequest>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    FrameRequest there = frames[i];
+    there.view = wanted.view;
+    if (there == wanted) return i;
+  }
+  frames.push_back(wanted);
+  frames.back().view = view;
+  return frames.size() - 1;
+}
+
 /// On the GL thread.
-void countTick(Counters& counters, Clock::time_point begun, const Expected<TickResult>& result) {
+void countTick(Counters& counters, const TickPlan& plan, const Expected<TickResult>& result) {
   const Clock::time_point now = Clock::now();
   counters.tickWatch.ended(now, result.status());
   if (!result) return;
-  counters.tickSeconds.observe(std::chrono::duration<double>(now - begun).count());
+  if (!plan.sharp) counters.tickSeconds.observe(std::chrono::duration<double>(now - plan.begun).count());
   for (const StageTime& stage : result->report.stages) counters.countStage(stage.stage, stage.seconds);
 }
 
@@ -71,10 +83,13 @@ Expected<SubscriberPtr> Delivery::subscribe(const Subscription& subscription, co
 }
 
 void Delivery::unsubscribe(const SubscriberPtr& subscriber) {
-  const MutexLock lock(mutex_);
-  readers_.remove(*subscriber);
-  source_.markUsed(subscriber->subscription.clientId);
-  services_.engine->forgetView(key_, subscriber->key);
+  {
+    const MutexLock lock(mutex_);
+    readers_.remove(*subscriber);
+    source_.markUsed(subscriber->subscription.clientId);
+    services_.engine->forgetView(key_, subscriber->key);
+  }
+  tickIfDue();
 }
 
 SubscriberPtr Delivery::findSubscriber(const std::string& id) const {
@@ -209,6 +224,7 @@ void Delivery::close(Closing why, const Status& gone) {
     const MutexLock lock(mutex_);
     sinks = readers_.sinks();
     calls = readers_.takeCalls();
+    if (std::exchange(sharpening_, std::nullopt)) services_.engine->abandon(key_);
   }
   for (const auto& sink : sinks) sink->close(why);
   for (const auto& call : calls) {
@@ -223,21 +239,39 @@ void Delivery::tickIfDue() {
   std::optional<TickPlan> plan;
   {
     const MutexLock lock(mutex_);
-    if (tickUnderWay_ || !source_.accepting().ok()) return;
+    if (!source_.accepting().ok()) return;
     const Clock::time_point now = Clock::now();
+    if (tickUnderWay_) return makeWay(now);
     plan = planTick(now);
     if (!plan) return;
     tickUnderWay_ = true;
     plan->begun = now;
-    pacer_.begin(now, intervalOf(limits_.maxTickRate));
+    if (plan->sharp) {
+      sharpening_ = plan;
+    } else {
+      pacer_.begin(now, intervalOf(limits_.maxTickRate));
+    }
   }
   start(std::move(*plan));
+}
+
+/// A sharp frame may take seconds: whatever else is wanted comes first.
+void Delivery::makeWay(Clock::time_point now) {
+  if (!sharpening_) return;
+  const std::uint64_t revision = source_.revision();
+  const Clock::time_point next = readers_.nextDue({now, revision, pace()});
+  if (now < next && readers_.stillWanted(*sharpening_, revision)) {
+    if (next != Subscriber::kNever) wakeAt(next);
+    return;
+  }
+  sharpening_.reset();
+  services_.engine->abandon(key_);
 }
 
 std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
   const Occasion at{now, source_.revision(), pace()};
   if (now < pacer_.next()) {
-    const Clock::time_point next = readers_.nextDue(at);
+    const Clock::time_point next = std::min(readers_.nextDue(at), readers_.nextSharp(at.revision));
     if (next != Subscriber::kNever) wakeAt(std::max(next, pacer_.next()));
     return std::nullopt;
   }
@@ -256,8 +290,10 @@ std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
     readers_.planSharers(at, hasView, &plan);
     return plan;
   }
-  if (next != Subscriber::kNever) wakeAt(next);
-  return std::nullopt;
+  readers_.planSharp(at, hasView, &plan);
+  const Clock::time_point wake = plan.sharp ? next : std::min(next, readers_.nextSharp(at.revision));
+  if (wake != Subscriber::kNever) wakeAt(wake);
+  return plan.sharp ? std::optional(std::move(plan)) : std::nullopt;
 }
 
 /// Whether a tick knows where to look from; where not yet, one is planned again when it does.
@@ -297,20 +333,24 @@ void Delivery::wakeAt(Clock::time_point when) {
 /// Without the lock: what the engine is given is a copy whose size is the scene's.
 void Delivery::start(TickPlan plan) {
   plan.moment = source_.moment();
-  if (checks_.unaskedDue(plan.begun) && canSelfCheck(*plan.moment.scene)) plan.transported = true;
+  if (!plan.sharp && checks_.unaskedDue(plan.begun) && canSelfCheck(*plan.moment.scene)) plan.transported = true;
   services_.counters->tickWatch.begun(plan.begun);
+  const bool sharp = plan.sharp;
   TickRequest request = requestOf(plan);
   services_.engine->submit(
       std::move(request), [this, session = source_.lifetime(), pool = services_.pool, counters = services_.counters,
                            shared = std::make_shared<const TickPlan>(std::move(plan))](Expected<TickResult> result) {
-        countTick(*counters, shared->begun, result);
+        countTick(*counters, *shared, result);
         pool->post([this, session, shared, moved = std::make_shared<Expected<TickResult>>(std::move(result))] {
           if (const auto alive = session.lock()) tickDone(*shared, std::move(*moved));
         });
       });
+  if (!sharp) return;
+  const MutexLock lock(mutex_);
+  if (!sharpening_) services_.engine->abandon(key_);  // it had to make way before the engine knew of it
 }
 
-TickRequest Delivery::requestOf(const TickPlan& plan) const {
+TickRequest Delivery::requestOf(TickPlan& plan) const {
   TickRequest request;
   request.session = key_;
   request.scene = plan.moment.scene;
@@ -318,18 +358,21 @@ TickRequest Delivery::requestOf(const TickPlan& plan) const {
   request.injected = plan.injected;
   request.guarded = plan.guarded;
   request.probed = plan.probed;
-  for (const TickPlan::FrameReader& reader : plan.frameReaders) {
-    request.frames.push_back(frameRequest(reader.settings, reader.subscriber->key, *request.scene));
-    request.frames.back().reduced = true;
+  for (TickPlan::FrameReader& reader : plan.frameReaders) {
+    FrameRequest wanted = frameRequest(reader.settings, *request.scene);
+    wanted.reduced = !plan.sharp;
+    // A sharp one has no view: what the next frames are made from stays.
+    reader.frame = addShared(wanted, plan.sharp ? 0 : reader.subscriber->key, request.frames);
   }
-  for (const auto& call : plan.frameCalls) request.frames.push_back(frameRequest(*call->frame, 0, *request.scene));
+  request.patient = plan.sharp;
+  plan.readersFrames = request.frames.size();
+  for (const auto& call : plan.frameCalls) request.frames.push_back(frameRequest(*call->frame, *request.scene));
   return request;
 }
 
 /// A camera that was deleted since it was chosen by name shows the default view rather than ending the stream.
-FrameRequest Delivery::frameRequest(const FrameSettings& settings, std::uint64_t view, const Scene& scene) const {
+FrameRequest Delivery::frameRequest(const FrameSettings& settings, const Scene& scene) const {
   FrameRequest request;
-  request.view = view;
   const auto named = scene.cameras.find(settings.camera.name);
   if (settings.camera.camera) {
     request.camera = *settings.camera.camera;
@@ -347,6 +390,7 @@ FrameRequest Delivery::frameRequest(const FrameSettings& settings, std::uint64_t
 // Delivering.
 
 void Delivery::tickDone(const TickPlan& plan, Expected<TickResult> result) {
+  if (plan.sharp && result.status().code() == Code::kCancelled) return madeWay();
   if (!result) return fail(plan, result.status());
   ++services_.counters->ticks;
   ResultMeta meta;
@@ -359,9 +403,10 @@ void Delivery::tickDone(const TickPlan& plan, Expected<TickResult> result) {
   {
     const MutexLock lock(mutex_);
     tickUnderWay_ = false;
+    sharpening_.reset();
     memory_ = meta.report->memory;
     const Clock::time_point now = Clock::now();
-    smooth(tickSeconds_, now - plan.begun);
+    if (!plan.sharp) smooth(tickSeconds_, now - plan.begun);
     deliveries = readers_.deliverResults(plan, *result, meta, {now, source_.revision(), pace()});
   }
   services_.counters->resultsCoalesced += deliveries.coalesced;
@@ -385,7 +430,18 @@ void Delivery::fail(const TickPlan& plan, const Status& status) {
     const MutexLock lock(mutex_);
     Readers::restore(plan);
     tickUnderWay_ = false;
+    sharpening_.reset();
     pacer_.postpone(Clock::now() + kRetryAfterFailure);
+  }
+  tickIfDue();
+}
+
+/// A sharp frame was given up: it is made when everything rests again.
+void Delivery::madeWay() {
+  {
+    const MutexLock lock(mutex_);
+    tickUnderWay_ = false;
+    sharpening_.reset();
   }
   tickIfDue();
 }

@@ -76,18 +76,20 @@ class Delivery {
  private:
   // Planning.
   void tickIfDue() LPV_EXCLUDES(mutex_);
+  void makeWay(Clock::time_point now) LPV_REQUIRES(mutex_);
   std::optional<TickPlan> planTick(Clock::time_point now) LPV_REQUIRES(mutex_);
   bool hasView(const CameraChoice& choice, std::uint64_t minRevision) LPV_REQUIRES(mutex_);
   void viewChosen() LPV_EXCLUDES(mutex_);
   Expected<AnswerHoldPtr> takeRoom(const FrameSettings& settings) LPV_REQUIRES(mutex_);
   void wakeAt(Clock::time_point when) LPV_REQUIRES(mutex_);
   void start(TickPlan plan) LPV_EXCLUDES(mutex_);
-  TickRequest requestOf(const TickPlan& plan) const;
-  FrameRequest frameRequest(const FrameSettings& settings, std::uint64_t view, const Scene& scene) const;
+  TickRequest requestOf(TickPlan& plan) const;
+  FrameRequest frameRequest(const FrameSettings& settings, const Scene& scene) const;
 
   // Delivering.
   void tickDone(const TickPlan& plan, Expected<TickResult> result) LPV_EXCLUDES(mutex_);
   void fail(const TickPlan& plan, const Status& status) LPV_EXCLUDES(mutex_);
+  void madeWay() LPV_EXCLUDES(mutex_);
   void answer(std::vector<Answer> answers);
   void deliver(std::vector<Offer> offers) LPV_EXCLUDES(mutex_);
   void encodingTook(Clock::duration time) LPV_EXCLUDES(mutex_);
@@ -106,6 +108,7 @@ class Delivery {
   Limits limits_ LPV_GUARDED_BY(mutex_);
   Readers readers_ LPV_GUARDED_BY(mutex_);
   bool tickUnderWay_ LPV_GUARDED_BY(mutex_) = false;
+  std::optional<TickPlan> sharpening_ LPV_GUARDED_BY(mutex_);  ///< the tick under way, until it has to make way
   std::optional<MemoryUse> memory_ LPV_GUARDED_BY(mutex_);
   Pacer pacer_ LPV_GUARDED_BY(mutex_){Pacer::Slack::kAnInterval};  ///< of ticks
   std::optional<Clock::time_point> wakesAt_ LPV_GUARDED_BY(mutex_);  ///< the timer's call that is pending

@@ -11,6 +11,12 @@ namespace {
 /// Of the frames that calls wait for, pixels that one tick makes: its targets are held until it ends. The others wait.
 constexpr std::int64_t kMostCallPixels = std::int64_t(4096) * 4096;
 
+/// Of each pixel of a sharp frame, at least: as many as calls get that say nothing of them.
+constexpr int kSharpSamples = 8;
+/// Readers of one view are sent its frames one after the other, and rest one after the other: who is due by then has
+/// the frame made with the first.
+constexpr std::chrono::milliseconds kTogether{100};
+
 std::int64_t pixelsOf(const FrameSettings& settings) { return std::int64_t(settings.size.x) * settings.size.y; }
 
 Status haveRoom(WaitingCall& call, const Readers::TakeRoom& takeRoom) {
@@ -119,6 +125,34 @@ std::vector<Answer> Readers::planCalls(const Occasion& at, const HasView& hasVie
   return answers;
 }
 
+Clock::time_point Readers::nextSharp(std::uint64_t revision) const {
+  Clock::time_point next = Subscriber::kNever;
+  for (const auto& [id, subscriber] : subscribers_) next = std::min(next, subscriber->sharpenAt(revision));
+  return next;
+}
+
+void Readers::planSharp(const Occasion& at, const HasView& hasView, TickPlan* plan) const {
+  const auto due = [&](const auto& each) { return each.second->sharpenAt(at.revision); };
+  const auto first = std::ranges::min_element(subscribers_, {}, due);
+  if (first == subscribers_.end() || at.now < due(*first)) return;
+  const FrameSettings wanted = *first->second->subscription.frame;
+  if (!hasView(wanted.camera, 0)) return;
+  plan->sharp = true;
+  for (const auto& each : subscribers_) {
+    if (at.now + kTogether < due(each) || !each.second->subscription.frame->showsTheSame(wanted)) continue;
+    FrameSettings settings = *each.second->subscription.frame;
+    settings.samples = std::max(settings.samples, kSharpSamples);
+    plan->frameReaders.push_back({each.second, std::move(settings)});
+  }
+}
+
+bool Readers::stillWanted(const TickPlan& plan, std::uint64_t revision) const {
+  return std::ranges::any_of(plan.frameReaders, [&](const TickPlan::FrameReader& reader) {
+    const Subscriber& subscriber = *reader.subscriber;
+    return subscribers_.contains(subscriber.id) && subscriber.sharpenAt(revision) != Subscriber::kNever;
+  });
+}
+
 std::optional<Result> Readers::cachedVolume(const WaitingCall& call) const {
   const auto found = latest_.find(*call.volume);
   if (found == latest_.end() || found->second.meta.revision < call.minRevision) return std::nullopt;
@@ -172,12 +206,16 @@ void Readers::deliverVolume(const TickPlan& plan, ResultMeta meta, VolumeStage s
 
 void Readers::deliverFrames(const TickPlan& plan, ResultMeta meta, const std::vector<FramePtr>& frames,
                             const Occasion& at, Deliveries* out) {
-  auto frame = frames.begin();
-  for (const auto& [subscriber, settings] : plan.frameReaders) {
+  for (const auto& [subscriber, settings, frame] : plan.frameReaders) {
     meta.resultId = nextResult_++;
     meta.clientSequence = plan.moment.sequenceOf(subscriber->subscription.clientId);
-    Result result{meta, nullptr, *frame++, settings.cameraSequence, subscriber->frameShape().quality, 0};
+    Result result{meta, nullptr, frames[frame], settings.cameraSequence, subscriber->frameShape().quality, 0};
     if (!subscribers_.contains(subscriber->id)) continue;
+    if (plan.sharp) {
+      if (subscriber->sharpenAt(at.revision) == Subscriber::kNever) continue;
+      result.quality = settings.quality;
+      result.sharp = true;
+    }
     if (!subscriber->hasCredit(at.pace)) {
       if (subscriber->canStorePrefetch(at.pace)) subscriber->storePrefetch(std::move(result), at.now);
       continue;
@@ -185,15 +223,24 @@ void Readers::deliverFrames(const TickPlan& plan, ResultMeta meta, const std::ve
     subscriber->markSent(result, at.now);
     out->offers.push_back({subscriber, std::move(result)});
   }
+  auto frame = frames.begin() + std::ptrdiff_t(plan.readersFrames);
   for (const auto& call : plan.frameCalls) {
     meta.resultId = nextResult_++;
     meta.clientSequence = 0;
-    out->answers.push_back({call, Result{meta, nullptr, *frame++, 0, call->frame->quality, 0, std::move(call->hold)}});
+    out->answers.push_back(
+        {call, Result{meta, nullptr, *frame++, 0, call->frame->quality, 0, false, std::move(call->hold)}});
   }
 }
 
 void Readers::restore(const TickPlan& plan) {
-  for (const TickPlan::FrameReader& reader : plan.frameReaders) reader.subscriber->settingsChanged = true;
+  for (const TickPlan::FrameReader& reader : plan.frameReaders) {
+    Subscriber& subscriber = *reader.subscriber;
+    if (plan.sharp) {
+      subscriber.rough = false;
+    } else {
+      subscriber.settingsChanged = true;
+    }
+  }
 }
 
 }  // namespace lpv

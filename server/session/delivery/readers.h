@@ -80,9 +80,18 @@ class Readers {
   /// a frame.
   std::vector<Answer> planCalls(const Occasion& at, const HasView& hasView, const TakeRoom& takeRoom, TickPlan* plan);
 
+  /// When the first sharp frame may be made; kNever where nobody wants one.
+  Clock::time_point nextSharp(std::uint64_t revision) const;
+  /// Plans a sharp frame for the reader who has waited longest for one, where it is due, and for all who are due the
+  /// same.
+  void planSharp(const Occasion& at, const HasView& hasView, TickPlan* plan) const;
+  /// Whether a reader of a plan of planSharp() is still there and has nothing newer to get first.
+  bool stillWanted(const TickPlan& plan, std::uint64_t revision) const;
+
   /// Names the results of a tick and picks who gets them. `meta` says what all of them have in common.
   Deliveries deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta, const Occasion& at);
-  /// The frames of a tick were not made: they are still wanted.
+  /// The frames of a tick were not made: they are still wanted, but for sharp ones, which a newer frame has to come
+  /// before.
   static void restore(const TickPlan& plan);
 
  private:

@@ -30,6 +30,7 @@ struct Result {
   std::uint64_t cameraSequence = 0;
   int quality = 0;           ///< frames of subscribers: JPEG quality to encode with
   std::uint64_t baseId = 0;  ///< volumes: newest result that the receiver has acknowledged; 0: none that it still holds
+  bool sharp = false;  ///< frames of subscribers: as calls get it (FrameSettings::sharpen)
   AnswerHoldPtr hold = nullptr;  ///< frames that calls asked for: the room of pixels and encoding
 };
 

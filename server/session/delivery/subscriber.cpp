@@ -6,6 +6,8 @@
 namespace lpv {
 namespace {
 
+constexpr std::chrono::milliseconds kAtRest{250};  // without a newer frame
+
 Clock::duration durationOf(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
@@ -34,6 +36,12 @@ Clock::time_point Subscriber::prefetchDueAt(const Pace& pace) const {
   return inFlight.front().at + durationOf(roundTrip.mean() - roundTrip.deviation() - pace.makingSeconds);
 }
 
+Clock::time_point Subscriber::sharpenAt(std::uint64_t revision) const {
+  const bool wanted = subscription.frame && subscription.frame->sharpen && rough;
+  if (!wanted || wants(revision) || !inFlight.empty()) return kNever;
+  return std::max(pacer.next(), sentAt + kAtRest);
+}
+
 bool Subscriber::sharesTick(std::uint64_t revision, const Pace& pace, Clock::time_point now) const {
   if (!wants(revision) || !canStorePrefetch(pace) || roundTrip.mean() == 0.0 || now < pacer.next()) return false;
   const Clock::time_point back = inFlight.front().at + durationOf(roundTrip.mean() + roundTrip.deviation());
@@ -47,7 +55,9 @@ FrameShape Subscriber::frameShape() const {
 
 void Subscriber::markSent(const Result& result, Clock::time_point now) {
   prefetch.reset();
-  inFlight.push_back({result.meta.resultId, now});
+  inFlight.push_back({result.meta.resultId, now, result.sharp});
+  sentAt = now;
+  rough = result.frame && !result.sharp;
   lastSent = result.meta.resultId;
   shownRevision = result.meta.revision;
   shownAny = true;
@@ -58,13 +68,14 @@ std::optional<double> Subscriber::acknowledge(std::uint64_t resultId, Clock::tim
   if (inFlight.empty() || resultId < inFlight.front().resultId || resultId > inFlight.back().resultId) {
     return std::nullopt;
   }
-  Clock::time_point sentAt;
+  Sent last;
   while (!inFlight.empty() && inFlight.front().resultId <= resultId) {
-    sentAt = inFlight.front().at;
+    last = inFlight.front();
     inFlight.pop_front();
   }
   if (resultId > basesAfter) baseId = resultId;
-  const double seconds = std::chrono::duration<double>(now - sentAt).count();
+  const double seconds = std::chrono::duration<double>(now - last.at).count();
+  if (last.sharp) return seconds;
   roundTrip.measured(seconds);
   if (adapter) adapter->acknowledged(seconds);
   return seconds;

@@ -40,6 +40,7 @@ inline Clock::duration intervalOf(double rate) {
 struct Sent {
   std::uint64_t resultId = 0;
   Clock::time_point at{};
+  bool sharp = false;  ///< says nothing about how soon other frames come
 };
 
 /// A result that was made for a credit that is about to come back.
@@ -65,6 +66,8 @@ struct Subscriber {
   std::uint64_t basesAfter = 0;  ///< ... among those after this one; what came before is lost
   std::uint64_t shownRevision = 0;  ///< of the last result sent
   bool shownAny = false;
+  bool rough = false;  ///< the last result sent is a frame that was made quickly
+  Clock::time_point sentAt{};  ///< when that was
   bool settingsChanged = false;  ///< camera, size or exposure since the last frame asked for
   Pacer pacer{Pacer::Slack::kNone};  ///< of results, where it has a rate of its own
   RoundTrip roundTrip;
@@ -79,6 +82,10 @@ struct Subscriber {
   bool hasCredit(const Pace& pace) const;
   /// When a tick for the subscriber may begin; kNever where there is nothing to make, or no telling when.
   Clock::time_point dueAt(std::uint64_t revision, const Pace& pace) const;
+
+  /// When its last frame may be made again, as calls get it, in a tick that makes nothing else; kNever where it is not
+  /// wanted so, or there is something newer to make first.
+  Clock::time_point sharpenAt(std::uint64_t revision) const;
 
   /// Whether a tick that begins now for others serves this one, too: its credit is out, and expected back before the
   /// tick ends.

@@ -16,6 +16,8 @@ namespace lpv {
 struct CameraChoice {
   std::optional<Camera> camera;
   std::string name;
+
+  bool operator==(const CameraChoice&) const = default;
 };
 
 /// What a frame subscriber or call wants to see.
@@ -28,6 +30,17 @@ struct FrameSettings {
   FrameQuantity quantity = FrameQuantity::kRadiance;
   int samples = 1;   ///< FrameRequest::samples
   int quality = 85;  ///< of JPEG, 1..100
+  bool sharpen = false;  ///< subscriptions: a frame as calls get it follows when everything rests
+
+  bool operator==(const FrameSettings&) const = default;
+  /// Whether the same pixels serve both, where a name means the same camera.
+  bool showsTheSame(const FrameSettings& other) const {
+    FrameSettings like = other;
+    like.cameraSequence = cameraSequence;
+    like.quality = quality;
+    like.sharpen = sharpen;
+    return *this == like;
+  }
 };
 
 /// What a subscriber wants.

@@ -59,10 +59,16 @@ Edit editOf(std::vector<Operation> operations, std::uint64_t sequence) {
 }
 
 void InstantEngine::submit(TickRequest request, TickDone done) {
+  if (const auto act = request.patient ? std::exchange(whenSubmitted_, nullptr) : nullptr) act();
   ++ticks_;
   {
     const std::lock_guard lock(mutex_);
     if (!failure_.ok()) return done(failure_);
+    if (request.patient) patient_ = request;
+    if (request.patient && holds_) {
+      held_ = std::move(done);
+      return;
+    }
   }
   TickResult result;
   result.revision = request.scene->revision;
@@ -73,6 +79,27 @@ void InstantEngine::submit(TickRequest request, TickDone done) {
     result.frames.push_back(std::make_shared<const Frame>());
   }
   done(std::move(result));
+}
+
+void InstantEngine::abandon(SessionKey) {
+  TickDone done;
+  {
+    const std::lock_guard lock(mutex_);
+    done = std::exchange(held_, nullptr);
+  }
+  if (!done) return;
+  ++abandoned_;
+  done(Status(Code::kCancelled, "abandoned"));
+}
+
+bool InstantEngine::holdsOne() const {
+  const std::lock_guard lock(mutex_);
+  return held_ != nullptr;
+}
+
+TickRequest InstantEngine::patient() const {
+  const std::lock_guard lock(mutex_);
+  return patient_;
 }
 
 void InstantEngine::failWith(const Status& status) {

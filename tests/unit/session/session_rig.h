@@ -23,11 +23,12 @@ Operation setRadiance(const std::string& light, double value);
 Operation moveLight(const std::string& light, const glm::dvec3& translation);
 Edit editOf(std::vector<Operation> operations, std::uint64_t sequence = 0);
 
-/// Ends every tick inside submit().
+/// Ends every tick inside submit(), but for patient ones while they are held.
 class InstantEngine final : public Engine {
  public:
   const DeviceInfo& device() const override { return device_; }
   void submit(TickRequest request, TickDone done) override;
+  void abandon(SessionKey) override;
   void forget(SessionKey) override {}
   void forgetView(SessionKey, std::uint64_t) override {}
 
@@ -41,15 +42,27 @@ class InstantEngine final : public Engine {
   int reducedFrames() const { return reducedFrames_; }  ///< asked for so far
   /// The ticks from now on fail with this; ok ends that.
   void failWith(const Status& status);
+  /// Patient ticks from now on stay under way until they are abandoned.
+  void holdPatientOnes() { holds_ = true; }
+  bool holdsOne() const;
+  int abandoned() const { return abandoned_; }
+  /// Runs in the next submit() of a patient tick, before the engine knows of it.
+  void whenSubmitted(std::function<void()> act) { whenSubmitted_ = std::move(act); }
+  /// The last request for a patient tick.
+  TickRequest patient() const;
 
   /// What ticks are predicted to take.
   std::atomic<double> secondsPerCell{0.0}, secondsPerLight{0.0};
 
  private:
   DeviceInfo device_;
-  std::atomic<int> ticks_{0}, reducedFrames_{0};
-  std::mutex mutex_;
+  std::atomic<int> ticks_{0}, reducedFrames_{0}, abandoned_{0};
+  std::atomic<bool> holds_{false};
+  mutable std::mutex mutex_;
   Status failure_;
+  TickRequest patient_;
+  TickDone held_;
+  std::function<void()> whenSubmitted_;
 };
 
 /// Keeps what it is offered.

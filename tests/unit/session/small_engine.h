@@ -23,6 +23,7 @@ Expected<TickResult> smallResult(const TickRequest& request);
 class DevicelessEngine : public Engine {
  public:
   const DeviceInfo& device() const override { return device_; }
+  void abandon(SessionKey) override {}
   void forget(SessionKey) override {}
   void forgetView(SessionKey, std::uint64_t) override {}
   /// Sessions of a few lights are cheap, thousands of them too dear (Limits::maxTickSeconds).
