@@ -32,6 +32,7 @@ struct WatchOptions {
   double seconds = 0.0;
   double rate = 0.0;
   double adapt = 0.0;
+  bool sharpen = false;
   std::optional<v1::VolumeFormat> format;
   std::optional<std::vector<double>> region;
   int tolerance = 0;
@@ -53,15 +54,17 @@ std::string fixed(double value, int digits) {
 /// Counts results. With --json prints each, otherwise one line per second.
 class Report {
  public:
-  explicit Report(bool json) : json_(json), terminal_(isatty(STDOUT_FILENO) != 0), began_(Clock::now()) {}
+  Report(bool json, bool sharpens)
+      : json_(json), sharpens_(sharpens), terminal_(isatty(STDOUT_FILENO) != 0), began_(Clock::now()) {}
 
-  void add(const v1::ResultInfo& info, std::size_t bytes) {
+  void add(const v1::ResultInfo& info, std::size_t bytes, bool sharp = false) {
     const std::lock_guard lock(mutex_);
     ages_.push_back(ageOf(info));
     bytes_ += bytes;
     ++results_;
     last_ = info;
-    if (json_) print(jsonLine(info, bytes, ages_.back()));
+    lastSharp_ = sharp;
+    if (json_) print(jsonLine(info, bytes, ages_.back(), sharp));
   }
 
   void end(const Status& status) {
@@ -126,8 +129,11 @@ class Report {
   }
 
  private:
-  static std::string jsonLine(const v1::ResultInfo& info, std::size_t bytes, double age) {
-    return JsonObject().raw("result", toJson(info)).number("bytes", double(bytes)).number("ageSeconds", age).str();
+  static std::string jsonLine(const v1::ResultInfo& info, std::size_t bytes, double age, bool sharp) {
+    JsonObject line;
+    line.raw("result", toJson(info)).number("bytes", double(bytes)).number("ageSeconds", age);
+    if (sharp) line.flag("sharp", true);
+    return line.str();
   }
 
   /// "gather" of TICK_STAGE_GATHER; a stage that this version does not know is its number.
@@ -141,8 +147,9 @@ class Report {
   }
 
   std::string stillLine() const {
-    return "the scene stands still at revision " + std::to_string(last_.revision()) +
-           "; nothing is sent until it changes";
+    const char* next =
+        sharpens_ && !lastSharp_ ? "a sharp frame of it is being made" : "nothing is sent until it changes";
+    return "the scene stands still at revision " + std::to_string(last_.revision()) + "; " + next;
   }
 
   std::string summaryLine(double seconds) {
@@ -157,6 +164,7 @@ class Report {
   }
 
   const bool json_;
+  const bool sharpens_;
   const bool terminal_;
   const Clock::time_point began_;
   Clock::time_point lineBegan_ = Clock::now();
@@ -167,6 +175,7 @@ class Report {
   std::uint64_t bytes_ = 0;
   std::uint64_t results_ = 0;
   v1::ResultInfo last_;
+  bool lastSharp_ = false;
   bool ended_ = false;
   Status status_;
 };
@@ -229,7 +238,7 @@ Status watch(Context& context, const WatchOptions& options) {
   Expected<client::Client> client = context.connect();
   if (!client) return client.status();
   if (const auto session = client->session(options.id); !session) return session.status();
-  Report report(context.json());
+  Report report(context.json(), options.sharpen);
   if (options.volume) {
     client::VolumeWatcher watcher(
         *client, volumeWish(options), [&](const client::VolumeResult& r) { report.add(r.header.result(), r.bytes); },
@@ -240,6 +249,7 @@ Status watch(Context& context, const WatchOptions& options) {
   wanted.set_session(options.id);
   wanted.set_max_rate(options.rate);
   wanted.set_adapt_rate(options.adapt);
+  wanted.set_sharpen(options.sharpen);
   wanted.set_camera_name(options.frame.cameraName);
   if (options.frame.hasCamera()) *wanted.mutable_camera()->mutable_camera() = options.frame.camera();
   wanted.set_width(options.frame.pixels().x);
@@ -247,7 +257,8 @@ Status watch(Context& context, const WatchOptions& options) {
   if (options.frame.exposure) *wanted.mutable_exposure() = *options.frame.exposure;
   wanted.set_samples(options.frame.samples);
   client::FrameWatcher watcher(
-      *client, wanted, [&](const client::FrameResult& r) { report.add(r.header.result(), r.file.size()); },
+      *client, wanted,
+      [&](const client::FrameResult& r) { report.add(r.header.result(), r.file.size(), r.header.sharp()); },
       hooksFor(report));
   return follow(*client, options, report, watcher);
 }
@@ -291,6 +302,10 @@ void addWatchCommand(CLI::App& app, Commands& commands) {
       .add_option("--adapt", given->adapt,
                   "Make frames smaller and coarser while fewer than HZ per second get through (default: never)")
       ->type_name("HZ")
+      ->excludes(volume);
+  command
+      .add_flag("--sharpen", given->sharpen,
+                "Once everything rests for a quarter of a second, get one more frame, as frame get makes it")
       ->excludes(volume);
   given->frame.addTo(command);
 }

@@ -167,7 +167,8 @@ class FrameResultStream final : public SingleResultStream<pb::GetFrameRequest, p
   Expected<Parts> parts(Result result) override {
     Expected<std::string> file = encodeFrame(*result.frame, order_.format, result.quality);
     if (!file) return file.status();
-    const auto parts = std::make_shared<FrameParts>(std::move(result), order_.format, std::move(*file));
+    const auto bytes = std::make_shared<const std::string>(std::move(*file));
+    const auto parts = std::make_shared<FrameParts>(std::move(result), order_.format, bytes);
     context_.counters->countSent(sentAs(order_.format), parts->bytes());
     return Parts([parts](pb::GetFrameResponse* response) { return parts->next(response->mutable_part()); });
   }

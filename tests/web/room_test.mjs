@@ -38,6 +38,11 @@ test("the page shows what lpvctl frame get writes", { timeout: 120_000 }, () => 
   const error = difference(seen, wanted);
   assert.ok(error <= JPEG_ERROR, `the mean difference is ${error}`);
   assert.ok(mean(wanted.rgb) > 30);
+  await until("the picture at rest is sharp", () => room.page.locator("#picture").evaluate((canvas) => canvas.dataset.sharp === "true"));
+  await room.shot("sharp");
+  server.lpvctl("frame", "get", await room.session, "-o", file, "--camera", "front", "--size", `${seen.width}x${seen.height}`);
+  const sharper = difference(await room.pixels(), await room.decode(readFileSync(file)));
+  assert.ok(sharper <= error, `a sharp picture is ${sharper} off, the one before was ${error}`);
   await room.page.keyboard.press("?");
   await room.shot("keys");
   assert.deepEqual(room.errors, []);

@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "convert/geometry.h"
+#include "encode/false_colour.h"
 #include "engine/stage.h"
 #include "wire/message_size.h"
 #include "wire/publish.h"
@@ -42,7 +43,7 @@ Result withoutCells(const Result& result) {
 Result withoutPixels(const Result& result) {
   Result out = result;
   const Frame& frame = *result.frame;
-  out.frame = std::make_shared<const Frame>(Frame{frame.size, frame.format, {}, {}, frame.exposureEv});
+  out.frame = std::make_shared<const Frame>(Frame{frame.size, frame.format, {}, {}, frame.exposureEv, frame.camera});
   return out;
 }
 
@@ -118,10 +119,47 @@ bool VolumeParts::next(pb::VolumePart* out) {
   return true;
 }
 
-FrameParts::FrameParts(Result result, pb::FrameFormat format, std::string file)
+/// Linear pixels that are not for EXR are irradiance, for people.
+Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {
+  if (format == pb::FRAME_FORMAT_EXR) return encode::exr(frame.size, frame.rgb32f);
+  const bool linear = frame.format == PixelFormat::kRgb32F;
+  const std::vector<std::uint8_t> colours =
+      linear ? encode::falseColours(frame.size, frame.rgb32f) : std::vector<std::uint8_t>();
+  const std::vector<std::uint8_t>& rgb = linear ? colours : frame.rgb8;
+  return format == pb::FRAME_FORMAT_PNG ? encode::png(frame.size, rgb) : encode::jpeg(frame.size, rgb, quality);
+}
+
+std::optional<std::shared_future<Expected<FrameFile>>> FrameEncodings::find(const FramePtr& frame,
+                                                                            pb::FrameFormat format, int quality) const {
+  for (const Entry& entry : entries_) {
+    if (entry.frame.lock() == frame && entry.format == format && entry.quality == quality) return entry.file;
+  }
+  return std::nullopt;
+}
+
+Expected<FrameFile> FrameEncodings::get(const FramePtr& frame, pb::FrameFormat format, int quality) {
+  std::promise<Expected<FrameFile>> made;
+  std::optional<std::shared_future<Expected<FrameFile>>> others;
+  {
+    const MutexLock lock(mutex_);
+    others = find(frame, format, quality);
+    if (!others) {
+      std::erase_if(entries_, [](const Entry& entry) { return entry.frame.expired(); });
+      entries_.push_back({frame, format, quality, made.get_future().share()});
+    }
+  }
+  if (others) return others->get();
+  Expected<std::string> file = encodeFrame(*frame, format, quality);
+  const Expected<FrameFile> out =
+      file ? Expected<FrameFile>(std::make_shared<const std::string>(std::move(*file))) : file.status();
+  made.set_value(out);
+  return out;
+}
+
+FrameParts::FrameParts(Result result, pb::FrameFormat format, FrameFile file)
     : result_(withoutPixels(result)), format_(format), file_(std::move(file)) {
   result.frame = nullptr;
-  if (result_.hold) result_.hold->shrinkTo(std::int64_t(file_.size()));
+  if (result_.hold) result_.hold->shrinkTo(bytes());
 }
 
 bool FrameParts::next(pb::FramePart* out) {
@@ -129,22 +167,24 @@ bool FrameParts::next(pb::FramePart* out) {
   if (index_ == 0) {
     pb::FrameHeader* header = out->mutable_header();
     toProto(result_.meta, header->mutable_result());
-    header->mutable_result()->set_checksum(wire::checksumBytes(file_.data(), file_.size()));
+    header->mutable_result()->set_checksum(wire::checksumBytes(file_->data(), file_->size()));
     header->set_width(result_.frame->size.x);
     header->set_height(result_.frame->size.y);
     header->set_format(format_);
     if (format_ == pb::FRAME_FORMAT_JPEG) header->set_quality(result_.quality);
     header->set_exposure_ev(result_.frame->exposureEv);
     header->set_camera_sequence(result_.cameraSequence);
-    header->set_size(std::int64_t(file_.size()));
-    header->set_part_count(int((file_.size() + wire::kMaxPartBytes - 1) / wire::kMaxPartBytes));
+    header->set_sharp(result_.sharp);
+    toProto("", result_.frame->camera, header->mutable_camera());
+    header->set_size(bytes());
+    header->set_part_count(int((file_->size() + wire::kMaxPartBytes - 1) / wire::kMaxPartBytes));
   }
-  const std::size_t count = std::min(wire::kMaxPartBytes, file_.size() - offset_);
+  const std::size_t count = std::min(wire::kMaxPartBytes, file_->size() - offset_);
   out->set_result_id(result_.meta.resultId);
   out->set_index(index_++);
-  out->set_payload(file_.data() + offset_, count);
+  out->set_payload(file_->data() + offset_, count);
   offset_ += count;
-  done_ = offset_ == file_.size();
+  done_ = offset_ == file_->size();
   return true;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 // Results as messages: volumes and frames cut into parts below the size limit, encoded once for all who want the same.
 
+#include <future>
 #include <list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "api/results/delta_chain.h"
@@ -61,17 +63,43 @@ class VolumeParts {
   std::int64_t bytes_ = 0;
 };
 
+/// Encodes pixels; the result is a file.
+Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality);
+
+/// The same.
+using FrameFile = std::shared_ptr<const std::string>;
+
+/// The files of frames that several subscribers get at once: each is encoded by the first who asks for it, and the
+/// others wait for that.
+class FrameEncodings {
+ public:
+  Expected<FrameFile> get(const FramePtr& frame, pb::FrameFormat format, int quality);
+
+ private:
+  struct Entry {
+    std::weak_ptr<const Frame> frame;
+    pb::FrameFormat format;
+    int quality;
+    std::shared_future<Expected<FrameFile>> file;
+  };
+  std::optional<std::shared_future<Expected<FrameFile>>> find(const FramePtr& frame, pb::FrameFormat format,
+                                                              int quality) const LPV_REQUIRES(mutex_);
+
+  Mutex mutex_;
+  std::list<Entry> entries_ LPV_GUARDED_BY(mutex_);  // of frames that somebody still has
+};
+
 class FrameParts {
  public:
   /// `file` is the encoded picture; the result's room shrinks to it.
-  FrameParts(Result result, pb::FrameFormat format, std::string file);
+  FrameParts(Result result, pb::FrameFormat format, FrameFile file);
   bool next(pb::FramePart* part);
-  std::int64_t bytes() const { return std::int64_t(file_.size()); }
+  std::int64_t bytes() const { return std::int64_t(file_->size()); }
 
  private:
   Result result_;
   pb::FrameFormat format_;
-  std::string file_;
+  FrameFile file_;
   std::size_t offset_ = 0;
   int index_ = 0;
   bool done_ = false;

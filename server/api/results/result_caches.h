@@ -9,6 +9,7 @@ namespace lpv::api {
 struct ResultCaches {
   VolumeChains chains;        ///< of live volume subscriptions
   VolumeEncodings encodings;  ///< of calls for one volume
+  FrameEncodings frames;      ///< of subscriptions that show the same
 };
 
 }  // namespace lpv::api

@@ -4,7 +4,6 @@
 
 #include "api/services.h"
 #include "convert/session.h"
-#include "encode/false_colour.h"
 #include "ops/log_scope.h"
 
 namespace lpv::api {
@@ -105,14 +104,14 @@ void VolumeSubscription::offer(const Result& result) {
 }
 
 void FrameSubscription::offer(const Result& result) {
-  Expected<std::string> file = encodeFrame(*result.frame, format_, result.quality);
+  Expected<FrameFile> file = context_.caches->frames.get(result.frame, format_, result.quality);
   if (!file) {
     const ops::LogScope scope({session()->id(), {}, {}});
     spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());
     close(Closing::kEncodingFailed);
     return;
   }
-  const auto parts = std::make_shared<FrameParts>(result, format_, std::move(*file));
+  const auto parts = std::make_shared<FrameParts>(result, format_, *file);
   push(
       result.meta.resultId,
       [parts](pb::FrameEvent* event) {
@@ -165,6 +164,7 @@ Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& con
   if (Status s = (*session)->delivery().checkCamera(order->subscription.camera); !s.ok()) return s;
   Subscription subscription;
   subscription.frame = order->subscription;
+  subscription.frame->sharpen = in.sharpen();
   subscription.clientId = client.id;
   subscription.maxRate = in.max_rate();
   subscription.twoCredits = in.credits() == 2;
@@ -198,16 +198,6 @@ Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>&
   }
   return session->delivery().updateSubscription(
       subscriber, subscription, update.max_rate() != 0.0 ? std::optional(update.max_rate()) : std::nullopt);
-}
-
-/// Linear pixels that are not for EXR are irradiance, for people.
-Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality) {
-  if (format == pb::FRAME_FORMAT_EXR) return encode::exr(frame.size, frame.rgb32f);
-  const bool linear = frame.format == PixelFormat::kRgb32F;
-  const std::vector<std::uint8_t> colours =
-      linear ? encode::falseColours(frame.size, frame.rgb32f) : std::vector<std::uint8_t>();
-  const std::vector<std::uint8_t>& rgb = linear ? colours : frame.rgb8;
-  return format == pb::FRAME_FORMAT_PNG ? encode::png(frame.size, rgb) : encode::jpeg(frame.size, rgb, quality);
 }
 
 }  // namespace lpv::api

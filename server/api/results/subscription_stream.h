@@ -90,7 +90,4 @@ Expected<std::shared_ptr<FrameSubscription>> openSubscription(const Context& con
 Status applyUpdate(const SessionPtr& session, const std::shared_ptr<Subscriber>& subscriber,
                    const pb::SubscriberUpdate& update, const Limits& limits);
 
-/// Encodes pixels; the result is a file.
-Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality);
-
 }  // namespace lpv::api

@@ -58,6 +58,22 @@ TEST_F(DefaultViews, ShowTheWholeScene) {
   EXPECT_NE(frame(request()), frame(given));
 }
 
+// Whoever draws handles into a picture has to know where it is seen from. Broken by: no camera in the header; the
+// default of a camera.
+TEST_F(DefaultViews, SayWhatTheyAreSeenThrough) {
+  apply(stubs_, session_, {client::createSurface(surface("Wall", quad(0.5F)))});
+  const auto chosen = client_.frame(request());
+  ASSERT_TRUE(chosen.ok()) << chosen.status().message();
+  EXPECT_TRUE(chosen->header.camera().name().empty());
+  pb::GetFrameRequest given = request();
+  *given.mutable_camera() = chosen->header.camera();
+  EXPECT_EQ(frame(given), chosen->file);
+  given.mutable_camera()->mutable_eye()->set_x(given.camera().eye().x() + 0.1);
+  const auto moved = client_.frame(given);
+  ASSERT_TRUE(moved.ok());
+  EXPECT_EQ(moved->header.camera().SerializeAsString(), given.camera().SerializeAsString());
+}
+
 // With PROPAGATE, whose streams sample no near field: their pictures are those of single frames.
 TEST_F(DefaultViews, AreTheSameInStreams) {
   session_ = makeSession(stubs_, propagating());

@@ -34,13 +34,14 @@ class Streams : public ::testing::Test {
     stream->Write(request);
     return stream;
   }
-  std::unique_ptr<FrameStream> openFrames(Call& call) {
+  std::unique_ptr<FrameStream> openFrames(Call& call, bool sharpen = false) {
     auto stream = stubs_.result->StreamFrames(call);
     pb::StreamFramesRequest request;
     pb::FrameSubscription* subscription = request.mutable_subscription();
     subscription->set_session(session_);
     subscription->set_width(64);
     subscription->set_height(48);
+    subscription->set_sharpen(sharpen);
     *subscription->mutable_camera()->mutable_camera() = camera({0, 0, 2}, {0, 0, 0});
     subscription->mutable_camera()->set_sequence(5);
     stream->Write(request);
@@ -194,6 +195,37 @@ TEST_F(Streams, ACameraCausesAFrameAndNoRevision) {
   while (seen.header.width() != 80 && seen.next(*stream)) acknowledge(*stream, seen.result.result_id());
   EXPECT_EQ(seen.header.height(), 40);
   EXPECT_EQ(seen.result.revision(), newest);
+}
+
+// Seen to fail when it is made like the others of a stream.
+TEST_F(Streams, AtRestAFrameFollowsThatIsTheOneACallGets) {
+  pb::GetFrameRequest request;
+  request.set_session(session_);
+  request.set_width(64);
+  request.set_height(48);
+  request.set_format(pb::FRAME_FORMAT_JPEG);
+  *request.mutable_camera() = camera({0, 0, 2}, {0, 0, 0});
+  Call call;
+  const auto stream = openFrames(call, true);
+  Seen<pb::StreamFramesResponse> seen;
+  ASSERT_TRUE(seen.next(*stream));
+  EXPECT_FALSE(seen.header.sharp());
+  const pb::ResultInfo rough = seen.result;
+  acknowledge(*stream, rough.result_id());
+  ASSERT_TRUE(seen.next(*stream));
+  EXPECT_TRUE(seen.header.sharp());
+  EXPECT_EQ(seen.header.camera_sequence(), 5U);
+  EXPECT_EQ(seen.result.revision(), rough.revision());
+  EXPECT_NE(seen.result.checksum(), rough.checksum()) << "edges, at least";
+  acknowledge(*stream, seen.result.result_id());
+  Call answered;
+  pb::GetFrameResponse still;
+  ASSERT_TRUE(stubs_.result->GetFrame(answered, request)->Read(&still));
+  EXPECT_EQ(seen.result.checksum(), still.part().header().result().checksum());
+  const std::uint64_t newest = brighten();
+  ASSERT_TRUE(seen.next(*stream));
+  EXPECT_EQ(seen.result.revision(), newest);
+  EXPECT_FALSE(seen.header.sharp());
 }
 
 TEST_F(Streams, APickThroughASubscriberSeesWhatItSees) {

@@ -240,12 +240,13 @@ class Session:
 
     def frames(self, width: int = 0, height: int = 0, *, camera: geometry_pb2.Camera | str | None = None,
                format: str = "jpeg", quality: int = 0, samples: int = 0, max_rate: float = 0.0, credits: int = 1,
-               adapt_rate: float = 0.0, exposure_ev: float | None = None) -> FrameStream:
+               adapt_rate: float = 0.0, sharpen: bool = False, exposure_ev: float | None = None) -> FrameStream:
         """Frames, as volumes() has volumes. `adapt_rate`: smaller ones while the line carries fewer a second. `samples`
-        as in frame(); 0 is 1."""
+        as in frame(); 0 is 1. `sharpen`: once everything rests, one more frame comes, made as frame() makes it."""
         wanted = result_pb2.FrameSubscription(session=self.name, width=width, height=height, quality=quality,
                                               samples=samples, max_rate=max_rate, credits=credits,
-                                              adapt_rate=adapt_rate, exposure=_exposure(exposure_ev))
+                                              adapt_rate=adapt_rate, sharpen=sharpen,
+                                              exposure=_exposure(exposure_ev))
         wanted.format = scene.enum(result_pb2.FrameFormat, format)
         if isinstance(camera, str):
             wanted.camera_name = camera

@@ -66,7 +66,7 @@ export class Strip {
       item("Camera to picture", middle(this.shown.map((one) => one.cameraMs))),
       item("Edit to picture", middle(this.shown.map((one) => one.editMs))),
       item("Received", `${(bytes / 2000).toFixed(0)} KB/s`),
-      item("Picture", header ? `${header.width} x ${header.height}, JPEG ${header.quality}` : "-"),
+      item("Picture", header ? `${header.width} x ${header.height}, JPEG ${header.quality}${header.sharp ? ", sharp" : ""}` : "-"),
       item("Revision", `${this.last?.revision ?? "-"} shown, ${sceneRevision} in the scene`),
       item("Others", String(people)),
     );

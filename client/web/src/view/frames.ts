@@ -127,7 +127,7 @@ export class FrameView {
         case: "subscription",
         value: {
           session: this.session, ...this.size(), format: FrameFormat.JPEG, quality: 85,
-          maxRate: 30, adaptRate: 15, exposure: { exposure: this.exposure }, camera: this.nextCamera(this.view()),
+          maxRate: 30, adaptRate: 15, sharpen: true, exposure: { exposure: this.exposure }, camera: this.nextCamera(this.view()),
           ...(client ? { client } : {}),
         },
       },
@@ -156,7 +156,8 @@ export class FrameView {
     if (this.canvas.height !== picture.height) this.canvas.height = picture.height;
     this.canvas.getContext("2d")?.drawImage(picture, 0, 0);
     picture.close();
-    this.paced(performance.now());
+    this.canvas.dataset["sharp"] = String(header.sharp);
+    if (!header.sharp) this.paced(performance.now());
     const sent = this.cameraSent.get(header.cameraSequence);
     for (const sequence of this.cameraSent.keys()) if (sequence <= header.cameraSequence) this.cameraSent.delete(sequence);
     this.reports.trouble("");
