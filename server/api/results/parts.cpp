@@ -137,7 +137,7 @@ std::optional<std::shared_future<Expected<FrameFile>>> FrameEncodings::find(cons
   return std::nullopt;
 }
 
-Expected<FrameFile> FrameEncodings::get(const FramePtr& frame, pb::FrameFormat format, int quality) {
+Expected<FrameFile> FrameEncodings::get(const FramePtr& frame, pb::FrameFormat format, int quality, WorkerPool& pool) {
   std::promise<Expected<FrameFile>> made;
   std::optional<std::shared_future<Expected<FrameFile>>> others;
   {
@@ -148,7 +148,10 @@ Expected<FrameFile> FrameEncodings::get(const FramePtr& frame, pb::FrameFormat f
       entries_.push_back({frame, format, quality, made.get_future().share()});
     }
   }
-  if (others) return others->get();
+  if (others) {
+    pool.blockingSection([&] { others->wait(); });
+    return others->get();
+  }
   Expected<std::string> file = encodeFrame(*frame, format, quality);
   const Expected<FrameFile> out =
       file ? Expected<FrameFile>(std::make_shared<const std::string>(std::move(*file))) : file.status();

@@ -9,6 +9,7 @@
 
 #include "api/results/delta_chain.h"
 #include "base/mutex.h"
+#include "base/worker_pool.h"
 #include "encode/frame_codec.h"
 #include "lpv/v1/result.pb.h"
 #include "session/answer_room.h"
@@ -73,7 +74,8 @@ using FrameFile = std::shared_ptr<const std::string>;
 /// others wait for that.
 class FrameEncodings {
  public:
-  Expected<FrameFile> get(const FramePtr& frame, pb::FrameFormat format, int quality);
+  /// `pool` may be the caller's: another thread works in the place of one that waits.
+  Expected<FrameFile> get(const FramePtr& frame, pb::FrameFormat format, int quality, WorkerPool& pool);
 
  private:
   struct Entry {

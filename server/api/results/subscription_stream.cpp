@@ -104,7 +104,7 @@ void VolumeSubscription::offer(const Result& result) {
 }
 
 void FrameSubscription::offer(const Result& result) {
-  Expected<FrameFile> file = context_.caches->frames.get(result.frame, format_, result.quality);
+  Expected<FrameFile> file = context_.caches->frames.get(result.frame, format_, result.quality, *context_.pool);
   if (!file) {
     const ops::LogScope scope({session()->id(), {}, {}});
     spdlog::error("frame of revision {} could not be encoded: {}", result.meta.revision, file.status().message());

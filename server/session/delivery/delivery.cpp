@@ -291,7 +291,9 @@ std::optional<TickPlan> Delivery::planTick(Clock::time_point now) {
     return plan;
   }
   readers_.planSharp(at, hasView, &plan);
-  const Clock::time_point wake = plan.sharp ? next : std::min(next, readers_.nextSharp(at.revision));
+  // One that is due and not planned has no view yet, and is planned when it does.
+  const Clock::time_point sharp = readers_.nextSharp(at.revision);
+  const Clock::time_point wake = plan.sharp || sharp <= now ? next : std::min(next, sharp);
   if (wake != Subscriber::kNever) wakeAt(wake);
   return plan.sharp ? std::optional(std::move(plan)) : std::nullopt;
 }

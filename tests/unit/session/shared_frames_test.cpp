@@ -100,10 +100,11 @@ FramePtr picture() {
 
 // Seen to fail when the quality is not looked at, and when every one is encoded.
 TEST(FrameEncodings, EncodeAFrameOnceForAllWhoWantTheSame) {
+  WorkerPool pool(2);
   api::FrameEncodings encodings;
   const FramePtr frame = picture(), other = picture();
   const auto file = [&](const FramePtr& of, api::pb::FrameFormat format, int quality) {
-    return *encodings.get(of, format, quality);
+    return *encodings.get(of, format, quality, pool);
   };
   const auto first = file(frame, api::pb::FRAME_FORMAT_JPEG, 85);
   std::vector<api::FrameFile> together(8);
@@ -117,9 +118,8 @@ TEST(FrameEncodings, EncodeAFrameOnceForAllWhoWantTheSame) {
   EXPECT_EQ(file(frame, api::pb::FRAME_FORMAT_JPEG, 85), first);
   EXPECT_LT(file(frame, api::pb::FRAME_FORMAT_JPEG, 30)->size(), first->size());
   EXPECT_NE(*file(frame, api::pb::FRAME_FORMAT_PNG, 85), *first);
-  const auto refused = encodings.get(frame, api::pb::FRAME_FORMAT_EXR, 85);  // its pixels are bytes
-  EXPECT_FALSE(refused.ok());
-  EXPECT_FALSE(encodings.get(frame, api::pb::FRAME_FORMAT_EXR, 85).ok());
+  for (int i = 0; i < 2; ++i)  // its pixels are bytes
+    EXPECT_FALSE(encodings.get(frame, api::pb::FRAME_FORMAT_EXR, 85, pool).ok());
 }
 
 }  // namespace
