@@ -30,9 +30,11 @@ std::size_t addShared(const FrameRequest& wanted, std::uint64_t view, std::vecto
   return frames.size() - 1;
 }
 
-/// On the GL thread.
+/// On the GL thread. A sharp frame, for which nobody waits, may take longer than a device is given that seems to hang:
+/// it is asked for when it is over.
 void countTick(Counters& counters, const TickPlan& plan, const Expected<TickResult>& result) {
   const Clock::time_point now = Clock::now();
+  if (plan.sharp) counters.tickWatch.begun(now);
   counters.tickWatch.ended(now, result.status());
   if (!result) return;
   if (!plan.sharp) counters.tickSeconds.observe(std::chrono::duration<double>(now - plan.begun).count());
@@ -336,8 +338,8 @@ void Delivery::wakeAt(Clock::time_point when) {
 void Delivery::start(TickPlan plan) {
   plan.moment = source_.moment();
   if (!plan.sharp && checks_.unaskedDue(plan.begun) && canSelfCheck(*plan.moment.scene)) plan.transported = true;
-  services_.counters->tickWatch.begun(plan.begun);
   const bool sharp = plan.sharp;
+  if (!sharp) services_.counters->tickWatch.begun(plan.begun);
   TickRequest request = requestOf(plan);
   services_.engine->submit(
       std::move(request), [this, session = source_.lifetime(), pool = services_.pool, counters = services_.counters,

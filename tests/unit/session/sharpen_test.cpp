@@ -139,6 +139,15 @@ TEST_F(SharpenTest, NoneIsMadeForAReaderWhoHasLeft) {
   EXPECT_EQ(inbox_->count(), 1U);
 }
 
+// Seen to fail when it is watched like other ticks: a minute is enough for a server to be taken out of service.
+TEST_F(SharpenTest, AServerThatTakesLongForOneIsNoStalledOne) {
+  const auto subscriber = readerOfHeld();
+  const auto later = TickWatch::Clock::now() + std::chrono::seconds(100);
+  EXPECT_EQ(rig_.counters.tickWatch.stalledFor(later).count(), 0);
+  edited();
+  EXPECT_EQ(rig_.counters.tickWatch.stalledFor(later).count(), 0) << "abandoned";
+}
+
 TEST_F(SharpenTest, OneThatCannotBeMadeIsNotTriedAgain) {
   const auto subscriber = subscribed(inbox_, frames());
   rig_.engine.failWith(Status(Code::kResourceExhausted, "out of memory"));
@@ -146,6 +155,7 @@ TEST_F(SharpenTest, OneThatCannotBeMadeIsNotTriedAgain) {
   ASSERT_TRUE(test::eventually([&] { return rig_.engine.ticks() == 2; }));
   rig_.settle();
   EXPECT_EQ(subscriber->sharpenAt(inbox_->last().meta.revision), Subscriber::kNever);
+  EXPECT_EQ(rig_.counters.tickWatch.failures().total(), 1);
   EXPECT_EQ(inbox_->count(), 1U);
 }
 
