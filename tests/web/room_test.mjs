@@ -25,7 +25,7 @@ async function withServer(start, body) {
   }
 }
 
-test("the page shows what lpvctl frame get writes", { timeout: 120_000 }, () => withServer((server) => server.start(), async (server) => {
+test("the page shows what lpvctl frame get writes", { timeout: 240_000 }, () => withServer((server) => server.start(), async (server) => {
   const room = await RoomPage.open(browser, server.page);
   await room.shot("landing");
   await room.makeDemoRoom();
@@ -38,7 +38,7 @@ test("the page shows what lpvctl frame get writes", { timeout: 120_000 }, () => 
   const error = difference(seen, wanted);
   assert.ok(error <= JPEG_ERROR, `the mean difference is ${error}`);
   assert.ok(mean(wanted.rgb) > 30);
-  await until("the picture at rest is sharp", () => room.page.locator("#picture").evaluate((canvas) => canvas.dataset.sharp === "true"));
+  await until("the picture at rest is sharp", () => room.page.locator("#picture").evaluate((canvas) => canvas.dataset.sharp === "true"), 90_000);
   await room.shot("sharp");
   server.lpvctl("frame", "get", await room.session, "-o", file, "--camera", "front", "--size", `${seen.width}x${seen.height}`);
   const sharper = difference(await room.pixels(), await room.decode(readFileSync(file)));
