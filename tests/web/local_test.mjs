@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { launch, RoomPage } from "./browser.mjs";
+import { difference, launch, RoomPage } from "./browser.mjs";
 import { shared, until } from "./server.mjs";
 
 const LOOK = { width: 160, height: 90 };
@@ -68,5 +68,34 @@ test("what surfaces receive is what the server's lookup says", { timeout: 180_00
     console.log(`${exact ? "eight texels" : "filtered"}: NRMSE ${nrmse.toExponential(2)}, largest ${worst.toExponential(2)}`);
     assert.ok(nrmse <= allowed, `NRMSE ${nrmse}`);
   }
+  assert.deepEqual(room.errors, []);
+});
+
+// Broken by: nothing drawn before something changes; what is asked of a lost context taken for an answer.
+test("a lost WebGL context comes back without a reload", { timeout: 180_000 }, async () => {
+  const room = await shadedRoom();
+  const session = await room.session;
+  const context = (what) => room.page.evaluate((name) => lpvRoom.shading.local.renderer.renderer[name](), what);
+  const isLost = () => room.page.evaluate(() => lpvRoom.shading.local.renderer.renderer.getContext().isContextLost());
+  const screen = async () => room.decode(await room.page.screenshot());
+  const before = await screen();
+  await context("forceContextLoss");
+  await until("the context is lost", isLost);
+  await until("the page says so", () => room.page.locator("text=lost its graphics context").count());
+  await context("forceContextRestore");
+  await until("the same picture is there", async () => !(await isLost()) && difference(before, await screen()) < 1);
+
+  await context("forceContextLoss");
+  await until("the context is lost again", isLost);
+  both.server.lpvctl("light", "set", session, "lamp", "--radiance", "3,9,27");
+  const revision = JSON.parse(both.server.lpvctl("--json", "session", "show", session)).revision;
+  await until("the light arrives meanwhile", () => room.page.evaluate((wanted) => lpvRoom.strip.volumeRevision >= BigInt(wanted), revision));
+  assert.equal(await room.page.locator("text=lost its graphics context").count(), 1, "still lost");
+  await context("forceContextRestore");
+  await until("the context is there", async () => !(await isLost()));
+  const points = await measured(room, false);
+  assert.ok(points.length > 500, `${points.length} points`);
+  const { nrmse } = errors(points, probed(session, points));
+  assert.ok(nrmse <= 1e-2, `NRMSE ${nrmse}`);
   assert.deepEqual(room.errors, []);
 });

@@ -15,7 +15,8 @@ export class Field {
   readonly groups: string[];
   readonly colours: [Uint16Array, Uint16Array, Uint16Array];
 
-  constructor(readonly header: VolumeHeader) {
+  // `header`: of the newest result that was taken, a whole one here.
+  constructor(public header: VolumeHeader) {
     const { grid, guardCells: guard } = header;
     const size = grid?.cellSize ?? 1;
     this.guard = guard;

@@ -41,6 +41,7 @@ export interface Measured {
 // Draws surfaces in the light of a streamed volume, and lights, by WebGL2. Knows no network.
 export class LocalRenderer {
   private readonly renderer: WebGLRenderer;
+  private readonly most3d: number; // a context that is lost does not say it
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(50, 16 / 9, 0.01, 1e4);
   private readonly drawn = new Map<string, Drawn>();
@@ -60,6 +61,8 @@ export class LocalRenderer {
   constructor(canvas: HTMLCanvasElement, private readonly areaOf: (light: Light) => number | undefined) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false });
     this.renderer.setClearColor(0, 1);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.most3d = Math.min(this.renderer.capabilities.maxTextureSize, Number(gl.getParameter(gl.MAX_3D_TEXTURE_SIZE)));
     this.scene.matrixWorldAutoUpdate = false;
   }
 
@@ -86,10 +89,7 @@ export class LocalRenderer {
   setField(field: Field): string {
     const [x, y, z] = field.dims;
     const depth = z * field.layers;
-    const most = this.renderer.capabilities.maxTextureSize; // 3D textures have at least 256
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    const most3d = Math.min(most, Number(gl.getParameter(gl.MAX_3D_TEXTURE_SIZE)));
-    if (Math.max(x, y, depth) > most3d) return `The volume has ${x} x ${y} x ${depth} cells, this browser takes ${most3d} along an edge.`;
+    if (Math.max(x, y, depth) > this.most3d) return `The volume has ${x} x ${y} x ${depth} cells, this browser takes ${this.most3d} along an edge.`;
     const shape = `${x} ${y} ${depth} ${field.layers} ${field.origin} ${field.cellSize}`;
     const into = this.older?.shape === shape ? this.older : this.made(field, shape, depth);
     if (into !== this.older) this.older?.textures.forEach((texture) => texture.dispose());

@@ -10,6 +10,8 @@ import { VolumeFollower } from "./volumes.ts";
 
 const METER_MS = 300;
 const LONGEST_BLEND_MS = 500;
+const LOST = "This browser has lost its graphics context; the picture comes back with the next one.";
+const LOST_MS = 10_000; // after which a browser that has not given another context is not expected to
 
 export interface LocalReports {
   volume(field: Field, bytes: number): void;
@@ -44,6 +46,7 @@ export class LocalView {
   private metered = -Infinity; // when
   private arrived = -Infinity;
   private interval = 0; // between two volumes, ms
+  private lostFor: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly options: LocalOptions) {
     this.renderer = new LocalRenderer(options.canvas, (light) => options.areaOf(light));
@@ -54,12 +57,17 @@ export class LocalView {
     this.forget = options.model.onChange(scene);
     this.follower = new VolumeFollower(options.connection, options.session, options.identity, {
       volume: (field, bytes) => this.take(field, bytes),
-      trouble: options.reports.trouble,
+      trouble: (message) => options.reports.trouble(message || (this.lostFor === undefined ? "" : LOST)),
     });
+    options.canvas.addEventListener("webglcontextlost", this.lost);
+    options.canvas.addEventListener("webglcontextrestored", this.restored);
     this.frame = requestAnimationFrame(this.tick);
   }
 
   close(): void {
+    clearTimeout(this.lostFor);
+    this.options.canvas.removeEventListener("webglcontextlost", this.lost);
+    this.options.canvas.removeEventListener("webglcontextrestored", this.restored);
     cancelAnimationFrame(this.frame);
     this.forget();
     this.follower.close();
@@ -87,6 +95,21 @@ export class LocalView {
     this.metered = -Infinity;
     this.changed = true;
   }
+
+  private readonly lost = (): void => {
+    const { reports } = this.options;
+    reports.trouble(LOST);
+    this.lostFor = setTimeout(() => reports.cannot("This browser has lost its graphics context and gives no other."), LOST_MS);
+  };
+
+  // What was on the GPU is there again with the next drawing, which nothing else may ask for.
+  private readonly restored = (): void => {
+    clearTimeout(this.lostFor);
+    this.lostFor = undefined;
+    this.options.reports.trouble("");
+    this.metered = -Infinity;
+    this.changed = true;
+  };
 
   private take(field: Field, bytes: number): void {
     const refused = this.renderer.setField(field);

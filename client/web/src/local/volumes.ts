@@ -66,6 +66,7 @@ export class VolumeFollower {
     const { field } = this;
     if (!field) return false;
     for (const part of parts) field.take(part);
+    field.header = header;
     this.heldId = header.result?.resultId ?? 0n;
     this.reports.trouble("");
     this.reports.volume(field, parts.reduce((sum, part) => sum + part.payload.length, 0));

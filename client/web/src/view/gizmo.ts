@@ -30,6 +30,7 @@ export class Gizmo {
   constructor(private readonly canvas: HTMLCanvasElement, pointer: HTMLElement, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
+    canvas.addEventListener("webglcontextrestored", () => this.draw());
     this.controls = new TransformControls(this.camera, pointer);
     this.controls.setSize(0.8);
     this.scene.add(this.held, this.controls.getHelper(), this.others);
