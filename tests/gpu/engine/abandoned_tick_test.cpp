@@ -110,53 +110,6 @@ TEST_P(AbandonedTickTest, TheNextTickMakesWhatAFreshOneDoes) {
   EXPECT_GT(resumptions, 20) << "the tick was cut into few pieces";
 }
 
-/// What sharp frames are abandoned in: shadows, bounces, pieces of folds, and a stream's frames before and after.
-class AbandonedFrameTest : public AbandonedTickTest {
- protected:
-  static TickRequest requestOf(double x, bool reduced) {
-    TickRequest request = AbandonedTickTest::requestOf(x);
-    auto scene = std::make_shared<Scene>(*request.scene);
-    scene->options.visibility = Visibility::kOn;
-    scene->options.bounces = 2;
-    auto ball = std::make_shared<Surface>();
-    ball->name = "small triangles";
-    ball->mesh = reference::sphereOf(48, 24);
-    ball->transform.translation = {0.0, -0.6, 0.8};
-    ball->transform.scale = glm::dvec3(0.5);
-    scene->surfaces[ball->name] = ball;
-    request.scene = scene;
-    request.transported = request.injected = false;
-    request.frames[0].camera.eye = {0.0, 0.0, 2.0};
-    request.frames[0].view = reduced ? 7 : 0;
-    request.frames[0].reduced = reduced;
-    request.frames[0].samples = reduced ? 1 : 4;
-    return request;
-  }
-};
-
-// Broken by: what is kept of a tick that was not made to its end.
-TEST_P(AbandonedFrameTest, LeavesNothingBehind) {
-  const TickRequest streamed = requestOf(0.5, true), sharp = requestOf(0.5, false), moved = requestOf(-0.3, true);
-  SessionState fresh[3];
-  const FramePtr wantStreamed = run(fresh[0], streamed).frames[0], wantSharp = run(fresh[1], sharp).frames[0],
-                 wantMoved = run(fresh[2], moved).frames[0];
-  int resumptions = 1;
-  for (;; resumptions *= 3) {
-    SessionState state;
-    EXPECT_EQ(run(state, streamed).frames[0]->rgb32f, wantStreamed->rgb32f);
-    const bool cut = abandon(state, sharp, resumptions);
-    EXPECT_EQ(run(state, streamed).frames[0]->rgb32f, wantStreamed->rgb32f) << resumptions;
-    abandon(state, sharp, resumptions);
-    EXPECT_EQ(run(state, sharp).frames[0]->rgb32f, wantSharp->rgb32f) << resumptions;
-    abandon(state, sharp, resumptions);
-    EXPECT_EQ(run(state, moved).frames[0]->rgb32f, wantMoved->rgb32f) << resumptions;
-    if (!cut || HasFailure()) break;
-  }
-  EXPECT_GT(resumptions, 20) << "the tick was cut into few pieces";
-}
-
-INSTANTIATE_TEST_SUITE_P(Transports, AbandonedFrameTest, testing::Values(Way{Transport::kGather, Injection::kFlux}));
-
 INSTANTIATE_TEST_SUITE_P(Transports, AbandonedTickTest,
                          testing::Values(Way{Transport::kPropagate, Injection::kCount},
                                          Way{Transport::kPropagate, Injection::kFlux},
