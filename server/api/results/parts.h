@@ -67,7 +67,7 @@ class VolumeParts {
 /// Encodes pixels; the result is a file.
 Expected<std::string> encodeFrame(const Frame& frame, pb::FrameFormat format, int quality);
 
-/// The same.
+/// An encoded picture, which those share who get the same.
 using FrameFile = std::shared_ptr<const std::string>;
 
 /// The files of frames that several subscribers get at once: each is encoded by the first who asks for it, and the

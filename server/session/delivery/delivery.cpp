@@ -30,8 +30,8 @@ std::size_t addShared(const FrameRequest& wanted, std::uint64_t view, std::vecto
   return frames.size() - 1;
 }
 
-/// On the GL thread. A sharp frame, for which nobody waits, may take longer than a device is given that seems to hang:
-/// it is asked for when it is over.
+/// On the GL thread. Nobody waits for a sharp frame, and it may take longer than what makes a device look stalled: it
+/// counts as asked for when it is over.
 void countTick(Counters& counters, const TickPlan& plan, const Expected<TickResult>& result) {
   const Clock::time_point now = Clock::now();
   if (plan.sharp) counters.tickWatch.begun(now);

@@ -90,8 +90,8 @@ class Readers {
 
   /// Names the results of a tick and picks who gets them. `meta` says what all of them have in common.
   Deliveries deliverResults(const TickPlan& plan, const TickResult& tick, const ResultMeta& meta, const Occasion& at);
-  /// The frames of a tick were not made: they are still wanted, but for sharp ones, which a newer frame has to come
-  /// before.
+  /// The frames of a tick were not made: they are still wanted. A sharp one is not tried again until a newer frame has
+  /// been sent.
   static void restore(const TickPlan& plan);
 
  private:
