@@ -71,6 +71,7 @@ LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (s
 LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders/visibility/folds.glsl)
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
+LPV_CONST int kHazeLights = 2;  // a HazeLight each: which points of lights are looked at through haze, and how often
 LPV_CONST int kGlossPoints =
     4;  // a GlossPoint per pixel: what its reflections have met so far (shaders/frame/gloss.glsl)
 
@@ -81,6 +82,7 @@ LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
 LPV_CONST int kShadowParams = 3;  // ShadowParams of one dispatch
 LPV_CONST int kSubpixelParams = 2;  // SubpixelParams of one dispatch
 LPV_CONST int kGlossParams = 2;  // GlossParams of one dispatch
+LPV_CONST int kHazeParams = 2;  // HazeParams of one dispatch
 
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
@@ -120,8 +122,12 @@ LPV_CONST int kGlossSurfaces = 2;  // of a picture: the same of surfaces; a: 0
 LPV_CONST int kGlossMet = 13;  // of a picture: E in W/m^2 where its reflections met a surface
 LPV_CONST int kGlossScene = 12;  // usamplerBuffer: what reflections show (shaders/frame/gloss_scene.glsl)
 LPV_CONST int kGlossShares = 22;  // what lobes reflect in all, by cosine and roughness (server/scene/gloss.h)
+LPV_CONST int kHaze = 27;  // of a picture: what haze scatters towards the camera
+LPV_CONST int kHazeSum = 1;  // of a picture: the same before it is smoothed, as kHazeSumOut
 LPV_CONST int kGlossMaterial = 14;  // of a picture: roughness and metalness of its surfaces
 // --- image units
+LPV_CONST int kHazeOut = 0;  // as kHaze
+LPV_CONST int kHazeSumOut = 1;  // of a picture: rgb: what all rays so far have found; a: the sum of its squares
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField
@@ -278,6 +284,7 @@ LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llv
 
 // --- shadow rays (MATHS.md 3d)
 LPV_CONST int kLightPointTexels = 3;
+LPV_CONST int kOccluderHeader = 3;  // texels before the nodes (shaders/visibility/occluders.glsl)
 LPV_CONST int kLeafItems = 8;  // of a BVH's node: see BvhNode::leaf
 LPV_CONST int kInstanceTexels = 7;
 LPV_CONST int kTriangleTexels = 3;
@@ -469,6 +476,33 @@ struct GlossParams {
   int pad0, pad1, pad2;
 };
 
+// --- haze (MATHS.md 3g)
+LPV_CONST int kHazeRays = 4;  // of a pixel and turn
+LPV_CONST int kHazeCandidates = 8;  // points of lights that are weighed for a ray
+
+/// Of the points that pixels look at through haze (shaders/visibility/light_points.glsl).
+struct HazeLight {
+  vec4 sphere;  // around all points: middle, radius, grid space; a radius of 0: no view passes near
+  int firstPoint;
+  int points;
+  float end;  // up to here numbers in [0, 1) choose this light or one before it
+  float share;  // of the numbers that choose it
+  float pointArea;  // around a point, that it stands for; 0: the point itself says
+  float power;  // area x brightness
+  float pad0, pad1;
+};
+
+struct HazeParams {
+  int first;  // tiles before this dispatch's first
+  int turn;  // of kHazeRays
+  int turns;  // of the lights, or of the surfaces
+  int firstTurn;  // 1: the sum begins anew
+  int firstRow;  // of the pixels, in the picture that they are some rows of
+  int lights;  // HazeLights
+  float scattering;  // per cell
+  float anisotropy;
+};
+
 struct SubpixelParams {
   vec2 offset;  // of the sample from the middle of its pixel, pixels
   int sampleIndex;  // the first begins anew
@@ -552,7 +586,7 @@ static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&
-              sizeof(GlossParams) == 48);
+              sizeof(GlossParams) == 48 && sizeof(HazeParams) == 32 && sizeof(HazeLight) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);
 }  // namespace lpv::layout

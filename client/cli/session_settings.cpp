@@ -70,7 +70,7 @@ struct SessionFlags::Given {
   std::optional<v1::Visibility> visibility;
   std::optional<int> bounces;
   std::optional<v1::Gloss> gloss;
-  std::optional<double> haze;
+  std::optional<double> haze, hazeAbsorption, hazeAnisotropy;
   std::optional<double> ttl;
   std::optional<std::string> displayName;
 
@@ -125,7 +125,15 @@ struct SessionFlags::Given {
         ->type_name("N|auto");
     addChoice<v1::Gloss>(app, "--gloss", gloss, {{"on", v1::GLOSS_ON}, {"off", v1::GLOSS_OFF}},
                          "Whether frames show reflections of surfaces that are metal or smooth (default: off)");
-    app.add_option("--haze", haze, "Extinction of haze per metre (default: 0)")->type_name("D");
+    app.add_option("--haze", haze,
+                   "Extinction per metre of haze that fills the grid, 0..100: .1 hides a tenth in a metre (default: 0)")
+        ->type_name("D");
+    app.add_option("--haze-absorption", hazeAbsorption,
+                   "Of what haze takes from light, the share that it does not scatter, 0..1 (default: 0)")
+        ->type_name("A");
+    app.add_option("--haze-anisotropy", hazeAnisotropy,
+                   "Mean cosine of what haze scatters, -0.95..0.95: .8 glows around lights as fog does (default: 0)")
+        ->type_name("G");
     addParsed<double>(app, "--ttl", ttl, "T", parseDuration,
                       "Remove the session after this time without calls: 90s, 10m, 1h, 2d; 0: never (default: 1h)");
     app.add_option("--display-name", displayName, "Name shown to people (default: none)")->type_name("TEXT");
@@ -197,6 +205,8 @@ std::vector<std::string> SessionFlags::apply(v1::SessionSettings& settings) cons
   set(g.bounces, "bounces", [&](int v) { settings.set_bounces(v); });
   set(g.gloss, "gloss", [&](auto v) { settings.set_gloss(v); });
   set(g.haze, "haze", [&](double v) { settings.set_haze(v); });
+  set(g.hazeAbsorption, "haze_absorption", [&](double v) { settings.set_haze_absorption(v); });
+  set(g.hazeAnisotropy, "haze_anisotropy", [&](double v) { settings.set_haze_anisotropy(v); });
   set(g.ttl, "ttl", [&](double v) { *settings.mutable_ttl() = durationOf(v); });
   set(g.displayName, "display_name", [&](const std::string& v) { settings.set_display_name(v); });
   return paths;

@@ -76,11 +76,6 @@ inline Status invalid(std::string field, std::string message) {
   return Status(Code::kInvalidArgument, std::move(message), std::move(field));
 }
 
-/// UNIMPLEMENTED at `field`: a value of the contract whose feature is not in this version.
-inline Status unimplemented(std::string field, std::string message) {
-  return Status(Code::kUnimplemented, std::move(message), std::move(field));
-}
-
 /// RESOURCE_EXHAUSTED at `field`: the limit that `reason` names. The message begins with its name in lower case.
 inline Status exhausted(Reason reason, std::string field, std::string message) {
   return Status(Code::kResourceExhausted, reason, std::move(message), std::move(field));

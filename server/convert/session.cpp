@@ -121,6 +121,8 @@ Status takeField(const std::string& field, const pb::SessionSettings& in, Sessio
     return o.visibility = defaults.visibility, take("visibility", in.visibility(), 3, &o.visibility);
   if (field == "gloss") return o.gloss = defaults.gloss, take("gloss", in.gloss(), 2, &o.gloss);
   if (field == "haze") return o.haze = in.haze(), Status();
+  if (field == "haze_absorption") return o.hazeAbsorption = in.haze_absorption(), Status();
+  if (field == "haze_anisotropy") return o.hazeAnisotropy = in.haze_anisotropy(), Status();
   if (field == "display_name") {
     if (in.display_name().size() > kMaxDisplayName) return invalid("display_name", "display_name is above 200 bytes");
     if (Status s = checkVisible("display_name", in.display_name()); !s.ok()) return s;
@@ -146,9 +148,10 @@ Status takeFields(const Names& named, const pb::SessionSettings& in, SessionSett
 }
 
 const Names& allFields() {
-  static const Names all = {"grid",       "injection",   "method", "dense_samples", "transport",   "quality",
-                            "iterations", "clamp_faces", "k",      "lookup",        "max_error",   "visibility",
-                            "bounces",    "gloss",       "haze",   "ttl",           "display_name"};
+  static const Names all = {"grid",        "injection",   "method", "dense_samples",   "transport",       "quality",
+                            "iterations",  "clamp_faces", "k",      "lookup",          "max_error",       "visibility",
+                            "bounces",     "gloss",       "haze",   "haze_absorption", "haze_anisotropy", "ttl",
+                            "display_name"};
   return all;
 }
 
@@ -210,6 +213,8 @@ void toProto(const LightingSettings& o, pb::SessionSettings* out) {
   out->set_bounces(o.bounces);
   out->set_gloss(wireOf<pb::Gloss>(o.gloss));
   out->set_haze(o.haze);
+  out->set_haze_absorption(o.hazeAbsorption);
+  out->set_haze_anisotropy(o.hazeAnisotropy);
 }
 
 void toProto(const SessionSummary& in, pb::Session* out) {

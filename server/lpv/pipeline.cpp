@@ -225,7 +225,7 @@ GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene)
   }
   std::vector<Occluder> occluders;  // not a temporary: GCC 12 destroys those of a conditional in co_await twice
   if (s.reflectionsBlocked || s.glossy) occluders = occludersOf(scene);
-  co_await made.occluders.update(std::move(occluders), s.field().grid);
+  co_await made.occluders.update(std::move(occluders), s.field().grid, hazeOf(scene));
   if (s.glossy) made.glossScene.update(scene, s.lights, made.pools, made.pooled.stamp());
 }
 

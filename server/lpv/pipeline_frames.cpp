@@ -104,6 +104,32 @@ GpuTask Pipeline::Stages::reflectLikeMirrors(SessionState& s, const Scene& scene
                          pacing(s));
 }
 
+GpuTask Pipeline::Stages::scatter(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
+  const LightingSettings& options = scene.options;
+  if (options.haze == 0.0 || s.lights.empty() || frame.quantity == FrameQuantity::kIrradiance) {
+    view.haze = nullptr;
+    co_return;
+  }
+  if (view.haze == nullptr || view.haze->size != frame.size) {
+    view.haze = nullptr;
+    view.haze = std::make_unique<HazeBuffer>(frame.size);
+  }
+  const StageProducts& made = *s.products;
+  const Grid& grid = s.field().grid;
+  const HazeSources sources = {s.lights,
+                               made.pools,
+                               made.emitters,
+                               made.occluders,
+                               made.reflecting(),
+                               grid.dims,
+                               options.haze * (1.0 - options.hazeAbsorption) * grid.cell,
+                               options.hazeAnisotropy,
+                               hazeTurns(frame, options),
+                               frame.firstRow};
+  co_await hazePass.run(*view.haze, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
+                        pacing(s));
+}
+
 GpuTask Pipeline::Stages::drawPanes(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
   if (frame.samples > 1 || !PaneRenderer::needed(frame, scene)) {
     view.panes = nullptr;
@@ -126,11 +152,13 @@ GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, con
     view.subpixels = nullptr;
     view.subpixels = std::make_unique<SubpixelBuffer>(frame.size);
   }
-  SubpixelInputs inputs = {view.gbuffer->shown.stamp(), {}, frame.samples};
+  const GpuOccluders& occluders = s.products->occluders;
+  const GpuOccluders* haze = scene.options.haze > 0.0 ? &occluders : nullptr;
+  SubpixelInputs inputs = {view.gbuffer->shown.stamp(), {}, frame.samples, haze != nullptr ? occluders.surfaces() : 0};
   for (const auto& [name, light] : scene.lights) inputs.lights.push_back(light);
   if (view.subpixels->shown.holds(inputs)) co_return;
   co_await subpixelPass.run(*view.subpixels, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
-                            view.targets->frameParams, pacing(s));
+                            view.targets->frameParams, haze, pacing(s));
   view.subpixels->shown.set(std::move(inputs));
 }
 
@@ -166,6 +194,7 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
       s.shadowed || s.bounces.turns > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
   co_await reflectLikeMirrors(s, scene, frame, view);
+  co_await scatter(s, scene, frame, view);
   const IrradianceSources lit = {field.transport,
                                  scene.options.lookup,
                                  s.looksAtLights ? nullptr : &*field.textures,
@@ -173,6 +202,8 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
                                  sampled ? &view.nearField->irradiance : nullptr,
                                  view.panes != nullptr ? &view.panes->share : nullptr,
                                  view.gloss != nullptr ? &view.gloss->gloss : nullptr,
+                                 view.haze.get(),
+                                 &s.products->occluders,
                                  view.subpixels.get()};
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }

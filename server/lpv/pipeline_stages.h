@@ -10,6 +10,7 @@
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
 #include "lpv/frame/gloss.h"
+#include "lpv/frame/haze.h"
 #include "lpv/frame/near_field.h"
 #include "lpv/frame/panes.h"
 #include "lpv/frame/shading.h"
@@ -38,6 +39,10 @@ inline int foldTurns(const LightingSettings& options) { return options.quality =
 /// Of rays of a pixel's lobe, at most.
 inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 32 : 16;
+}
+/// Of rays of a pixel through haze.
+inline int hazeTurns(const FrameRequest& frame, const LightingSettings& options) {
+  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 16 : 8;
 }
 inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
@@ -162,6 +167,7 @@ struct Pipeline::Stages {
   SubpixelPass subpixelPass{gbufferRenderer, emitterRenderer, paneRenderer};
   NearFieldPass nearFieldPass;
   GlossPass glossPass{nearFieldPass};
+  HazePass hazePass;
   ShadingPass shadingPass;
 
   Pacing pacing(const SessionState& s) const { return {s.clock.get(), kAim * pieceSeconds}; }
@@ -184,6 +190,7 @@ struct Pipeline::Stages {
   ShadowCasters shadowCasters(const SessionState& s, const Scene& scene, const FrameRows& frame) const;
   GpuTask lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask reflectLikeMirrors(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
+  GpuTask scatter(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask drawPanes(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask drawSubpixels(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);
   GpuTask drawFrame(SessionState& s, const Scene& scene, const FrameRows& frame, View& view);

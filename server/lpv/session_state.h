@@ -12,6 +12,7 @@
 #include "gpu/readback.h"
 #include "lpv/cached.h"
 #include "lpv/frame/gloss.h"
+#include "lpv/frame/haze.h"
 #include "lpv/frame/near_field.h"
 #include "lpv/frame/panes.h"
 #include "lpv/frame/shading.h"
@@ -32,6 +33,7 @@ struct View {
   std::unique_ptr<NearFieldBuffer> nearField;  ///< of a reduced frame (FrameRequest::reduced), or one with shadows
   std::unique_ptr<PaneBuffer> panes;  ///< where panes are in the picture, and one sample per pixel
   std::unique_ptr<GlossBuffer> gloss;  ///< where surfaces have lobes
+  std::unique_ptr<HazeBuffer> haze;  ///< where there is haze
   std::unique_ptr<SubpixelBuffer> subpixels;  ///< of a frame with several samples per pixel
   gpu::Readback readback;
 };

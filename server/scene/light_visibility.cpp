@@ -21,6 +21,7 @@ double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const 
 
 void LightVisibility::prepare() const {
   occluders_ = std::make_unique<const Occluders>(*scene_);
+  haze_ = hazeOf(*scene_);
   offset_ = double(layout::kShadowOffset) * scene_->grid.cell;
   for (const auto& [name, surface] : scene_->surfaces) {
     const Bounds box = surface->mesh->bounds.transformed(surface->transform.worldFromObject());
@@ -47,7 +48,7 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
     const glm::dvec3 light3 = weight * glm::dvec3(p.factor);
     const glm::dvec3 to = glm::mix(from, glm::dvec3(p.position), double(layout::kShadowEnd));
     all += light3;
-    seen += light3 * occluders_->transmitted(from, to, int(light));
+    seen += light3 * haze_.transmittance(from, to) * occluders_->transmitted(from, to, int(light));
   }
   glm::dvec3 out(1.0);
   for (int c = 0; c < 3; ++c) {
@@ -68,7 +69,7 @@ std::vector<LightVisibility::PointSeen> LightVisibility::pointsSeen(const glm::d
     if (!(r > 0.0 && towards > 0.0)) continue;
     const glm::dvec3 to = glm::mix(at, glm::dvec3(p.position), double(layout::kShadowEnd));
     out.push_back({d / r, double(p.area) * towards / (r * r * r) * glm::dvec3(p.factor),
-                   occluders_->transmitted(at, to, int(light))});
+                   haze_.transmittance(at, to) * occluders_->transmitted(at, to, int(light))});
   }
   return out;
 }
@@ -76,7 +77,8 @@ std::vector<LightVisibility::PointSeen> LightVisibility::pointsSeen(const glm::d
 glm::dvec3 LightVisibility::seen(const glm::dvec3& at, const glm::dvec3& n, const glm::dvec3& place) const {
   std::call_once(once_, [this] { prepare(); });
   const glm::dvec3 from = at + offset_ * n;
-  return occluders_->transmitted(from, glm::mix(from, place, double(layout::kShadowEnd)), kFromSurfaces);
+  const glm::dvec3 to = glm::mix(from, place, double(layout::kShadowEnd));
+  return haze_.transmittance(from, to) * occluders_->transmitted(from, to, kFromSurfaces);
 }
 
 std::optional<LightVisibility::Sight> LightVisibility::sight(const glm::dvec3& at, const glm::dvec3& n,
@@ -87,7 +89,8 @@ std::optional<LightVisibility::Sight> LightVisibility::sight(const glm::dvec3& a
   const std::optional<OccluderHit> hit = occluders_->firstHit(from, from + beyond * direction);
   if (!hit) return std::nullopt;
   const glm::dvec3 to = glm::mix(from, hit->position, double(layout::kShadowEnd));
-  return Sight{*hit, panes_ ? occluders_->transmitted(from, to, kFromSurfaces) : glm::dvec3(1.0)};
+  const glm::dvec3 throughPanes = panes_ ? occluders_->transmitted(from, to, kFromSurfaces) : glm::dvec3(1.0);
+  return Sight{*hit, haze_.transmittance(from, to) * throughPanes};
 }
 
 }  // namespace lpv

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/haze.h"
 #include "scene/light_points.h"
 #include "scene/occluders.h"
 #include "scene/scene.h"
@@ -59,6 +60,7 @@ class LightVisibility {
   mutable std::vector<Emitter> emitters_;
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
   mutable Bounds bounds_;  ///< of the surfaces
+  mutable Haze haze_;
   mutable bool panes_ = false;  ///< something lets light through
 };
 using LightVisibilityPtr = std::shared_ptr<const LightVisibility>;

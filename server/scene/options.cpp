@@ -8,17 +8,12 @@
 namespace lpv {
 namespace {
 
-Status later(const char* field, const std::string& value, const char* instead) {
-  return unimplemented(field, std::string(field) + " " + value + " is not built in this version; use " + instead);
-}
-
 Status checkRange(const char* field, double value, double low, double high) {
   if (value >= low && value <= high) return {};
   return invalid(field, std::string(field) + " is " + std::to_string(value) + ", allowed are " + std::to_string(low) +
                             " to " + std::to_string(high));
 }
 
-/// Checks ranges, also of features that this version lacks: a value out of range is wrong in every version.
 Status checkRanges(const LightingSettings& o) {
   if (o.iterations < 0 || o.iterations > kMaxIterations) {
     return invalid("iterations", "iterations is " + std::to_string(o.iterations) + ", allowed are 0 (automatic) to " +
@@ -37,7 +32,9 @@ Status checkRanges(const LightingSettings& o) {
   if (o.method == InjectionMethod::kDense && (o.denseSamples < 1 || o.denseSamples > 100000)) {
     return invalid("dense_samples", "dense_samples is " + std::to_string(o.denseSamples) + ", allowed are 1 to 100000");
   }
-  return checkRange("haze", o.haze, 0.0, 100.0);
+  if (Status s = checkRange("haze", o.haze, 0.0, kMaxHaze); !s.ok()) return s;
+  if (Status s = checkRange("haze_absorption", o.hazeAbsorption, 0.0, 1.0); !s.ok()) return s;
+  return checkRange("haze_anisotropy", o.hazeAnisotropy, -kMaxHazeAnisotropy, kMaxHazeAnisotropy);
 }
 
 Status checkTogether(const LightingSettings& o) {
@@ -53,7 +50,16 @@ Status checkTogether(const LightingSettings& o) {
   if (o.gloss == Gloss::kOn && propagates) {
     return invalid("gloss", "gloss is ON, but transport PROPAGATE has no reflections: choose GATHER or DIRECT, or OFF");
   }
-  if (o.transport == Transport::kPropagate) return {};
+  if (o.haze != 0.0 && propagates) {
+    return invalid("haze", "haze is " + std::to_string(o.haze) +
+                               ", but transport PROPAGATE has none: choose GATHER or DIRECT, or haze 0");
+  }
+  if (o.haze != 0.0 && o.visibility == Visibility::kOff) {
+    return invalid("haze", "haze is " + std::to_string(o.haze) +
+                               ", which is found along the rays that visibility OFF leaves out: choose AUTO or ON, or "
+                               "haze 0");
+  }
+  if (propagates) return {};
   const std::string transport = o.transport == Transport::kGather   ? "GATHER"
                                 : o.transport == Transport::kDirect ? "DIRECT"
                                                                     : "AUTO";
@@ -99,9 +105,7 @@ Status checkOptions(const LightingSettings& o) {
 
 Status checkSavedOptions(const LightingSettings& o) {
   if (Status s = checkRanges(o); !s.ok()) return s;
-  if (Status s = checkTogether(o); !s.ok()) return s;
-  if (o.haze != 0.0) return later("haze", std::to_string(o.haze), "0");
-  return {};
+  return checkTogether(o);
 }
 
 }  // namespace lpv

@@ -21,6 +21,8 @@ enum class Gloss { kOn, kOff };
 inline constexpr int kMaxIterations = 1000;
 inline constexpr int kMaxBounces = 32;
 inline constexpr int kAutoBounces = -1;
+inline constexpr double kMaxHaze = 100.0;
+inline constexpr double kMaxHazeAnisotropy = 0.95;
 /// Opening ratio of GATHER and DIRECT by quality (MATHS.md 3b.3).
 inline constexpr double kFastOpeningRatio = 1.5;
 inline constexpr double kAccurateOpeningRatio = 3.0;
@@ -42,7 +44,9 @@ struct LightingSettings {
   Visibility visibility = Visibility::kAuto;
   int bounces = 0;                      ///< 0..kMaxBounces, or kAutoBounces: as many as the wanted error asks for
   Gloss gloss = Gloss::kOff;
-  double haze = 0.0;                    ///< extinction per metre; 0 = none
+  double haze = 0.0;                    ///< extinction per metre of what fills the grid (scene/haze.h); 0 = none
+  double hazeAbsorption = 0.0;          ///< of what haze takes from light, the share that it does not scatter
+  double hazeAnisotropy = 0.0;          ///< of what it scatters: mean cosine (Henyey and Greenstein 1941)
 
   bool operator==(const LightingSettings&) const = default;
 

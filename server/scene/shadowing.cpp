@@ -115,6 +115,7 @@ bool lightsSwallow(const Scene& scene) {
 
 bool isShadowed(const Scene& scene) {
   if (scene.options.transport == Transport::kPropagate) return false;
+  if (scene.options.haze > 0.0) return true;
   switch (scene.options.visibility) {
     case Visibility::kOn:
       return true;

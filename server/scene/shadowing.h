@@ -6,7 +6,7 @@
 namespace lpv {
 
 /// Whether frames, probes and volumes of the scene have shadows: as its settings say, and with AUTO where
-/// shadowsPossible. PROPAGATE has none.
+/// shadowsPossible, or where haze takes light on its way. PROPAGATE has none.
 bool isShadowed(const Scene& scene);
 
 /// False where no shadow can be: every surface has all lights and surfaces on one side of each of its planes, as the

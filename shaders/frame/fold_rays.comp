@@ -35,7 +35,7 @@ vec3 seenOfPieces(vec3 x, vec3 direction, inout int rounds) {
   const vec3 d = patches[of].place.xyz - x;
   if (dot(d, d) >= patches[of].corners[2].w) return vec3(0.0);
 #if LPV_TRANSPARENT
-  return pieceLights[piece].rgb * transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
+  return pieceLights[piece].rgb * throughHaze(x, place) * transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
 #else
   return pieceLights[piece].rgb;
 #endif
@@ -46,7 +46,7 @@ void main() {
   if (four >= list.count || shadowPoints[point].asked.a == 0.0) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
-  const vec3 lower = uintBitsToFloat(texelFetch(occluders, 1).xyz), upper = uintBitsToFloat(texelFetch(occluders, 2).xyz);
+  const vec3 lower = lowestOccluder(), upper = highestOccluder();
   const float beyond = length(max(abs(x - lower), abs(x - upper)));  // all that there is is nearer
   vec3 sum = vec3(0.0);
   int rays = 0, rounds = 0;

@@ -4,6 +4,7 @@
 // found after the last turn: those are listed then (near_field_evaluate.comp). A work-group has a block of pixels.
 #include "layout.h"
 #include "common/sh.glsl"
+#include "common/random.glsl"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
 #include "frame/point_list.glsl"
@@ -41,16 +42,6 @@ struct Receiver {
   uint seed;     // of its choices, which are not like those beside it: sequences would make patterns of them
 };
 
-/// In [0, 1), by two rounds of PCG (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
-uint hashed(uint v) {
-  const uint state = v * 747796405u + 2891336453u;
-  const uint word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
-  return (word >> 22) ^ word;
-}
-float randomOf(uint seed, uint k) { return float(hashed(seed + hashed(k)) >> 8) / 16777216.0; }
-
-float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
-
 /// In the picture, of a pixel of the band.
 ivec2 ofPicture(ivec2 at) { return at + ivec2(0, params.bandRow); }
 
@@ -68,17 +59,17 @@ Receiver receiverAt(ivec2 pixel) {
   r.x = place + kShadowOffset * r.n;
   r.v = normalize(frame.eye - place);
   r.lobe = lobeAt(frame, pixel);
-  const vec3 lower = uintBitsToFloat(texelFetch(occluders, 1).xyz), upper = uintBitsToFloat(texelFetch(occluders, 2).xyz);
+  const vec3 lower = lowestOccluder(), upper = highestOccluder();
   r.beyond = length(max(abs(r.x - lower), abs(r.x - upper)));
   r.seed = hashed(packedPixel(pixel + ivec2(0, params.firstRow)));
   r.shift = kPixelSteps * vec2((pixel + ivec2(0, params.firstRow)) & 1023);
   return r;
 }
 
-/// What gets to the receiver from a place, of which no opaque thing is in the way.
-vec3 throughPanes(vec3 x, vec3 place, inout int rounds) {
+/// What gets to the receiver from a place, of which no opaque thing is in the way: through panes and haze.
+vec3 throughAir(vec3 x, vec3 place, inout int rounds) {
 #if LPV_TRANSPARENT
-  return transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
+  return throughHaze(x, place) * transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
 #else
   return vec3(1.0);
 #endif
@@ -120,7 +111,7 @@ vec3 rayOfLobe(Receiver r, int k, inout GlossPoint p, inout int rounds) {
   if (sight.at >= 1.0 || distance_ < kNearest) return vec3(0.0);
   const vec3 place = r.x + distance_ * direction;
   const Met met = metAt(sight, place);
-  const vec3 arrives = worth * throughPanes(r.x, place, rounds);
+  const vec3 arrives = worth * throughAir(r.x, place, rounds);
   if (met.light >= 0) return arrives * fromLight(r, met, distance_ * distance_, direction, sight.front);
   if (met.surface >= 0) {
     const float choice = randomOf(r.seed, 2u * uint(k));
@@ -174,6 +165,9 @@ vec3 rayToLight(Receiver r, int k, inout int rounds) {
     light = c.light;
   }
   if (weights <= 0.0 || params.shadows == 0) return all;
+#if LPV_TRANSPARENT
+  all *= throughHaze(r.x, place);
+#endif
   return all * transmitted(r.x, mix(r.x, place, kShadowEnd), light, rounds);
 }
 

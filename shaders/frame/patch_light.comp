@@ -69,6 +69,16 @@ vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
   return place;
 }
 
+/// The share of what a place sends that arrives.
+vec3 arrivesOf(vec3 x, vec3 place, inout int rounds) {
+  const vec3 share = transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
+#if LPV_TRANSPARENT
+  return throughHaze(x, place) * share;
+#else
+  return share;
+#endif
+}
+
 /// Of near patches, what would arrive with nothing in between, from those that are not asked and from those that are;
 /// and what arrives from these. What pieces of folds send is not known yet: as much is asked for as patches like these
 /// send to all sides, so that what they are found to send is smoothed like a share of it.
@@ -92,8 +102,7 @@ void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 asked, out 
     light += asks ? vec3(0.0) : e;
     asked += asks ? e : vec3(0.0);
     if (asks && shadow.turns == 0) known += e;
-    if (asks && shadow.turns > 0 && e != vec3(0.0))
-      known += e * transmitted(x, mix(x, placeOn(i, x, n, inPicture(pixel)), kShadowEnd), kFromSurfaces, rounds);
+    if (asks && shadow.turns > 0 && e != vec3(0.0)) known += e * arrivesOf(x, placeOn(i, x, n, inPicture(pixel)), rounds);
     ++i;
   }
 }

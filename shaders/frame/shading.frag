@@ -1,6 +1,7 @@
 // Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
 // through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen. LPV_PANES: some of it
-// is seen through panes. LPV_GLOSS: surfaces have lobes (frame/gloss.glsl). LPV_SUBPIXELS: several samples of each pixel say what is in it (frame/subpixels.glsl).
+// is seen through panes. LPV_GLOSS: surfaces have lobes (frame/gloss.glsl). LPV_SUBPIXELS: several samples of each pixel say
+// what is in it (frame/subpixels.glsl). LPV_HAZE: some of it is lost in haze, which shines itself (frame/haze.comp).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
@@ -23,6 +24,12 @@ layout(binding = kPanes) uniform sampler2D panes;
 #error "LPV_GLOSS: 0 or 1"
 #elif LPV_GLOSS
 layout(binding = kGloss) uniform sampler2D gloss;
+#endif
+#ifndef LPV_HAZE
+#error "LPV_HAZE: 0 or 1"
+#elif LPV_HAZE
+#include "visibility/haze.glsl"
+layout(binding = kHaze) uniform sampler2D haze;
 #endif
 #ifndef LPV_SUBPIXELS
 #error "LPV_SUBPIXELS: 0 or 1"
@@ -109,16 +116,29 @@ vec3 reflected(ivec2 pixel, vec3 albedo) {
 #endif
 }
 
+#if LPV_HAZE
+/// What reaches the eye from what is in the middle of a pixel.
+float throughHaze(ivec2 pixel, float depth) { return throughHaze(gridPosition(frame, vec2(pixel) + 0.5, depth), frame.eye); }
+#endif
+
 #if LPV_SUBPIXELS
-vec3 reflected(ivec2 pixel, vec4 subpixels) {
+/// What a share of a pixel shows that is lit as one of those around it, less what is in front of that one itself.
+vec3 seen(ivec2 pixel, vec4 subpixels) {
   const int count = countOf(subpixels);
-  return count == 0 ? vec3(0.0)
-                    : float(count) / float(frame.samples) * reflected(pixel + pixelAround(codeOf(subpixels)), subpixels.rgb);
+  if (count == 0) return vec3(0.0);
+  const ivec2 at = pixel + pixelAround(codeOf(subpixels));
+  const float share = float(count) / float(frame.samples);
+#if LPV_HAZE
+  const vec3 shines = texelFetch(haze, at, 0).rgb - texelFetch(haze, pixel, 0).rgb;
+  return share * (throughHaze(at, texelFetch(surfaceDepth, at, 0).x) * reflected(at, subpixels.rgb) + shines);
+#else
+  return share * reflected(at, subpixels.rgb);
+#endif
 }
 
 vec3 radiance(ivec2 pixel) {
-  return texelFetch(emission, pixel, 0).rgb + reflected(pixel, texelFetch(ownSubpixels, pixel, 0)) +
-         reflected(pixel, texelFetch(firstSubpixels, pixel, 0)) + reflected(pixel, texelFetch(secondSubpixels, pixel, 0));
+  return texelFetch(emission, pixel, 0).rgb + seen(pixel, texelFetch(ownSubpixels, pixel, 0)) +
+         seen(pixel, texelFetch(firstSubpixels, pixel, 0)) + seen(pixel, texelFetch(secondSubpixels, pixel, 0));
 }
 #endif
 
@@ -139,8 +159,14 @@ void main() {
     colour.rgb = reflected(pixel, texelFetch(albedo, pixel, 0).rgb);
   }
 #endif
+#if LPV_HAZE && !LPV_SUBPIXELS
+  colour.rgb *= throughHaze(pixel, max(surface, emitter));
+#endif
 #if LPV_PANES && !LPV_IRRADIANCE
   colour.rgb *= texelFetch(panes, pixel, 0).rgb;
+#endif
+#if LPV_HAZE
+  colour.rgb += texelFetch(haze, pixel, 0).rgb;
 #endif
 #if LPV_DISPLAY
   colour = vec4(displayFromRadiance(colour.rgb, frame.exposure.factor), 1.0);

@@ -90,6 +90,23 @@ ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
   return chosen;
 }
 
+#if LPV_TRANSPARENT
+/// What haze leaves of what the pool sends, over as many points as are weighed. It belongs to what is sent, not to the share
+/// that arrives: so it is no reason for more rays, and is not smoothed like what few of them have seen.
+float keptInHaze(vec3 x, vec3 n, ivec2 pixel) {
+  const float shift = candidatesAt(pixel);
+  float kept = 0.0, all = 0.0;
+  for (int k = 0; k < (hazeExtinction() > 0.0 ? kCandidates : 0); ++k) {
+    // Another place of each part: the same of all would be as if the light were moved.
+    const LightPart part = partOf(shadow.firstPoint, shadow.pointCount, k, fract(shift + 0.6180339887 * float(k)), x);
+    const float weight = partWeight(part, x, n);
+    kept += weight * throughHaze(x, pointPosition(part.one));
+    all += weight;
+  }
+  return all > 0.0 ? kept / all : 1.0;
+}
+#endif
+
 void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
   vec4 weights;
@@ -107,7 +124,13 @@ void sendRays(uint point, ivec2 pixel) {
     seenRays += max(max(share.r, share.g), share.b);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }
-  if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);
+  if (shadow.turn == 0) {
+#if LPV_TRANSPARENT
+    const vec3 asked = shadowPoints[point].asked.rgb, others = shadowPoints[point].light.rgb - asked;
+    shadowPoints[point].light.rgb = asked + keptInHaze(x, n, inPicture(pixel)) * others;
+#endif
+    shadowPoints[point].light.a = firstMet(shares, all.a);
+  }
   shadowPoints[point].all += all;
   shadowPoints[point].seen.rgb += seen;
   if (shadow.darkTurns > 1) countSeen(point, seenRays);

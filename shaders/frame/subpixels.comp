@@ -1,6 +1,7 @@
 // What one sample of each pixel adds to the pixel's subpixels (frame/subpixels.glsl). The sample's surface is lit as the
 // pixel in the middle of the nine around it is whose surface is most nearly the sample's own: light is found once per
-// pixel, edges and textures as often as there are samples. A thread has a pixel. LPV_PANES: some are seen through panes.
+// pixel, edges and textures as often as there are samples. A thread has a pixel. LPV_PANES: some are seen through panes; LPV_HAZE:
+// lights through haze, surfaces as the pixel that they are lit as (frame/shading.frag).
 #include "layout.h"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
@@ -8,6 +9,11 @@
 
 #ifndef LPV_PANES
 #error "LPV_PANES: 0 or 1"
+#endif
+#ifndef LPV_HAZE
+#error "LPV_HAZE: 0 or 1"
+#elif LPV_HAZE
+#include "visibility/haze.glsl"
 #endif
 
 layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
@@ -92,7 +98,12 @@ void main() {
 #endif
   const float depth = texelFetch(sampleDepth, at, 0).x, emitter = texelFetch(sampleEmitterDepth, at, 0).x;
   if (emitter > 0.0 && emitter >= depth) {
-    emission.rgb += kept * texelFetch(sampleEmission, at, 0).rgb / float(params.samples);
+#if LPV_HAZE
+    const float arrives = throughHaze(gridPosition(frame, vec2(pixel) + 0.5 + params.offset, emitter), frame.eye);
+#else
+    const float arrives = 1.0;
+#endif
+    emission.rgb += arrives * kept * texelFetch(sampleEmission, at, 0).rgb / float(params.samples);
   } else if (depth > 0.0) {
     const vec2 where = vec2(pixel) + 0.5 + params.offset;
     const Surface s = Surface(gridPosition(frame, where, depth), unitFromOctahedral(texelFetch(sampleNormal, at, 0).xy));

@@ -40,7 +40,11 @@ CellVisibility rays(vec3 x) {
     const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
     const vec4 ray = vec4(normalize(to - x), 1.0);
     v.all += ray;
-    v.seen += ray * dot(transmitted(x, mix(x, to, kShadowEnd), params.light), vec3(1.0 / 3.0));
+    float share = dot(transmitted(x, mix(x, to, kShadowEnd), params.light), vec3(1.0 / 3.0));
+#if LPV_TRANSPARENT
+    share *= throughHaze(x, to);
+#endif
+    v.seen += ray * share;
   }
   return v;
 }

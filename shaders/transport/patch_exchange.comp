@@ -1,6 +1,6 @@
 // How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets a surface;
 // lights between them are found apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a
-// pair answers for both. LPV_TRANSPARENT: what light keeps through panes on the way is apart.
+// pair answers for both. LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"
@@ -42,8 +42,9 @@ void main() {
     const vec3 share = transmitted(beside(here), beside(there), kAllLights);
     if (share == vec3(0.0)) continue;
 #if LPV_TRANSPARENT
-    shares[b * params.count + a] = packedShare(share);
-    shares[a * params.count + b] = packedShare(share);
+    const uint kept = packedShare(throughHaze(beside(here), beside(there)) * share);
+    shares[b * params.count + a] = kept;
+    shares[a * params.count + b] = kept;
 #endif
     exchange[b * params.count + a] = here.place.w * arrivesAt(here, there);
     exchange[a * params.count + b] = there.place.w * arrivesAt(there, here);

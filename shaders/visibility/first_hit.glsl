@@ -40,8 +40,8 @@ Sight firstHit(vec3 from, vec3 to, inout int rounds) {
   const int instances = int(texelFetch(occluders, 0).x);
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   Sight sight = Sight(1.0, 0, 0, true);
-  for (int at = 1; at < instances && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, 1, instances, box, sight.at, rounds);
+  for (int at = kOccluderHeader; at < instances && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, sight.at, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     if (leaf == 0u || !stopsAll(instance)) continue;
     const mat4x3 object = objectFromGrid(instance);

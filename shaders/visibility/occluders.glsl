@@ -1,6 +1,7 @@
 // Shadow rays against triangles: a BVH over instances, below each the BVH of its mesh, walked depth first without a stack
 // (server/scene/triangle_bvh.h, occluders.h). Texels:
-//   0: (texel of the first instance, -, -, -), then the nodes over instances, of which the first has the box of all
+//   header    (texel of the first instance, -, -, -), (lower corner of the haze, its extinction per cell) and (its upper
+//             corner, -), then the nodes over instances, of which the first has the box of all
 //   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
 //   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
 //             triangles, which follow them, largest coordinate of its box, what it blocks: Occluder::blocks), then
@@ -11,13 +12,13 @@
 //   texture coordinates of a triangle: (first, second), (third, -)
 //   map       alphas of 255, four to a number
 //
-// LPV_TRANSPARENT: some of what is there lets light through (server/scene/transparency.h); else all is opaque, and what
-// instances have for it is not read.
+// LPV_TRANSPARENT: some of what is there lets light through (server/scene/transparency.h), or haze takes some of it
+// (visibility/haze.glsl); else all is opaque, and what instances have for it is not read.
 #ifndef LPV_TRANSPARENT
 #error "LPV_TRANSPARENT: 0 or 1"
 #endif
 
-layout(binding = kOccluders) uniform usamplerBuffer occluders;
+#include "visibility/haze.glsl"
 
 // A ray looks at a node or triangle of each instance once at most; past kMostRayRounds of them it counts as open. llvmpipe
 // ends a thread's loops after 2^16 rounds in all, without reporting it, and counts what any of eight neighbours takes: who
@@ -105,6 +106,10 @@ float whereMet(int texel, Segment s) {
 }
 
 bool meetsTriangle(int texel, Segment s) { return whereMet(texel, s) < 1.0; }
+
+/// The box of all that is there.
+vec3 lowestOccluder() { return uintBitsToFloat(texelFetch(occluders, kOccluderHeader).xyz); }
+vec3 highestOccluder() { return uintBitsToFloat(texelFetch(occluders, kOccluderHeader + 1).xyz); }
 
 /// Goes on from node `at` of a tree to the next leaf that the segment may meet before `limit`: its items as BvhNode::leaf
 /// has them, or 0 at the end. Texels of the tree's first node and of one past the last. A loop with nothing else in it:
@@ -201,8 +206,8 @@ vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
   const int instances = int(texelFetch(occluders, 0).x);
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   vec3 share = vec3(1.0);
-  for (int at = 1; at < instances && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, 1, instances, box, 1.0, rounds);
+  for (int at = kOccluderHeader; at < instances && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, 1.0, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || (int(mesh.w) != kAllLights && light != kFromSurfaces && int(mesh.w) != light)) continue;
@@ -228,8 +233,8 @@ bool meetsLight(vec3 from, vec3 to) {
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   bool met = false;
   int rounds = 0;
-  for (int at = 1; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, 1, instances, box, 1.0, rounds);
+  for (int at = kOccluderHeader; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, 1.0, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || int(mesh.w) == kAllLights) continue;

@@ -27,27 +27,36 @@ struct Feature {
   bool reduced = true;
   int samples = 1;
   bool gloss = false;  ///< of all surfaces, roughness .3
+  double haze = 0.0;  ///< extinction per metre
 };
+
+/// A tenth in a metre.
+constexpr double kHaze = 0.1;
 
 constexpr Feature kFeatures[] = {
     {"volume", Visibility::kOff, 0, false},
     {"volume, guard cells", Visibility::kOff, 0, false, true},
     {"volume, visibility auto", Visibility::kAuto, 0, false},
     {"volume, shadows", Visibility::kOn, 0, false},
+    {"volume, haze", Visibility::kOn, 0, false, false, true, 1, false, kHaze},
     {"volume, shadows, 1 bounce", Visibility::kOn, 1, false},
     {"volume, shadows, all bounces", Visibility::kOn, kAutoBounces, false},
     {"stream's frame", Visibility::kOff, 0, true},
     {"stream's frame, visibility auto", Visibility::kAuto, 0, true},
     {"stream's frame, shadows", Visibility::kOn, 0, true},
+    {"stream's frame, haze", Visibility::kOn, 0, true, false, true, 1, false, kHaze},
     {"stream's frame, shadows, 1 bounce", Visibility::kOn, 1, true},
     {"stream's frame, shadows, all bounces", Visibility::kOn, kAutoBounces, true},
     {"stream's frame, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, true, 1, true},
+    {"stream's frame, all bounces, haze", Visibility::kOn, kAutoBounces, true, false, true, 1, false, kHaze},
     {"single frame", Visibility::kOff, 0, true, false, false},
     {"single frame, 8 samples", Visibility::kOff, 0, true, false, false, 8},
     {"single frame, 8 samples, shadows", Visibility::kOn, 0, true, false, false, 8},
+    {"single frame, 8 samples, haze", Visibility::kOn, 0, true, false, false, 8, false, kHaze},
     {"single frame, 8 samples, shadows, all bounces", Visibility::kOn, kAutoBounces, true, false, false, 8},
     {"single frame, 8 samples, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, false, 8,
      true},
+    {"single frame, 8 samples, all bounces, haze", Visibility::kOn, kAutoBounces, true, false, false, 8, false, kHaze},
 };
 
 /// What a row came to.
@@ -99,6 +108,7 @@ Cost measure(Scene scene, const Feature& feature, int ticks) {
   ++session;
   scene.options.visibility = feature.visibility;
   scene.options.bounces = feature.bounces;
+  scene.options.haze = feature.haze;
   if (feature.gloss) makeGlossy(scene);
   Cost cost;
   std::vector<double> took;

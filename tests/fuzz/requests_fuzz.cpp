@@ -47,8 +47,9 @@ std::vector<std::string> words() {
                                   "*",
                                   "light",
                                   "settings"};
-  for (const char* path : {"grid", "injection", "method", "dense_samples", "transport", "quality", "iterations",
-                           "clamp_faces", "k", "lookup", "max_error", "visibility", "bounces", "gloss", "haze", "ttl",
+  for (const char* path : {"grid",         "injection",   "method", "dense_samples",   "transport",       "quality",
+                           "iterations",   "clamp_faces", "k",      "lookup",          "max_error",       "visibility",
+                           "bounces",      "gloss",       "haze",   "haze_absorption", "haze_anisotropy", "ttl",
                            "display_name", "grid.bounds", "nothing"}) {
     out.push_back(std::string("settings.") + path);
   }

@@ -37,6 +37,10 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
   if (lit->nearField != nullptr) lit->nearField->bind(layout::kNearField);
   if (lit->panes != nullptr) lit->panes->bind(layout::kPanes);
   if (lit->gloss != nullptr) lit->gloss->bind(layout::kGloss);
+  if (lit->haze != nullptr) {
+    lit->haze->scattered.bind(layout::kHaze);
+    lit->hazeBox->bind();
+  }
   if (lit->subpixels != nullptr) {
     lit->subpixels->emission.bind(layout::kEmission);
     lit->subpixels->own.bind(layout::kSubpixelsOwn);
@@ -103,11 +107,17 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
 }
 
 gpu::Defines ShadingPass::Variant::defines() const {
-  return {gpu::define("LPV_CHANNELS", channels),     gpu::define("LPV_GROUPS", groups),
-          gpu::define("LPV_LOOKUP", int(lookup)),    gpu::define("LPV_NEAR_FIELD", nearField),
-          gpu::define("LPV_LOOKED_AT", lookedAt),    gpu::define("LPV_DISPLAY", display),
-          gpu::define("LPV_PANES", panes),           gpu::define("LPV_SUBPIXELS", subpixels),
-          gpu::define("LPV_IRRADIANCE", irradiance), gpu::define("LPV_GLOSS", gloss)};
+  return {gpu::define("LPV_CHANNELS", channels),
+          gpu::define("LPV_GROUPS", groups),
+          gpu::define("LPV_LOOKUP", int(lookup)),
+          gpu::define("LPV_NEAR_FIELD", nearField),
+          gpu::define("LPV_LOOKED_AT", lookedAt),
+          gpu::define("LPV_DISPLAY", display),
+          gpu::define("LPV_PANES", panes),
+          gpu::define("LPV_SUBPIXELS", subpixels),
+          gpu::define("LPV_IRRADIANCE", irradiance),
+          gpu::define("LPV_GLOSS", gloss),
+          gpu::define("LPV_HAZE", haze)};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -171,6 +181,7 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
                                       .display = direct,
                                       .panes = lit.panes != nullptr,
                                       .gloss = lit.gloss != nullptr,
+                                      .haze = lit.haze != nullptr,
                                       .subpixels = lit.subpixels != nullptr,
                                       .irradiance = request.quantity == FrameQuantity::kIrradiance});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);

@@ -8,6 +8,7 @@
 #include "gpu/program.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/frame/haze.h"
 #include "lpv/frame/subpixels.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
@@ -46,6 +47,8 @@ struct IrradianceSources {
   const gpu::Texture* nearField = nullptr;  ///< of NearFieldBuffer; null: pixels look at the lights themselves
   const gpu::Texture* panes = nullptr;  ///< of PaneBuffer; null: no pane is in the picture, or in the subpixels already
   const gpu::Texture* gloss = nullptr;  ///< of GlossBuffer; null: surfaces are matte
+  const HazeBuffer* haze = nullptr;  ///< null: there is none
+  const GpuOccluders* hazeBox = nullptr;  ///< with haze, where it is
   const SubpixelBuffer* subpixels = nullptr;  ///< null: the middle says what is in a pixel
 };
 
@@ -74,6 +77,7 @@ class ShadingPass {
     bool display = false;
     bool panes = false;
     bool gloss = false;
+    bool haze = false;
     bool subpixels = false;
     bool irradiance = false;
     bool operator==(const Variant&) const = default;

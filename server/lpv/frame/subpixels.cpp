@@ -59,14 +59,15 @@ SubpixelBuffer::SubpixelBuffer(const glm::ivec2& size)
 
 GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights,
                           const FrameRows& request, const Scene& scene, const SceneResources& resources,
-                          const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing) {
+                          const MeshDrawer& drawer, const gpu::Buffer& frameParams, const GpuOccluders* haze,
+                          Pacing pacing) {
   const glm::ivec2 size = request.size;
   const int height = std::clamp(kSampledPixels / size.x, 1, size.y);
   Rows rows({size.x, height}, PaneRenderer::needed(request, scene));
   const FrameView view(request);
   gpu::Buffer sampleParams("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic);
   gpu::Buffer subpixelParams("subpixel params", sizeof(layout::SubpixelParams), gpu::BufferUse::kDynamic);
-  gpu::Program& add = add_.get({.panes = rows.panes.has_value()});
+  gpu::Program& add = add_.get({.panes = rows.panes.has_value(), .haze = haze != nullptr});
   const std::span<const Offset> offsets = offsetsOf(request.samples);
   for (int row = 0; row < size.y; row += height) {
     for (std::size_t i = 0; i < offsets.size(); ++i) {
@@ -99,6 +100,7 @@ GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const 
       rows.emitters.emission.bind(layout::kSampleEmission);
       rows.emitters.depth.bind(layout::kSampleEmitterDepth);
       if (rows.panes) rows.panes->share.bind(layout::kPanes);
+      if (haze != nullptr) haze->bind();
       buffer.emission.bindImage(layout::kSubpixelEmissionOut, GL_READ_WRITE);
       buffer.own.bindImage(layout::kSubpixelOwnOut, GL_READ_WRITE);
       buffer.first.bindImage(layout::kSubpixelFirstOut, GL_READ_WRITE);

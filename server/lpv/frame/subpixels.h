@@ -15,6 +15,7 @@
 #include "lpv/frame/panes.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/occluders.h"
 
 namespace lpv {
 
@@ -23,6 +24,7 @@ struct SubpixelInputs {
   Stamp picture = 0;  ///< of the G-buffer
   std::vector<LightPtr> lights;
   int samples = 0;  ///< per pixel
+  Stamp haze = 0;  ///< of what takes light on its way to the camera; 0: nothing does
 
   bool operator==(const SubpixelInputs&) const = default;
 };
@@ -43,17 +45,18 @@ class SubpixelPass {
       : gbuffer_(gbuffer), emitters_(emitters), panes_(panes) {}
 
   /// After the G-buffer and the lights of the same picture, whose middles they are. Large pictures are sampled some
-  /// rows at a time.
+  /// rows at a time. `haze`: what is in the camera's way, null where nothing is.
   GpuTask run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights, const FrameRows& request,
               const Scene& scene, const SceneResources& resources, const MeshDrawer& drawer,
-              const gpu::Buffer& frameParams, Pacing pacing);
+              const gpu::Buffer& frameParams, const GpuOccluders* haze, Pacing pacing);
 
  private:
   struct Rows;
   struct Variant {
     bool panes = false;
+    bool haze = false;
     bool operator==(const Variant&) const = default;
-    gpu::Defines defines() const { return {gpu::define("LPV_PANES", panes)}; }
+    gpu::Defines defines() const { return {gpu::define("LPV_PANES", panes), gpu::define("LPV_HAZE", haze)}; }
   };
   GbufferRenderer& gbuffer_;
   EmitterRenderer& emitters_;

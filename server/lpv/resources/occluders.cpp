@@ -30,7 +30,7 @@ void append(const std::vector<T>& values, Texels& out) {
 }
 
 std::size_t texelsOfTop(std::size_t instances) {
-  return 1 + 2 * kTexelsOfNode * instances + layout::kInstanceTexels * instances;
+  return layout::kOccluderHeader + 2 * kTexelsOfNode * instances + layout::kInstanceTexels * instances;
 }
 
 std::size_t texelsOf(const TriangleBvh& bvh) {
@@ -133,7 +133,13 @@ GpuTask GpuOccluders::store(Contents contents, std::size_t top) {
 
 void GpuOccluders::storeTop(const Inputs& inputs) {
   const Bvh bvh = bvhOf(inputs.occluders, inputs.grid.gridFromWorldMatrix());
-  Texels texels = {{std::uint32_t(1 + kTexelsOfNode * bvh.nodes.size()), 0, 0, 0}};
+  const std::size_t nodes = layout::kOccluderHeader + kTexelsOfNode * bvh.nodes.size();
+  const Haze& haze = inputs.haze;
+  const Bounds box =
+      haze.any() ? haze.box.transformed(inputs.grid.gridFromWorldMatrix()) : Bounds{glm::dvec3(0.0), glm::dvec3(0.0)};
+  Texels texels = {{std::uint32_t(nodes), 0, 0, 0},
+                   std::bit_cast<Texel>(glm::vec4(glm::vec3(box.min), float(haze.extinction * inputs.grid.cell))),
+                   std::bit_cast<Texel>(glm::vec4(glm::vec3(box.max), 0.0F))};
   append(bvh.nodes, texels);
   for (const std::uint32_t i : bvh.order) {
     const Occluder& o = inputs.occluders[i];
@@ -152,8 +158,8 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }
 
-GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid) {
-  Inputs inputs = {std::move(occluders), grid};
+GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid, Haze haze) {
+  Inputs inputs = {std::move(occluders), haze, grid};
   if (made_.holds(inputs)) co_return;
   const std::size_t top = texelsOfTop(inputs.occluders.size());
   const bool known = bool(texels_) && top <= room_ &&
@@ -164,7 +170,9 @@ GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid) 
     co_await store(contents.get(), top);
   }
   storeTop(inputs);
-  transparent_ = std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
+  hazy_ = haze.any();
+  transparent_ =
+      hazy_ || std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
   Inputs all = inputs;
   std::erase_if(all.occluders, [](const Occluder& o) { return o.blocks != kAllLights; });
   if (!surfaces_.holds(all)) surfaces_.set(std::move(all));

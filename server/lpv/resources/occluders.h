@@ -10,24 +10,26 @@
 #include "gpu/buffer_texture.h"
 #include "lpv/cached.h"
 #include "lpv/pacing/gpu_task.h"
+#include "scene/haze.h"
 #include "scene/occluders.h"
 
 namespace lpv {
 
-/// The BVH over BVHs as shaders/visibility/occluders.glsl reads it: the nodes over instances, the instances, then per
-/// mesh its nodes and triangles, with texture coordinates where alpha varies over an instance or reflections show its
-/// picture, then maps of alpha.
+/// The BVH over BVHs as shaders/visibility/occluders.glsl reads it: the haze, the nodes over instances, the instances,
+/// then per mesh its nodes and triangles, with texture coordinates where alpha varies over an instance or reflections
+/// show its picture, then maps of alpha.
 class GpuOccluders {
  public:
   /// Makes what differs from the last scene. Trees over new meshes are made on another thread meanwhile.
-  GpuTask update(std::vector<Occluder> occluders, const Grid& grid);
+  GpuTask update(std::vector<Occluder> occluders, const Grid& grid, Haze haze = {});
   void bind() const;
   /// Changes with what blocks all lights.
   Stamp surfaces() const { return surfaces_.stamp(); }
   /// Changes with all that blocks any light.
   Stamp all() const { return made_.stamp(); }
-  /// Whether something there lets light through.
+  /// Whether something there lets light through, or haze takes some of it.
   bool transparent() const { return transparent_; }
+  bool hazy() const { return hazy_; }
   std::size_t bytes() const { return texels_.size(); }
 
  private:
@@ -46,6 +48,7 @@ class GpuOccluders {
   };
   struct Inputs {
     std::vector<Occluder> occluders;
+    Haze haze;
     Grid grid;
 
     bool operator==(const Inputs&) const = default;
@@ -62,7 +65,7 @@ class GpuOccluders {
   std::size_t room_ = 0;  ///< texels before the first mesh, for what is above
   gpu::Buffer texels_;
   gpu::BufferTexture view_;
-  bool transparent_ = false;
+  bool transparent_ = false, hazy_ = false;
   Cached<Inputs> made_;
   Cached<Inputs> surfaces_;  ///< of these, what blocks all lights
 };

@@ -1,4 +1,4 @@
-// Options of later versions are refused by name, wrong ones as wrong.
+// Wrong options are refused by name.
 #include "scene/options.h"
 
 #include <gmock/gmock.h>
@@ -44,6 +44,10 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
     gather.bounces = bounces;
     EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
   }
+  gather.haze = kMaxHaze;
+  gather.hazeAbsorption = 1.0;
+  gather.hazeAnisotropy = -kMaxHazeAnisotropy;
+  EXPECT_TRUE(checkOptions(gather).ok()) << checkOptions(gather).message();
   LightingSettings options = LightingSettings::paper();
   options.lookup = Lookup::kNearest;
   options.iterations = kMaxIterations;
@@ -59,13 +63,19 @@ TEST(CheckOptions, TakesWhatThisVersionDoes) {
   }
 }
 
-// When a feature is built, its line here moves to the test above.
-TEST(CheckOptions, NamesFeaturesOfLaterVersions) {
-  expectCode({{"haze", "haze", [](LightingSettings& o) { o.haze = 0.1; }}}, Code::kUnimplemented);
-}
-
 TEST(CheckOptions, NamesWhatDoesNotGoTogether) {
-  expectCode({{"bounces", "PROPAGATE",
+  expectCode({{"haze", "PROPAGATE",
+               [](LightingSettings& o) {
+                 o.transport = Transport::kPropagate;
+                 o.followTransport();
+                 o.haze = 0.1;
+               }},
+              {"haze", "visibility OFF",
+               [](LightingSettings& o) {
+                 o.visibility = Visibility::kOff;
+                 o.haze = 0.1;
+               }},
+              {"bounces", "PROPAGATE",
                [](LightingSettings& o) {
                  o.transport = Transport::kPropagate;
                  o.followTransport();
@@ -114,7 +124,6 @@ TEST(DistanceRule, ComesFromQualityUnlessGiven) {
   EXPECT_EQ(options.openingRatio(), 3.5);
 }
 
-// A wrong value is wrong in every version: INVALID_ARGUMENT comes before UNIMPLEMENTED.
 TEST(CheckOptions, NamesValuesOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expectCode({{"iterations", "-1", [](LightingSettings& o) { o.iterations = -1; }},
@@ -123,6 +132,9 @@ TEST(CheckOptions, NamesValuesOutOfRange) {
               {"bounces", "33", [](LightingSettings& o) { o.bounces = 33; }},
               {"haze", "-0.5", [](LightingSettings& o) { o.haze = -0.5; }},
               {"haze", "nan", [=](LightingSettings& o) { o.haze = nan; }},
+              {"haze_absorption", "1.5", [](LightingSettings& o) { o.hazeAbsorption = 1.5; }},
+              {"haze_anisotropy", "0.95", [](LightingSettings& o) { o.hazeAnisotropy = 1.0; }},
+              {"haze_anisotropy", "-0.95", [](LightingSettings& o) { o.hazeAnisotropy = -0.96; }},
               {"k", "0.5", [](LightingSettings& o) { o.k = 0.5; }},
               {"k", "nan", [=](LightingSettings& o) { o.k = nan; }},
               {"max_error", "2.0", [](LightingSettings& o) { o.maxError = 2.0; }},

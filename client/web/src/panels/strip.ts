@@ -50,7 +50,7 @@ export class Strip {
       item("Received", `${(bytes / 2000).toFixed(0)} KB/s`),
       item("Revision", `${this.volumeRevision ?? "-"} shown, ${sceneRevision} in the scene`),
       item("Others", String(people)),
-      item("Left out", "bounces, textures, gloss, panes, light finer than a cell"),
+      item("Left out", "bounces, textures, gloss, panes, haze before the camera, light finer than a cell"),
     );
   }
 

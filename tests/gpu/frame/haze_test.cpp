@@ -1,0 +1,331 @@
+// Haze against marches in double precision: what it scatters towards the camera, what it keeps of light on its way to
+// surfaces and points, and what stands in it.
+
+#include "scene/haze.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "gpu/engine/engine_rig.h"
+#include "reference/compare.h"
+#include "reference/ground_truth.h"
+#include "reference/haze.h"
+#include "scene/emitter_list.h"
+
+namespace lpv {
+namespace {
+
+using test::pixel;
+
+constexpr double kPi = std::numbers::pi;
+constexpr glm::ivec2 kSize(48, 36);
+constexpr double kFar = 30.0;  ///< metres: past everything
+
+Camera inside() {
+  Camera camera;
+  camera.eye = {-0.3, -0.2, 1.7};
+  camera.target = {0.1, 0.1, -1.0};
+  camera.fovDegrees = 75.0;
+  return camera;
+}
+
+Camera outside() {
+  Camera camera;
+  camera.eye = {1.0, 0.6, 6.0};
+  camera.target = {0.0, 0.0, 0.0};
+  camera.fovDegrees = 50.0;
+  return camera;
+}
+
+/// 20^3 cells of .2 m about the origin, in haze; a square lamp of .8 m that faces the camera askew.
+Scene hazyScene(double opticalDepth, double anisotropy) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.transport = Transport::kGather;
+  scene.options.bounces = 0;
+  scene.options.haze = opticalDepth / 4.0;  // over the width of the grid
+  scene.options.hazeAnisotropy = anisotropy;
+  scene.grid = {glm::dvec3(-2.0), 0.2, glm::ivec3(20)};
+  Light& lamp = test::lightOf(scene);
+  lamp.mesh = reference::quad();
+  lamp.transform = {{0.4, 0.5, -0.6}, rotationFromEulerDegrees({25.0, -20.0, 0.0}), glm::dvec3(0.8)};
+  lamp.radiance = {3.0, 2.0, 1.0};
+  lamp.visibleToCamera = false;
+  return scene;
+}
+
+reference::Medium mediumOf(const Scene& scene) {
+  const LightingSettings& o = scene.options;
+  return {scene.grid.bounds(), o.haze, o.haze * (1.0 - o.hazeAbsorption), o.hazeAnisotropy};
+}
+
+glm::dvec3 rayThrough(const Camera& camera, int x, int y) {
+  return camera.rayDirection((x + 0.5) / kSize.x, (y + 0.5) / kSize.y, double(kSize.x) / kSize.y);
+}
+
+class HazeTest : public test::EngineTest {
+ protected:
+  FramePtr frame(const Scene& scene, const Camera& camera, bool reduced = false, SessionKey session = 1) {
+    TickRequest tick = test::requestOf(scene, session);
+    FrameRequest request = test::linearFrame(camera, kSize);
+    request.reduced = reduced;
+    tick.frames = {request};
+    const TickResult result = run(tick);
+    return result.frames.size() == 1 ? result.frames[0] : std::make_shared<Frame>();
+  }
+  /// L2 over every `step`-th pixel, relative to what a march finds.
+  template <typename Want>
+  double errorOf(const Frame& got, const Camera& camera, const Want& want, int step = 4) {
+    double squared = 0.0, all = 0.0;
+    for (int y = 1; y < kSize.y; y += step) {
+      for (int x = 1; x < kSize.x; x += step) {
+        const glm::dvec3 wanted = want(camera.eye, rayThrough(camera, x, y)), off = pixel(got, x, y) - wanted;
+        squared += glm::dot(off, off);
+        all += glm::dot(wanted, wanted);
+      }
+    }
+    EXPECT_GT(all, 0.0);
+    return std::sqrt(squared / all);
+  }
+};
+
+struct Row {
+  double depth, anisotropy;
+  bool inside;
+  double bound;
+};
+
+class HazeOfALamp : public HazeTest, public ::testing::WithParamInterface<Row> {};
+
+// Broken by: the phase function's cosine turned round; the camera's leg or the lamp's without its loss; haze outside
+// the box; a chance that does not belong to the choice.
+TEST_P(HazeOfALamp, IsWhatAMarchFinds) {
+  const Row row = GetParam();
+  const Scene scene = hazyScene(row.depth, row.anisotropy);
+  const Camera camera = row.inside ? inside() : outside();
+  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+  const reference::Medium medium = mediumOf(scene);
+  const double error = errorOf(*frame(scene, camera), camera, [&](const glm::dvec3& eye, const glm::dvec3& ray) {
+    return reference::scattered(emitters, medium, eye, ray, kFar);
+  });
+  EXPECT_LE(error, row.bound);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HazeOfALamp,
+                         ::testing::Values(Row{0.1, 0.0, true, 0.02}, Row{1.0, 0.0, true, 0.02},
+                                           Row{0.1, 0.5, true, 0.02}, Row{1.0, -0.5, true, 0.02},
+                                           Row{0.1, 0.8, true, 0.02}, Row{1.0, 0.8, true, 0.02},
+                                           Row{0.1, -0.5, false, 0.02}, Row{1.0, 0.0, false, 0.02},
+                                           Row{1.0, 0.5, false, 0.02}, Row{1.0, 0.8, false, 0.02}));
+
+// A light of many triangles is looked at by points. Broken by: points that count twice; more of them near than far.
+TEST_F(HazeTest, OfAMeshIsWhatAMarchFinds) {
+  for (const double anisotropy : {0.0, 0.5}) {
+    Scene scene = hazyScene(0.5, anisotropy);
+    Light& lamp = test::lightOf(scene);
+    lamp.mesh = reference::sphere();
+    lamp.transform.scale = glm::dvec3(0.6);
+    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+    const reference::Medium medium = mediumOf(scene);
+    const double error = errorOf(
+        *frame(scene, outside()), outside(),
+        [&](const glm::dvec3& eye, const glm::dvec3& ray) {
+          // The sphere is not seen, and is in nobody's way.
+          return reference::scattered(emitters, medium, eye, ray, kFar);
+        },
+        7);
+    EXPECT_LE(error, 0.05) << anisotropy;
+  }
+}
+
+// Broken by: light that is scattered although it is absorbed.
+TEST_F(HazeTest, WhatAbsorbsEverythingScattersNothing) {
+  Scene scene = hazyScene(1.0, 0.0);
+  scene.options.hazeAbsorption = 1.0;
+  const FramePtr got = frame(scene, inside());
+  for (int i = 0; i < kSize.x * kSize.y; ++i) EXPECT_EQ(pixel(*got, i % kSize.x, i / kSize.x), glm::dvec3(0.0));
+}
+
+// Broken by: a lamp that the camera sees as if there were no haze.
+TEST_F(HazeTest, TakesFromLampsAndAddsBeforeThem) {
+  Scene scene = hazyScene(1.0, 0.3);
+  test::lightOf(scene).visibleToCamera = true;
+  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+  const reference::Medium medium = mediumOf(scene);
+  const Light& lamp = *scene.lights.at("light");
+  const FramePtr got = frame(scene, inside());
+  int seen = 0;
+  for (int y = 0; y < kSize.y; ++y) {
+    for (int x = y % 4; x < kSize.x; x += 4) {
+      const glm::dvec3 ray = rayThrough(inside(), x, y), eye = inside().eye;
+      const glm::dmat4 object = glm::inverse(lamp.transform.worldFromObject());
+      const glm::dvec3 from = object * glm::dvec4(eye, 1.0), along = object * glm::dvec4(ray, 0.0);
+      const double t = -from.z / along.z;
+      const glm::dvec3 met = from + t * along;
+      if (t <= 0.0 || std::max(std::abs(met.x), std::abs(met.y)) > 0.4) continue;  // well within the lamp
+      const glm::dvec3 want = medium.transmittance(eye, eye + t * ray) * lamp.radiance +
+                              reference::scattered(emitters, medium, eye, ray, t);
+      EXPECT_LE(glm::length(pixel(*got, x, y) - want), 0.02 * glm::length(want));
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 5);
+}
+
+/// The lamp over a white floor, at .6 m.
+Scene hazyFloor(double opticalDepth) {
+  Scene scene = hazyScene(opticalDepth, 0.0);
+  Light& lamp = test::lightOf(scene);
+  lamp.transform = {{0.1, -0.1, 0.6}, rotationFromEulerDegrees({180.0, 0.0, 0.0}), glm::dvec3(0.8)};
+  Surface& floor = test::addSurface(scene, "floor", reference::quad());
+  floor.transform.scale = glm::dvec3(3.8);
+  floor.albedo = glm::dvec3(0.8);
+  return scene;
+}
+
+// Broken by: irradiance of frames, probes or volumes that is found as if there were no haze.
+TEST_F(HazeTest, TakesFromWhatSurfacesAndPointsGet) {
+  const Scene scene = hazyFloor(2.0);
+  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+  const reference::Medium medium = mediumOf(scene);
+  TickRequest tick = test::requestOf(scene);
+  tick.transported = tick.probed = true;
+  Camera above = inside();
+  above.eye = {-1.5, -1.5, 1.8};
+  above.target = glm::dvec3(0.0);
+  FrameRequest request = test::linearFrame(above, kSize);
+  request.quantity = FrameQuantity::kIrradiance;
+  tick.frames = {request};
+  const TickResult result = run(tick);
+  const glm::dvec3 up(0.0, 0.0, 1.0);
+  double squared = 0.0;
+  int pixels = 0;
+  for (int y = 0; y < kSize.y; y += 3) {
+    for (int x = 0; x < kSize.x; x += 3) {
+      const glm::dvec3 ray = rayThrough(above, x, y), at = above.eye - above.eye.z / ray.z * ray;
+      if (ray.z >= 0.0 || std::max(std::abs(at.x), std::abs(at.y)) > 1.8) continue;
+      const glm::dvec3 want = reference::irradianceThrough(emitters, medium, at, up);
+      const double off = glm::length(pixel(*result.frames[0], x, y) - want) / glm::length(want);
+      EXPECT_LE(off, 0.025);
+      squared += off * off;
+      ++pixels;
+    }
+  }
+  ASSERT_GT(pixels, 60);
+  EXPECT_LE(std::sqrt(squared / pixels), 0.01);
+  for (const glm::dvec3& at : {glm::dvec3(0.3, 0.2, 0.1), glm::dvec3(-1.2, 0.9, 0.3), glm::dvec3(1.5, -1.4, 0.01)}) {
+    const glm::dvec3 want = reference::irradianceThrough(emitters, medium, at, up);
+    EXPECT_LE(glm::length(result.transported->direct->irradiance(at, up) - want), 0.005 * glm::length(want));
+  }
+}
+
+// Broken by: haze that cells do not see, or that they see twice.
+TEST_F(HazeTest, TakesFromVolumes) {
+  const Scene hazy = hazyFloor(2.0);
+  Scene clear = hazy;
+  clear.options.haze = 0.0;
+  const auto fluenceOf = [&](const Scene& scene, SessionKey session, const glm::ivec3& cell) {
+    TickRequest tick = test::requestOf(scene, session);
+    tick.transported = true;
+    const VolumePtr volume = run(tick).transported;
+    double sum = 0.0;
+    for (const VolumeLayer& layer : volume->layers) sum += Volume::at(layer, volume->grid, cell, 0)[0];
+    return sum;
+  };
+  const reference::Medium medium = mediumOf(hazy);
+  for (const glm::ivec3& cell : {glm::ivec3(10, 10, 11), glm::ivec3(2, 3, 11), glm::ivec3(18, 12, 12)}) {
+    const glm::dvec3 at = hazy.grid.worldFromGrid(glm::dvec3(cell) + 0.5);
+    double all = 0.0, kept = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      const glm::dvec3 p =
+          glm::dvec3(0.1, -0.1, 0.6) + 0.8 * glm::dvec3((i % 20 + 0.5) / 20.0 - 0.5, (i / 20 + 0.5) / 20.0 - 0.5, 0.0);
+      const double r = glm::distance(p, at), sends = (p.z - at.z) / (r * r * r);
+      all += sends;
+      kept += sends * medium.transmittance(at, p);
+    }
+    const double share = fluenceOf(hazy, 1, cell) / fluenceOf(clear, 2, cell);
+    EXPECT_NEAR(share, kept / all, 0.01) << cell.x;
+  }
+}
+
+// A wall stands beside the lamp. Broken by: haze that shines where the lamp does not.
+TEST_F(HazeTest, LiesInTheShadowOfAWall) {
+  Scene scene = hazyScene(0.5, 0.0);
+  Light& lamp = test::lightOf(scene);
+  lamp.transform = {{-1.2, 0.0, 0.0}, rotationFromEulerDegrees({0.0, 90.0, 0.0}), glm::dvec3(0.6)};
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());
+  wall.transform = {{-0.4, -0.6, 0.0}, rotationFromEulerDegrees({0.0, 90.0, 0.0}), glm::dvec3(1.2)};
+  wall.twoSided = true;
+  wall.visibleToCamera = false;
+  Camera camera = outside();
+  camera.eye = {0.0, 0.0, 6.5};
+  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+  const reference::Medium medium = mediumOf(scene);
+  const auto seen = [](const glm::dvec3& from, const glm::dvec3& to) {
+    if ((from.x + 0.4) * (to.x + 0.4) >= 0.0) return true;
+    const glm::dvec3 at = glm::mix(from, to, (-0.4 - from.x) / (to.x - from.x));
+    return at.y > 0.0 || at.y < -1.2 || std::abs(at.z) > 0.6;
+  };
+  const auto want = [&](const glm::dvec3& eye, const glm::dvec3& ray) {
+    return reference::scattered(emitters, medium, eye, ray, kFar, seen);
+  };
+  EXPECT_LE(errorOf(*frame(scene, camera), camera, want), 0.03);
+  EXPECT_LE(errorOf(*frame(scene, camera, true), camera, want), 0.10);  // a quick frame: 4 rays
+}
+
+// Broken by: surfaces that send nothing into the haze; as much of them with every bounce.
+TEST_F(HazeTest, IsLitBySurfaces) {
+  Scene scene = hazyFloor(0.2);
+  test::lightOf(scene).castsShadow = false;  // else it keeps what the floor sends up to it
+  const FramePtr direct = frame(scene, outside(), false, 1);
+  scene.options.bounces = 1;
+  const FramePtr both = frame(scene, outside(), false, 2);
+  const reference::Medium medium = mediumOf(scene);
+  const std::vector<reference::Emitter> lamp = reference::emittersOf(scene).triangles;
+  std::vector<reference::Emitter> floor;  // its light, piece by piece
+  constexpr int kPieces = 16;
+  for (int i = 0; i < kPieces * kPieces; ++i) {
+    const double edge = 3.8 / kPieces, x = -1.9 + (i % kPieces) * edge, y = -1.9 + (i / kPieces) * edge;
+    const glm::dvec3 a(x, y, 0.0), b(x + edge, y, 0.0), c(x + edge, y + edge, 0.0), d(x, y + edge, 0.0);
+    const glm::dvec3 e = reference::irradianceThrough(lamp, medium, 0.5 * (a + c), {0.0, 0.0, 1.0});
+    reference::Emitter piece;
+    piece.radiance = 0.8 / kPi * e;
+    piece.corners = {a, b, c};
+    floor.push_back(piece);
+    piece.corners = {a, c, d};
+    floor.push_back(piece);
+  }
+  double squared = 0.0, all = 0.0, sum = 0.0, wanted = 0.0;
+  for (int y = 2; y < kSize.y; y += 6) {
+    for (int x = 2; x < kSize.x; x += 6) {
+      const glm::dvec3 eye = outside().eye, ray = rayThrough(outside(), x, y), at = eye - eye.z / ray.z * ray;
+      if (std::max(std::abs(at.x), std::abs(at.y)) < 2.0) continue;  // before the floor: its own light is there, too
+      const glm::dvec3 want = reference::scattered(floor, medium, eye, ray, kFar);
+      const glm::dvec3 off = pixel(*both, x, y) - pixel(*direct, x, y) - want;
+      squared += glm::dot(off, off);
+      all += glm::dot(want, want);
+      sum += (want + off).x;
+      wanted += want.x;
+    }
+  }
+  ASSERT_GT(all, 0.0);
+  EXPECT_LE(std::sqrt(squared / all), 0.08);
+  EXPECT_NEAR(sum, wanted, 0.03 * wanted);
+}
+
+// Broken by: numbers that differ from run to run; what is left of haze that is gone.
+TEST_F(HazeTest, LeavesNothingBehind) {
+  const Scene hazy = hazyFloor(1.0);
+  Scene clear = hazy;
+  clear.options.haze = 0.0;
+  clear.revision = 2;
+  Scene again = hazy;
+  again.revision = 3;
+  const FramePtr first = frame(hazy, outside()), without = frame(clear, outside()), third = frame(again, outside());
+  EXPECT_EQ(first->rgb32f, third->rgb32f);
+  EXPECT_EQ(without->rgb32f, frame(clear, outside(), false, 2)->rgb32f);
+  EXPECT_NE(first->rgb32f, without->rgb32f);
+}
+
+}  // namespace
+}  // namespace lpv
