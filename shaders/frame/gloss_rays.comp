@@ -56,7 +56,7 @@ Receiver receiverAt(ivec2 pixel) {
   Receiver r;
   const vec3 place = surfacePosition(frame, pixel);
   r.n = surfaceNormal(pixel);
-  r.x = place + kShadowOffset * r.n;
+  r.x = rayStart(frame, place, r.n, texelFetch(surfaceDepth, pixel, 0).x);
   r.v = normalize(frame.eye - place);
   r.lobe = lobeAt(frame, pixel);
   const vec3 lower = lowestOccluder(), upper = highestOccluder();

@@ -111,7 +111,7 @@ void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
-  const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
+  const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
   vec3 light = farLight(x, n), asked, known;
   bool folded;
   addNear(x, n, pixel, light, asked, known, folded);

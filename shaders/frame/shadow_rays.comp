@@ -108,7 +108,7 @@ float keptInHaze(vec3 x, vec3 n, ivec2 pixel) {
 #endif
 
 void sendRays(uint point, ivec2 pixel) {
-  const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel) + kShadowOffset * n;
+  const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
   vec4 weights;
   const ivec4 chosen = raysTo(x, n, inPicture(pixel), weights);
   vec4 all = vec4(0.0), shares = vec4(-1.0);

@@ -1,5 +1,5 @@
 // Receivers that light is summed at: pixels of a picture, or, with LPV_PATCHES, patches of the surfaces, whose number
-// stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met.
+// stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met. Rays begin at rayStart().
 #include "frame/position.glsl"
 #ifndef LPV_PATCHES
 #error "LPV_PATCHES: 0 or 1"
@@ -18,6 +18,7 @@ layout(std430, binding = kNearFieldPoints) readonly buffer Points {
 
 vec3 receiverNormal(ivec2 pixel) { return patches[pixel.x].normal.xyz; }
 vec3 receiverPosition(ivec2 pixel) { return patches[pixel.x].place.xyz; }
+vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel) + kShadowOffset * n; }
 #else
 #include "common/octahedral.glsl"
 
@@ -27,6 +28,7 @@ layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 
 vec3 receiverNormal(ivec2 pixel) { return glossPoints[glossIndex(frame, pixel)].normal.xyz; }
 vec3 receiverPosition(ivec2 pixel) { return glossPoints[glossIndex(frame, pixel)].place.xyz; }
+vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel) + kShadowOffset * n; }
 #else
 layout(binding = kNormal) uniform sampler2D normal;
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
@@ -34,6 +36,9 @@ layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
 vec3 receiverNormal(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
 vec3 receiverPosition(ivec2 pixel) {
   return gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x);
+}
+vec3 rayStart(ivec2 pixel, vec3 n) {
+  return rayStart(frame, receiverPosition(pixel), n, texelFetch(surfaceDepth, pixel, 0).x);
 }
 #endif
 #endif
