@@ -124,10 +124,12 @@ LPV_CONST int kGlossScene = 12;  // usamplerBuffer: what reflections show (shade
 LPV_CONST int kGlossShares = 22;  // what lobes reflect in all, by cosine and roughness (server/scene/gloss.h)
 LPV_CONST int kHaze = 27;  // of a picture: what haze scatters towards the camera
 LPV_CONST int kHazeSum = 1;  // of a picture: the same before it is smoothed, as kHazeSumOut
+LPV_CONST int kHazeChance = 2;  // of a picture: what of that is chance, as kHazeChanceOut
 LPV_CONST int kGlossMaterial = 14;  // of a picture: roughness and metalness of its surfaces
 // --- image units
 LPV_CONST int kHazeOut = 0;  // as kHaze
 LPV_CONST int kHazeSumOut = 1;  // of a picture: rgb: what all rays so far have found; a: the sum of its squares
+LPV_CONST int kHazeChanceOut = 2;  // of a picture: of what single rays decide about the sum, and that of its squares
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField
@@ -499,8 +501,10 @@ struct HazeParams {
   int firstTurn;  // 1: the sum begins anew
   int firstRow;  // of the pixels, in the picture that they are some rows of
   int lights;  // HazeLights
+  int ofSurfaces;  // 1: points are those of patches, of which few are looked at
   float scattering;  // per cell
   float anisotropy;
+  int pad0, pad1, pad2;
 };
 
 struct SubpixelParams {
@@ -586,7 +590,7 @@ static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&
-              sizeof(GlossParams) == 48 && sizeof(HazeParams) == 32 && sizeof(HazeLight) == 48);
+              sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 && sizeof(HazeLight) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);
 }  // namespace lpv::layout

@@ -20,6 +20,7 @@ layout(std140, binding = kHazeParams) uniform HazeBlock { HazeParams params; };
 layout(std430, binding = kHazeLights) readonly buffer HazeLights { HazeLight hazeLights[]; };
 layout(binding = kDirect) uniform samplerBuffer direct;  // the lights (transport/emitter_list.glsl)
 layout(binding = kHazeSumOut, rgba32f) uniform image2D hazeSum;
+layout(binding = kHazeChanceOut, rg32f) uniform image2D hazeChance;
 #include "frame/haze_view.glsl"
 
 // Steps of a sequence in four dimensions whose points are spread evenly (Roberts 2018), and of its shifts from pixel to
@@ -29,7 +30,8 @@ const mat2x4 kPixelSteps = mat2x4(0.8191725134, 0.5497004779, 0.7548776662, 0.24
                                   0.6710436067, 0.3819660113, 0.5698402910, 0.8191725134);
 const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
 const float kGoldenStep = 0.6180339887;
-const float kLeastApart = 0.02;  // of what a point stands for, by the square of a distance: nearer counts as so far
+const float kLeastApart = 0.02;  // of what a point stands for, by the square of a distance: nearer counts as so far,
+const float kLeastApartOfPatch = 0.3;  // and of a patch, which sends what it does from a disc of that size
 const float kFewPolygons = 32.0;
 const int kPlacesByPolygons = 8;   // on the view, of a ray to a light of few polygons beside it,
 const int kPlacesOfPolygons = 12;  // and on the polygons, for each
@@ -59,10 +61,9 @@ struct Scattered {
 };
 const Scattered kNothing = Scattered(vec3(0.0), vec3(0.0), vec3(0.0), kFromSurfaces);
 
-/// Distances of views from lights, beside what a point stands for.
-float leastApart(float area) { return kLeastApart * area + 1e-8; }
-
+/// What a point stands for, and what is added to the squares of its distances for that; `emits`: of its texels.
 float areaOf(HazeLight light, vec4 emits) { return light.pointArea > 0.0 ? light.pointArea : max(-emits.w, 0.0); }
+float leastApart(vec4 emits, float area) { return (emits.w < 0.0 ? kLeastApartOfPatch : kLeastApart) * area + 1e-8; }
 
 /// At t along the view, of light from a place around point i, which stands for an area.
 Scattered scatteredAt(View v, float t, int i, vec3 place, float area) {
@@ -74,7 +75,7 @@ Scattered scatteredAt(View v, float t, int i, vec3 place, float area) {
   const float r2 = dot(to, to) + 1e-12, sent = -dot(emits.xyz, to) * inversesqrt(r2);
   const float sends = emits.w > 1.5 ? abs(sent) : max(sent, 0.0);
   if (sends <= 0.0) return s;
-  s.light = from.w * sends / (r2 + leastApart(area)) * throughHaze(s.at, place) * scattersFrom(v, t, s.at, place) * colour.rgb;
+  s.light = from.w * sends / (r2 + leastApart(emits, area)) * throughHaze(s.at, place) * scattersFrom(v, t, s.at, place) * colour.rgb;
   return s;
 }
 
@@ -118,7 +119,7 @@ Scattered byPoint(View v, vec4 u, float choice) {
   const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
   const float area = areaOf(light, emits);
   const vec3 place = placeAround(point, emits.xyz, area, u.zw), d = place - frame.eye;
-  const float along = dot(d, v.direction), apart = sqrt(max(dot(d, d) - along * along, 0.0) + leastApart(area));
+  const float along = dot(d, v.direction), apart = sqrt(max(dot(d, d) - along * along, 0.0) + leastApart(emits, area));
   const float t = placeOnView(v, along, apart, u.y, density);
   Scattered s = scatteredAt(v, t, i, place, area);
   s.light /= light.share * chance * density;
@@ -132,15 +133,19 @@ void choose(Scattered s, float choice, inout Scattered chosen, inout float weigh
   if (weight > 0.0 && choice * weights < weight) chosen = s;
 }
 
-/// All of them, less what something keeps of the one that is asked for.
-vec3 arriving(vec3 all, Scattered chosen, float weights, inout int rounds) {
-  if (weights <= 0.0) return vec3(0.0);
+/// What all of them scatter with nothing in the way, and what of that something keeps, by the one that is asked for.
+struct Found {
+  vec3 all, kept;
+};
+
+Found found(vec3 all, Scattered chosen, float weights, inout int rounds) {
+  if (weights <= 0.0) return Found(vec3(0.0), vec3(0.0));
   const vec3 share = transmitted(chosen.at, mix(chosen.at, chosen.place, kShadowEnd), chosen.source, rounds);
-  return all - (1.0 - share) * (weights / largest(chosen.light)) * chosen.light;
+  return Found(all, (1.0 - share) * (weights / largest(chosen.light)) * chosen.light);
 }
 
 /// From lights that are passed at a distance.
-vec3 rayAfar(View v, vec4 shift, uint seed, int k, inout int rounds) {
+Found rayAfar(View v, vec4 shift, uint seed, int k, inout int rounds) {
   vec3 all = vec3(0.0);
   float weights = 0.0;
   Scattered chosen = kNothing;
@@ -150,7 +155,8 @@ vec3 rayAfar(View v, vec4 shift, uint seed, int k, inout int rounds) {
     all += s.light;
     choose(s, randomOf(seed, 2u * uint(n)), chosen, weights);
   }
-  return arriving(all, chosen, weights, rounds) / float(kHazeCandidates);
+  const Found f = found(all, chosen, weights, rounds);
+  return Found(f.all / float(kHazeCandidates), f.kept / float(kHazeCandidates));
 }
 
 /// Of triangle t of those of a light that x sees, a place, evenly by solid angle, or where it is small by area.
@@ -222,7 +228,7 @@ bool isFewPolygons(int i) {
 }
 
 /// From a light that the view passes beside, over several places; `chance`: that it was chosen.
-vec3 rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout int rounds) {
+Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout int rounds) {
   const HazeLight light = hazeLights[i];
   const bool few = isFewPolygons(i);
   const vec3 d = light.sphere.xyz - frame.eye;
@@ -244,14 +250,15 @@ vec3 rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout 
     }
     density = 0.5 * (density + 1.0 / (v.end - v.begin));
     Scattered one;
-    vec3 found;
-    if (few) found = allOfPolygons(v, i, t, u, hashed(seed + uint(n)), one);
-    else found = allOfPoints(v, i, t, u, hashed(seed + uint(n)), one);
-    all += found / density;
+    vec3 here;
+    if (few) here = allOfPolygons(v, i, t, u, hashed(seed + uint(n)), one);
+    else here = allOfPoints(v, i, t, u, hashed(seed + uint(n)), one);
+    all += here / density;
     one.light /= density;
     choose(one, randomOf(seed, 2u * uint(n)), chosen, weights);
   }
-  return arriving(all, chosen, weights, rounds) / (float(places) * chance);
+  const Found f = found(all, chosen, weights, rounds);
+  return Found(f.all / (float(places) * chance), f.kept / (float(places) * chance));
 }
 
 /// For each of a turn's rays one of the lights that the view passes beside, by about what it scatters, and its chance; -1
@@ -286,13 +293,22 @@ void main() {
   float chances[kHazeRays];
   chooseBeside(v, seed, beside, chances);
   vec4 sum = vec4(0.0);
+  vec2 chance = vec2(0.0);
   int sent = 0, rounds = 0;
   for (; v.end > v.begin && sent < kHazeRays && rounds < kMostRayRounds; ++sent) {
     const int k = params.turn * kHazeRays + sent;
-    vec3 found = rayAfar(v, shift, seed, k, rounds);
-    if (beside[sent] >= 0) found += rayBeside(v, beside[sent], chances[sent], shift, seed, k, rounds);
-    sum += vec4(found, largest(found) * largest(found));
+    Found f = rayAfar(v, shift, seed, k, rounds);
+    if (beside[sent] >= 0) {
+      const Found more = rayBeside(v, beside[sent], chances[sent], shift, seed, k, rounds);
+      f = Found(f.all + more.all, f.kept + more.kept);
+    }
+    const vec3 arrives = f.all - f.kept;
+    const float single = params.ofSurfaces == 1 ? largest(arrives) : largest(f.kept);
+    sum += vec4(arrives, largest(arrives) * largest(arrives));
+    chance += vec2(single, single * single);
   }
-  sum *= float(kHazeRays) / float(max(sent, 1));
-  imageStore(hazeSum, pixel, sum + (params.firstTurn == 1 ? vec4(0.0) : imageLoad(hazeSum, pixel)));
+  const float share = float(kHazeRays) / float(max(sent, 1));
+  const bool anew = params.firstTurn == 1;
+  imageStore(hazeSum, pixel, share * sum + (anew ? vec4(0.0) : imageLoad(hazeSum, pixel)));
+  imageStore(hazeChance, pixel, vec4(share * chance + (anew ? vec2(0.0) : imageLoad(hazeChance, pixel).xy), 0.0, 0.0));
 }

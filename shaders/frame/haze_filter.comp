@@ -10,6 +10,7 @@ layout(std140, binding = kHazeParams) uniform HazeBlock { HazeParams params; };
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
 layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 layout(binding = kHazeSum) uniform sampler2D hazeSum;
+layout(binding = kHazeChance) uniform sampler2D hazeChance;
 layout(binding = kHazeOut, rgba32f) writeonly uniform image2D haze;
 
 const int kReach = 3;             // pixels on each side
@@ -27,33 +28,38 @@ float lengthAt(ivec2 pixel) {
   return depth > 0.0 ? frame.depthScale / (depth + frame.depthOffset) : 0.0;
 }
 
-/// What a pixel's rays have found, and by chance, its variance.
-vec4 foundAt(ivec2 pixel) {
-  const vec4 sum = texelFetch(hazeSum, pixel, 0) / float(params.turns * kHazeRays);
+vec3 foundAt(ivec2 pixel) { return texelFetch(hazeSum, pixel, 0).rgb / float(params.turns * kHazeRays); }
+
+/// Of a pixel's mean: places are spread evenly, and what they say differs by little; what single rays say is chance.
+float varianceAt(ivec2 pixel) {
+  const float rays = float(params.turns * kHazeRays);
+  const vec4 sum = texelFetch(hazeSum, pixel, 0) / rays;
+  const vec2 chance = texelFetch(hazeChance, pixel, 0).xy / rays;
   const float most = largest(sum.rgb);
-  return vec4(sum.rgb, max(sum.a - most * most, 0.0) / float(params.turns * kHazeRays) + kDoubt * kDoubt * most * most);
+  return (kEvenness * max(sum.a - most * most, 0.0) + max(chance.y - chance.x * chance.x, 0.0)) / rays +
+         kDoubt * kDoubt * most * most;
 }
 
-/// Over the pixels around.
+/// Over the pixels around, or its own where that is more: what one ray alone has found is grain.
 float varianceAround(ivec2 pixel, ivec2 size) {
   float sum = 0.0;
-  for (int i = 0; i < 9; ++i) sum += foundAt(clamp(pixel + ivec2(i % 3, i / 3) - 1, ivec2(0), size - 1)).a;
-  return sum / 9.0;
+  for (int i = 0; i < 9; ++i) sum += varianceAt(clamp(pixel + ivec2(i % 3, i / 3) - 1, ivec2(0), size - 1));
+  return max(sum / 9.0, varianceAt(pixel));
 }
 
 /// Pixels opposite each other are taken together, so that a slope stays as steep as it is.
 vec3 smoothed(ivec2 pixel, ivec2 size) {
-  const vec4 own = foundAt(pixel);
+  const vec3 own = foundAt(pixel);
   const float far = lengthAt(pixel), variance = varianceAround(pixel, size) + 1e-20;
-  vec4 sum = vec4(own.rgb, 1.0);
+  vec4 sum = vec4(own, 1.0);
   const int width = 2 * kReach + 1;
   for (int i = 0; i < (width * width) / 2; ++i) {
     const ivec2 off = ivec2(i % width, i / width) - kReach, a = pixel + off, b = pixel - off;
     if (any(lessThan(min(a, b), ivec2(0))) || any(greaterThanEqual(max(a, b), size))) continue;
     if (max(abs(lengthAt(a) - far), abs(lengthAt(b) - far)) > kSameLength * far) continue;
-    const vec3 between = 0.5 * (foundAt(a).rgb + foundAt(b).rgb);
-    const float bent = largest(abs(between - own.rgb));
-    sum += 2.0 * exp(-0.5 * bent * bent / (kEvenness * variance)) * vec4(between, 1.0);
+    const vec3 between = 0.5 * (foundAt(a) + foundAt(b));
+    const float bent = largest(abs(between - own));
+    sum += 2.0 * exp(-0.5 * bent * bent / variance) * vec4(between, 1.0);
   }
   return max(sum.rgb / sum.w, vec3(0.0));
 }

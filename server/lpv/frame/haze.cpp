@@ -14,8 +14,8 @@ namespace lpv {
 
 namespace {
 
-gpu::Texture hazePicture(const char* label, const glm::ivec2& size) {
-  return gpu::Texture::make2d(label, size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
+gpu::Texture hazePicture(const char* label, const glm::ivec2& size, GLenum format) {
+  return gpu::Texture::make2d(label, size, format, gpu::Sampling::kNearestClamp);
 }
 
 /// What a turn of a tile takes: a candidate about as much as a shaded pixel.
@@ -67,7 +67,10 @@ std::vector<layout::HazeLight> hazeLights(const PatchSet& patches) {
 }  // namespace
 
 HazeBuffer::HazeBuffer(const glm::ivec2& s)
-    : size(s), sum(hazePicture("haze, all rays", s)), scattered(hazePicture("haze", s)) {}
+    : size(s),
+      sum(hazePicture("haze, all rays", s, GL_RGBA32F)),
+      chance(hazePicture("haze, by chance", s, GL_RG32F)),
+      scattered(hazePicture("haze", s, GL_RGBA32F)) {}
 
 struct HazePass::Picture {
   const HazeBuffer& buffer;
@@ -85,9 +88,9 @@ struct HazePass::Picture {
 
 HazePass::HazePass() : params_("haze params", sizeof(layout::HazeParams), gpu::BufferUse::kDynamic) {}
 
-/// All turns of rays to the points of a list, added to the sum.
+/// All turns of rays to the points of a list, added to the sums; those to lights begin anew.
 GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points, std::vector<layout::HazeLight> lights,
-                       bool first, Pacing pacing) {
+                       bool ofSurfaces, Pacing pacing) {
   const HazeSources& sources = picture.sources;
   const std::size_t bytes = std::bit_ceil(lights.size() * sizeof(layout::HazeLight));
   if (lights_.size() < bytes) {
@@ -96,6 +99,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
   }
   layout::HazeParams params{};
   params.turns = sources.turns;
+  params.ofSurfaces = ofSurfaces ? 1 : 0;
   params.firstRow = sources.firstRow;
   params.lights = int(lights.size());
   params.scattering = float(sources.scattering);
@@ -103,7 +107,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
   const glm::ivec2 tiles = partsOf(picture.buffer.size, kTile);
   const int count = tiles.x * tiles.y;
   for (params.turn = 0; params.turn < sources.turns; ++params.turn) {
-    params.firstTurn = first && params.turn == 0 ? 1 : 0;
+    params.firstTurn = !ofSurfaces && params.turn == 0 ? 1 : 0;
     for (params.first = 0; params.first < count;) {
       const int some = std::clamp(int(pacing.unitsFor(Stage::kShade) / kHazeTurnUnits), 1, count - params.first);
       params_.update(0, gpu::bytesOfValue(params));
@@ -115,6 +119,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
       sources.occluders.bind();
       sources.emitters.view.bind(layout::kDirect);
       picture.buffer.sum.bindImage(layout::kHazeSumOut, GL_READ_WRITE);
+      picture.buffer.chance.bindImage(layout::kHazeChanceOut, GL_READ_WRITE);
       rays_.get({}).dispatch(std::uint32_t(some));
       gpu::memoryBarrier();
       params.first += some;
@@ -127,10 +132,10 @@ GpuTask HazePass::run(HazeBuffer& buffer, const Gbuffer& gbuffer, const EmitterB
                       const HazeSources& sources, const gpu::Buffer& frameParams, Pacing pacing) {
   const Picture picture = {buffer, gbuffer, seenLights, sources, frameParams};
   std::vector<layout::HazeLight> lights = hazeLights(sources);
-  co_await look(picture, sources.pools.view, std::move(lights), true, pacing);
+  co_await look(picture, sources.pools.view, std::move(lights), false, pacing);
   if (sources.reflected != nullptr) {
     std::vector<layout::HazeLight> patches = hazeLights(*sources.reflected);
-    co_await look(picture, sources.reflected->lightTexels, std::move(patches), false, pacing);
+    co_await look(picture, sources.reflected->lightTexels, std::move(patches), true, pacing);
   }
   layout::HazeParams params{};
   params.turns = sources.turns;
@@ -138,6 +143,7 @@ GpuTask HazePass::run(HazeBuffer& buffer, const Gbuffer& gbuffer, const EmitterB
   params_.bindUniform(layout::kHazeParams);
   picture.bind();
   buffer.sum.bind(layout::kHazeSum);
+  buffer.chance.bind(layout::kHazeChance);
   buffer.scattered.bindImage(layout::kHazeOut, GL_WRITE_ONLY);
   const glm::ivec2 tiles = partsOf(buffer.size, kTile);
   filter_.get({}).dispatch(std::uint32_t(tiles.x), std::uint32_t(tiles.y));

@@ -24,6 +24,7 @@ struct HazeBuffer {
 
   glm::ivec2 size;
   gpu::Texture sum;        ///< RGBA32F: what all rays have found, and the sum of its squares
+  gpu::Texture chance;     ///< RG32F: of what single rays decide about the sum, and that of its squares
   gpu::Texture scattered;  ///< RGBA32F: radiance towards the camera
 };
 
@@ -51,7 +52,7 @@ class HazePass {
  private:
   struct Picture;
   GpuTask look(const Picture& picture, const gpu::BufferTexture& points, std::vector<layout::HazeLight> lights,
-               bool first, Pacing pacing);
+               bool ofSurfaces, Pacing pacing);
 
   struct Variant {
     bool transparent = true;
