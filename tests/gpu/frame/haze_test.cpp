@@ -313,6 +313,35 @@ TEST_F(HazeTest, IsLitBySurfaces) {
   EXPECT_NEAR(sum, wanted, 0.03 * wanted);
 }
 
+// Several samples of a pixel say what is in it, not how much haze lies before it. Broken by: haze that such pictures
+// leave out, or take from what they show twice, or not at all.
+TEST_F(HazeTest, IsTheSameWithSeveralSamplesOfAPixel) {
+  Scene scene = hazyFloor(1.0);
+  test::lightOf(scene).visibleToCamera = true;
+  test::lightOf(scene).twoSided = true;
+  TickRequest tick = test::requestOf(scene);
+  FrameRequest once = test::linearFrame(outside(), kSize), often = once;
+  often.samples = 8;
+  tick.frames = {once, often};
+  const TickResult result = run(tick);
+  int alike = 0, lamp = 0, all = 0;
+  double off = 0.0, sum = 0.0;
+  for (int y = 1; y + 1 < kSize.y; ++y) {
+    for (int x = 1; x + 1 < kSize.x; ++x) {
+      const double one = pixel(*result.frames[0], x, y).x, several = pixel(*result.frames[1], x, y).x;
+      ++all;
+      alike += std::abs(several - one) <= 0.01 * one ? 1 : 0;
+      lamp += one > 1.0 && std::abs(several - one) <= 0.01 * one ? 1 : 0;
+      if (std::max(one, several) > 1.0) continue;
+      off += several - one;
+      sum += one;
+    }
+  }
+  EXPECT_GT(alike, all * 3 / 4) << all;  // the others show edges
+  EXPECT_GT(lamp, 8);
+  EXPECT_LE(std::abs(off), 0.02 * sum);
+}
+
 // Broken by: numbers that differ from run to run; what is left of haze that is gone.
 TEST_F(HazeTest, LeavesNothingBehind) {
   const Scene hazy = hazyFloor(1.0);
