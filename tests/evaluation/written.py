@@ -210,7 +210,7 @@ def features(content):
         blocks += [f"## {name.capitalize()}", table([row for row in content["rows"] if row["case"] == name], setting("asked", "asked"), value("ms", "tick_ms", 1),
                                                     value("times the volume's tick", "times_the_volumes_tick", 1), value("light MiB", "light_bytes", 2, 2.0 ** -20),
                                                     value("frames MiB", "frames_bytes", 2, 2.0 ** -20))]
-    return page("What features add", content, """To a tick, to a frame of 320x180 and to memory: medians of 9 ticks in which the lamp moves, 32 cells. Gloss: every surface has roughness .3.
+    return page("What features add", content, """To a tick, to a frame of 320x180 and to memory: medians of 9 ticks in which the lamp moves, 32 cells. Gloss: every surface has roughness .3. Haze: a tenth in a metre.
 Volumes hold direct light, so bounces add nothing to them; what a frame's bounces take counts as light.""", *blocks)
 
 
