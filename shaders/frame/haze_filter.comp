@@ -15,7 +15,8 @@ layout(binding = kHazeOut, rgba32f) writeonly uniform image2D haze;
 
 const int kReach = 3;             // pixels on each side
 const float kSameLength = 0.1;    // of a view, as a share of it
-const float kEvenness = 0.06;     // of a variance by chance: rays are spread evenly, and differ by less
+const float kEvenness = 0.02;     // of a variance: places are spread evenly, so that what they say differs by less
+const float kByChance = 3.0;      // variances: the mean of two pixels is one and a half from a third, and often twice that
 const float kDoubt = 1e-3;        // of what is found: what chance may do at least, since few rays do not know
 
 float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
@@ -59,7 +60,7 @@ vec3 smoothed(ivec2 pixel, ivec2 size) {
     if (max(abs(lengthAt(a) - far), abs(lengthAt(b) - far)) > kSameLength * far) continue;
     const vec3 between = 0.5 * (foundAt(a) + foundAt(b));
     const float bent = largest(abs(between - own));
-    sum += 2.0 * exp(-0.5 * bent * bent / variance) * vec4(between, 1.0);
+    sum += 2.0 * exp(-0.5 * bent * bent / (kByChance * variance)) * vec4(between, 1.0);
   }
   return max(sum.rgb / sum.w, vec3(0.0));
 }
