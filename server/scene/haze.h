@@ -9,6 +9,7 @@ namespace lpv {
 
 struct Scene;
 
+/// Even, and grey.
 struct Haze {
   Bounds box;               ///< world space
   double extinction = 0.0;  ///< per metre; 0: there is none
@@ -20,6 +21,7 @@ struct Haze {
   double transmittance(const glm::dvec3& from, const glm::dvec3& to) const;
 };
 
+/// None where the scene's settings ask for none.
 Haze hazeOf(const Scene& scene);
 
 }  // namespace lpv

@@ -170,9 +170,8 @@ GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid, 
     co_await store(contents.get(), top);
   }
   storeTop(inputs);
-  hazy_ = haze.any();
   transparent_ =
-      hazy_ || std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
+      haze.any() || std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
   Inputs all = inputs;
   std::erase_if(all.occluders, [](const Occluder& o) { return o.blocks != kAllLights; });
   if (!surfaces_.holds(all)) surfaces_.set(std::move(all));

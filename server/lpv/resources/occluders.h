@@ -29,7 +29,6 @@ class GpuOccluders {
   Stamp all() const { return made_.stamp(); }
   /// Whether something there lets light through, or haze takes some of it.
   bool transparent() const { return transparent_; }
-  bool hazy() const { return hazy_; }
   std::size_t bytes() const { return texels_.size(); }
 
  private:
@@ -65,7 +64,7 @@ class GpuOccluders {
   std::size_t room_ = 0;  ///< texels before the first mesh, for what is above
   gpu::Buffer texels_;
   gpu::BufferTexture view_;
-  bool transparent_ = false, hazy_ = false;
+  bool transparent_ = false;
   Cached<Inputs> made_;
   Cached<Inputs> surfaces_;  ///< of these, what blocks all lights
 };

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <future>
+#include <vector>
 
 #include "engine/device_choice.h"
 #include "gpu/engine/counted_heap.h"
@@ -30,7 +32,8 @@ class SteadyTickTest : public testing::TestWithParam<bool> {};
 
 // Maps and lists that a scene's inputs are compared by, of a few objects. It was 477, and 1,099 with shadows and
 // bounces, when coroutines, turns of the loop and names of programs took theirs; it is 93 and 111, and other drivers'
-// pauses may add a few. Broken by: FramePool that keeps nothing.
+// pauses may add a few. The median of ticks: where llvmpipe compiles a variant in between, as it may on a loaded
+// machine, LLVM takes some 90 strings by code that is this program's as well. Broken by: FramePool that keeps nothing.
 TEST_P(SteadyTickTest, TakesLittleFromTheHeap) {
   Expected<std::unique_ptr<Engine>> engine = startEngine({});
   if (!engine.ok()) GTEST_SKIP() << "SKIPPED: NO DEVICE: " << engine.status().message();
@@ -39,7 +42,7 @@ TEST_P(SteadyTickTest, TakesLittleFromTheHeap) {
   scene.options.followTransport();
   scene.options.visibility = GetParam() ? Visibility::kOn : Visibility::kOff;
   scene.options.bounces = GetParam() ? kAutoBounces : 0;
-  std::size_t most = 0;
+  std::vector<std::size_t> taken;
   for (int step = 0; step < 12; ++step) {
     auto moved = std::make_shared<Scene>(scene);
     auto lamp = std::make_shared<Light>(*moved->lights.at("lamp"));
@@ -56,10 +59,11 @@ TEST_P(SteadyTickTest, TakesLittleFromTheHeap) {
     frame.reduced = true;
     request.frames = {frame};
     const std::size_t seen = run(**engine, std::move(request));
-    if (step >= 6) most = std::max(most, seen);
+    if (step >= 5) taken.push_back(seen);
   }
-  RecordProperty("taken", int(most));
-  EXPECT_LE(most, GetParam() ? 130U : 110U);
+  std::ranges::nth_element(taken, taken.begin() + 3);  // of seven
+  RecordProperty("taken", int(taken[3]));
+  EXPECT_LE(taken[3], GetParam() ? 130U : 110U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Visibility, SteadyTickTest, testing::Bool());
