@@ -44,7 +44,7 @@ const ROWS: readonly Row[] = [
     now: ({ gloss }) => (gloss === Gloss.ON ? "on" : "off"),
   },
   {
-    label: "Haze", costs: "Light is looked at along rays, which takes the time that shadows take, and as much again for what glows.", path: "settings.haze",
+    label: "Haze", costs: "Three times the time of a stream where light bounces, four times that of a single picture.", path: "settings.haze",
     choices: [["none", { haze: 0 }], ["thin: a tenth in 5 m", { haze: 0.02 }], ["a tenth in 1 m", { haze: 0.1 }], ["thick: half in 1 m", { haze: 0.7 }]],
     now: ({ haze }) => ({ 0: "none", 0.02: "thin: a tenth in 5 m", 0.1: "a tenth in 1 m", 0.7: "thick: half in 1 m" })[haze] ?? `${haze} per metre`,
   },
