@@ -3,7 +3,7 @@ import { mkdirSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { until } from "./server.mjs";
+import { PATIENCE, until } from "./server.mjs";
 
 const SHOTS = process.env.LPV_SCREENSHOTS;
 const SMALL = [128, 96];
@@ -25,6 +25,7 @@ export class RoomPage {
     const room = new RoomPage();
     const context = given ?? (await browser.newContext({ viewport: { width: 1280, height: 720 } }));
     room.page = await context.newPage();
+    room.page.setDefaultTimeout(PATIENCE);
     room.page.on("pageerror", (error) => room.errors.push(error.message));
     room.page.on("request", (request) => {
       if (!request.url().startsWith("blob:") && new URL(request.url()).hostname !== "127.0.0.1") room.errors.push(`request to ${request.url()}`);
@@ -43,7 +44,7 @@ export class RoomPage {
   }
 
   shows(text) {
-    return this.page.locator("#state", { hasText: text }).waitFor({ timeout: 30_000 });
+    return this.page.locator("#state", { hasText: text }).waitFor();
   }
 
   shot(name) {
@@ -77,7 +78,19 @@ export class RoomPage {
     return until("the page shows the lit room", async () => {
       if ((await this.page.locator("#picture").count()) === 0) return false;
       return mean((await this.pixels()).rgb) > 30;
-    }, 40_000);
+    });
+  }
+
+  eye() {
+    return this.page.evaluate(() => lpvRoom.shading.view.eye);
+  }
+
+  // Holds a key until the camera has moved by so many metres.
+  async steer(key, metres) {
+    const before = await this.eye();
+    await this.page.keyboard.down(key);
+    await until(`${key} steers`, async () => apart(before, await this.eye()) > metres);
+    await this.page.keyboard.up(key);
   }
 
   async select(name) {
@@ -88,6 +101,10 @@ export class RoomPage {
   input(label) {
     return this.page.locator(`[aria-label="${label}"]`);
   }
+}
+
+export function apart(a, b) {
+  return Math.hypot(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
 export function mean(values) {

@@ -14,7 +14,8 @@ async function shadedRoom() {
   const room = await RoomPage.open(both.browser, both.server.page);
   await room.makeDemoRoom();
   await room.page.click("[data-keys=m]");
-  await until("a volume is shown", () => room.page.evaluate(() => (lpvRoom.shading.local?.arrived ?? 0) > 0));
+  const { revision } = JSON.parse(both.server.lpvctl("--json", "session", "show", await room.session));
+  await until("the volume of the whole room is shown", () => room.page.evaluate((wanted) => lpvRoom.strip.volumeRevision >= BigInt(wanted), revision));
   await until("everything has its mesh", () => room.page.evaluate(() => lpvRoom.shading.local.renderer.drawn.size === 7));
   await room.page.waitForTimeout(600); // the last blend is over
   return room;
@@ -57,7 +58,7 @@ function errors(points, truth) {
   return { nrmse: Math.sqrt(square / count) / (mean / count), worst };
 }
 
-test("what surfaces receive is what the server's lookup says", { timeout: 180_000 }, async () => {
+test("what surfaces receive is what the server's lookup says", { timeout: 300_000 }, async () => {
   const room = await shadedRoom();
   await room.shot("local");
   const session = await room.session;
@@ -72,7 +73,7 @@ test("what surfaces receive is what the server's lookup says", { timeout: 180_00
 });
 
 // Broken by: nothing drawn before something changes; what is asked of a lost context taken for an answer.
-test("a lost WebGL context comes back without a reload", { timeout: 180_000 }, async () => {
+test("a lost WebGL context comes back without a reload", { timeout: 300_000 }, async () => {
   const room = await shadedRoom();
   const session = await room.session;
   const context = (what) => room.page.evaluate((name) => lpvRoom.shading.local.renderer.renderer[name](), what);

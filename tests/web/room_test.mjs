@@ -25,7 +25,7 @@ async function withServer(start, body) {
   }
 }
 
-test("the page shows what lpvctl frame get writes", { timeout: 240_000 }, () => withServer((server) => server.start(), async (server) => {
+test("the page shows what lpvctl frame get writes", { timeout: 300_000 }, () => withServer((server) => server.start(), async (server) => {
   const room = await RoomPage.open(browser, server.page);
   await room.shot("landing");
   await room.makeDemoRoom();
@@ -40,7 +40,7 @@ test("the page shows what lpvctl frame get writes", { timeout: 240_000 }, () => 
   assert.ok(mean(wanted.rgb) > 30);
   const isSharp = () => room.page.locator("#picture").evaluate((canvas) => canvas.dataset.sharp === "true");
   let sharp; // of its own size: the stage is smaller once there are measurements below it
-  await until("the picture at rest is sharp", async () => (await isSharp()) && (sharp = await room.pixels()) && isSharp(), 90_000);
+  await until("the picture at rest is sharp", async () => (await isSharp()) && (sharp = await room.pixels()) && isSharp(), 120_000);
   await room.shot("sharp");
   server.lpvctl("frame", "get", await room.session, "-o", file, "--camera", "front", "--size", `${sharp.width}x${sharp.height}`);
   const sharper = difference(sharp, await room.decode(readFileSync(file)));
@@ -50,7 +50,7 @@ test("the page shows what lpvctl frame get writes", { timeout: 240_000 }, () => 
   assert.deepEqual(room.errors, []);
 }));
 
-test("a light that one page drags changes on both, and on the server", { timeout: 120_000 }, () => withServer((server) => server.start(), async (server) => {
+test("a light that one page drags changes on both, and on the server", { timeout: 300_000 }, () => withServer((server) => server.start(), async (server) => {
   const first = await RoomPage.open(browser, server.page);
   await first.makeDemoRoom();
   const session = await first.session;
@@ -75,7 +75,7 @@ test("a light that one page drags changes on both, and on the server", { timeout
   assert.deepEqual([...first.errors, ...second.errors], []);
 }));
 
-test("one page follows the other's camera until its own is moved", { timeout: 120_000 }, () => withServer((server) => server.start(), async (server) => {
+test("one page follows the other's camera until its own is moved", { timeout: 300_000 }, () => withServer((server) => server.start(), async (server) => {
   const first = await RoomPage.open(browser, server.page);
   await first.makeDemoRoom();
   const second = await RoomPage.open(browser, `${server.page}#session=${await first.session}`);
@@ -83,9 +83,7 @@ test("one page follows the other's camera until its own is moved", { timeout: 12
   const apart = async () => difference(await first.pixels(), await second.pixels());
   const steer = async (room) => {
     await room.page.keyboard.press("v");
-    await room.page.keyboard.down("ArrowLeft");
-    await room.page.waitForTimeout(500);
-    await room.page.keyboard.up("ArrowLeft");
+    await room.steer("ArrowLeft", 3);
   };
   await steer(first);
   await until("the views differ", async () => (await apart()) > 5);
@@ -126,7 +124,7 @@ async function dragAlongX(page) {
   await page.mouse.up();
 }
 
-test("a viewer looks and cannot edit, and reads why", { timeout: 120_000 }, () => withServer((server) => server.withAdminToken(), async (server) => {
+test("a viewer looks and cannot edit, and reads why", { timeout: 300_000 }, () => withServer((server) => server.withAdminToken(), async (server) => {
   const owner = await RoomPage.open(browser, `${server.page}#token=${server.adminToken}`);
   await owner.makeDemoRoom();
   await owner.page.click("[data-keys=l]");
@@ -152,7 +150,7 @@ test("a viewer looks and cannot edit, and reads why", { timeout: 120_000 }, () =
   assert.deepEqual([...owner.errors, ...viewer.errors], []);
 }));
 
-test("a server that is killed and comes back is shown as lost, then goes on", { timeout: 120_000 }, async () => {
+test("a server that is killed and comes back is shown as lost, then goes on", { timeout: 300_000 }, async () => {
   const server = new Server();
   try {
     await server.start("--state-dir", join(server.folder, "state"));

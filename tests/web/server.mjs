@@ -9,7 +9,10 @@ const LPVCTL = process.env.LPVCTL;
 const DIST = process.env.LPV_PAGE_DIST;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-export async function until(what, look, ms = 20_000) {
+// What a busy machine may take for anything that is waited for: no test asserts a speed.
+export const PATIENCE = 60_000;
+
+export async function until(what, look, ms = PATIENCE) {
   const end = Date.now() + ms;
   for (;;) {
     const value = await look();
