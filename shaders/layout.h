@@ -124,12 +124,10 @@ LPV_CONST int kGlossScene = 12;  // usamplerBuffer: what reflections show (shade
 LPV_CONST int kGlossShares = 22;  // what lobes reflect in all, by cosine and roughness (server/scene/gloss.h)
 LPV_CONST int kHaze = 27;  // of a picture: what haze scatters towards the camera
 LPV_CONST int kHazeSum = 1;  // of a picture: the same before it is smoothed, as kHazeSumOut
-LPV_CONST int kHazeChance = 2;  // of a picture: what of that is chance, as kHazeChanceOut
 LPV_CONST int kGlossMaterial = 14;  // of a picture: roughness and metalness of its surfaces
 // --- image units
 LPV_CONST int kHazeOut = 0;  // as kHaze
-LPV_CONST int kHazeSumOut = 1;  // of a picture: rgb: what all rays so far have found; a: the sum of its squares
-LPV_CONST int kHazeChanceOut = 2;  // of a picture: of what single rays decide about the sum, and that of its squares
+LPV_CONST int kHazeSumOut = 1;  // of a picture: rgb: what all rays so far have found; a: its variance
 LPV_CONST int kIncidentOut = 0;  // 0, 1, 2
 LPV_CONST int kEmitterDistanceOut = 3;
 LPV_CONST int kNearFieldOut = 4;  // as kNearField

@@ -49,6 +49,14 @@ FrameRows bandOf(const FrameRequest& frame, int row, int rows) {
   return band;
 }
 
+/// Another buffer where the one that is there has another size; first the old memory goes.
+template <typename Buffer>
+void keepSize(std::unique_ptr<Buffer>& buffer, const glm::ivec2& size) {
+  if (buffer != nullptr && buffer->size == size) return;
+  buffer = nullptr;
+  buffer = std::make_unique<Buffer>(size);
+}
+
 }  // namespace
 
 bool drawnInBands(const FrameRequest& frame) {
@@ -68,10 +76,7 @@ ShadowCasters Pipeline::Stages::shadowCasters(const SessionState& s, const Scene
 }
 
 GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
-  if (view.nearField == nullptr || view.nearField->size != frame.size) {
-    view.nearField = nullptr;
-    view.nearField = std::make_unique<NearFieldBuffer>(frame.size);
-  }
+  keepSize(view.nearField, frame.size);
   const StageProducts& made = *s.products;
   const ShadowCasters shadows = shadowCasters(s, scene, frame);
   const bool inTheWay = s.shadowed || s.bounces.turns > 0;
@@ -89,10 +94,7 @@ GpuTask Pipeline::Stages::reflectLikeMirrors(SessionState& s, const Scene& scene
     view.gloss = nullptr;
     co_return;
   }
-  if (view.gloss == nullptr || view.gloss->size != frame.size) {
-    view.gloss = nullptr;
-    view.gloss = std::make_unique<GlossBuffer>(frame.size);
-  }
+  keepSize(view.gloss, frame.size);
   const StageProducts& made = *s.products;
   ShadowCasters shadows = shadowCasters(s, scene, frame);
   shadows.turns = (shadows.turns + layout::kGlossPlaces - 1) / layout::kGlossPlaces;
@@ -110,10 +112,7 @@ GpuTask Pipeline::Stages::scatter(SessionState& s, const Scene& scene, const Fra
     view.haze = nullptr;
     co_return;
   }
-  if (view.haze == nullptr || view.haze->size != frame.size) {
-    view.haze = nullptr;
-    view.haze = std::make_unique<HazeBuffer>(frame.size);
-  }
+  keepSize(view.haze, frame.size);
   const StageProducts& made = *s.products;
   const Grid& grid = s.field().grid;
   const HazeSources sources = {s.lights,

@@ -8,5 +8,3 @@ uint hashed(uint v) {
 
 /// In [0, 1), the k-th of a seed's, by two rounds of PCG (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 float randomOf(uint seed, uint k) { return float(hashed(seed + hashed(k)) >> 8) / 16777216.0; }
-
-float largest(vec3 c) { return max(max(c.r, c.g), c.b); }

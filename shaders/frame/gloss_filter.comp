@@ -4,6 +4,7 @@
 // in a what of other light is reflected (Lobe::diffuse). A thread has a pixel.
 #include "layout.h"
 #include "common/sh.glsl"
+#include "common/colour.glsl"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
 #include "frame/gloss.glsl"
@@ -27,8 +28,6 @@ bool isBeside(ivec2 pixel, vec3 x, vec3 n, float roughness) {
   return dot(n, surfaceNormal(pixel)) >= kLeastCosineBeside && abs(dot(n, d)) <= kOffPlane * length(d) + 1e-4 &&
          abs(texelFetch(material, pixel, 0).x - roughness) <= kSameRoughness;
 }
-
-float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
 
 /// Of what is seen of lights, by a few turns of the pixel and those beside it: two that differ by no more than this in
 /// both differ by chance.

@@ -4,6 +4,7 @@
 // found after the last turn: those are listed then (near_field_evaluate.comp). A work-group has a block of pixels.
 #include "layout.h"
 #include "common/sh.glsl"
+#include "common/colour.glsl"
 #include "common/random.glsl"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"

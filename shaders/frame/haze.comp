@@ -6,6 +6,7 @@
 // A thread has a pixel.
 #include "layout.h"
 #include "common/sh.glsl"
+#include "common/colour.glsl"
 #include "common/random.glsl"
 #include "frame/position.glsl"
 #define LPV_FACING 0
@@ -20,14 +21,14 @@ layout(std140, binding = kHazeParams) uniform HazeBlock { HazeParams params; };
 layout(std430, binding = kHazeLights) readonly buffer HazeLights { HazeLight hazeLights[]; };
 layout(binding = kDirect) uniform samplerBuffer direct;  // the lights (transport/emitter_list.glsl)
 layout(binding = kHazeSumOut, rgba32f) uniform image2D hazeSum;
-layout(binding = kHazeChanceOut, rg32f) uniform image2D hazeChance;
 #include "frame/haze_view.glsl"
 
-// Steps of a sequence in four dimensions whose points are spread evenly (Roberts 2018), and of its shifts from pixel to
-// pixel, which are other numbers.
-const vec4 kSampleSteps = vec4(0.8566748839, 0.7338918566, 0.6287067210, 0.5385972572);
-const mat2x4 kPixelSteps = mat2x4(0.8191725134, 0.5497004779, 0.7548776662, 0.2451223338,
-                                  0.6710436067, 0.3819660113, 0.5698402910, 0.8191725134);
+// Generates lattice rules of 2^m points, for any m (Cools, Kuo and Nuyens 2006, "Constructing Embedded Lattice Rules").
+const uvec4 kLattice = uvec4(1u, 182667u, 469891u, 498753u);
+// How far the points are moved from pixel to pixel: of what differs between pixels nothing that counts for much is wider than
+// seven of them, which smoothing takes in (found by a search).
+const mat2x4 kPixelSteps = mat2x4(0.4697810020, 0.9322728369, 0.3101739531, 0.3592728175,
+                                  0.9322733513, 0.5302185313, 0.6407293555, 0.3101684353);
 const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
 const float kGoldenStep = 0.6180339887;
 const float kLeastApart = 0.02;  // of what a point stands for, by the square of a distance: nearer counts as so far,
@@ -37,20 +38,42 @@ const int kPlacesByPolygons = 8;   // on the view, of a ray to a light of few po
 const int kPlacesOfPolygons = 12;  // and on the polygons, for each
 const int kPlacesByPoints = 2;     // the same beside any other light,
 const int kPointsOfNearPart = 4;   // and of each of its parts that is near
+const int kPointsAtOnce = 4;       // seen from one place, of a light of many triangles that is passed at a distance
 const float kSmallAngle = 1e-2;    // below, a triangle looks alike from all of it
-const float kBeside = 1.5;       // radii of a light's sphere from its middle: nearer views are beside it
+const float kBeside = 1.5;         // radii of a light's sphere from its middle: nearer views are beside it
+const vec3 kEvenness = vec3(0.02, 0.2, 1.0);  // of variances: places and lights are spread evenly, so that they differ by less
 
-/// The light that a number in [0, 1) chooses, and where within its share the number is.
-int lightAt(inout float at) {
+/// Of `count` numbers spread evenly over [0, 1), (j + shift) / count, how many are below another.
+int countBelow(float end, float shift, int count) { return clamp(int(ceil(end * float(count) - shift)), 0, count); }
+
+/// Which of the evenly spread numbers is taken k-th, so that few of them are spread evenly, too; `count`: a power of 2.
+int placeOf(int k, int count) { return int(bitfieldReverse(uint(k)) >> (32 - findMSB(count))); }
+
+/// The k-th point of the lattice, whose first 2^m are spread evenly.
+vec4 latticePoint(int k) { return vec4(bitfieldReverse(uint(k)) * kLattice) / 4294967296.0; }
+
+/// How often what has a share of [0, 1) is chosen: as often as numbers fall into it, if some always do.
+float chanceOf(float share, int taken, int count) { return share * float(count) >= 1.0 ? float(taken) / float(count) : share; }
+
+struct Choice {
+  int light;
+  float chance, at;  // at: where within the light's share
+};
+
+/// By the k-th number.
+Choice lightOf(int k, float shift, int count) {
+  const int place = placeOf(k, count);
   int low = 0, high = params.lights - 1;
   while (low < high) {
     const int middle = (low + high) / 2;
-    if (hazeLights[middle].end <= at) low = middle + 1;
+    if (countBelow(hazeLights[middle].end, shift, count) <= place) low = middle + 1;
     else high = middle;
   }
   const HazeLight light = hazeLights[low];
-  at = clamp((at - light.end + light.share) / max(light.share, 1e-30), 0.0, 0.999999);
-  return low;
+  const float begin = low > 0 ? hazeLights[low - 1].end : 0.0, end = low < params.lights - 1 ? light.end : 1.0;
+  const int taken = countBelow(end, shift, count) - countBelow(begin, shift, count);
+  const float at = (float(place) + shift - begin * float(count)) / max(light.share * float(count), 1e-30);
+  return Choice(low, chanceOf(light.share, taken, count), clamp(at, 0.0, 0.999999));
 }
 
 /// What a point makes the haze scatter.
@@ -86,6 +109,14 @@ vec3 placeAround(vec3 p, vec3 n, float area, vec2 u) {
   return p + sqrt(u.y * area / kPi) * (cos(turn) * right + sin(turn) * cross(n, right));
 }
 
+/// How far along the view its middle is, and how far from it the light is taken to be.
+float alongView(View v, HazeLight light, out float apart) {
+  const vec3 d = light.sphere.xyz - frame.eye;
+  const float along = dot(d, v.direction);
+  apart = sqrt(max(dot(d, d) - along * along, 0.0) + 0.25 * light.sphere.w * light.sphere.w);
+  return along;
+}
+
 bool isBeside(View v, HazeLight light) {
   const vec3 d = light.sphere.xyz - frame.eye;
   const float t = clamp(dot(d, v.direction), v.begin, v.end), reach = kBeside * light.sphere.w;
@@ -98,7 +129,7 @@ int pointOf(HazeLight light, float at, float choice, out float chance) {
   ivec4 points;
   vec4 sends;
   for (int k = 0; k < 4; ++k) {
-    points[k] = light.firstPoint + min(int(fract(at + 0.25 * float(k)) * float(light.points)), light.points - 1);
+    points[k] = light.firstPoint + min(int(fract(at + kGoldenStep * float(k)) * float(light.points)), light.points - 1);
     sends[k] = texelFetch(lightPoints, kLightPointTexels * points[k]).w;
   }
   const float all = dot(sends, vec4(1.0)), wanted = choice * all;
@@ -108,12 +139,11 @@ int pointOf(HazeLight light, float at, float choice, out float chance) {
   return points[chosen];
 }
 
-/// A point, then a place; nothing of lights that the view passes beside.
-Scattered byPoint(View v, vec4 u, float choice) {
-  const HazeLight light = hazeLights[lightAt(u.x)];
-  if (light.share <= 0.0 || isBeside(v, light)) return kNothing;
+/// A point, then a place by equal angles about it.
+Scattered byPoint(View v, Choice chosen, vec4 u, float choice) {
+  const HazeLight light = hazeLights[chosen.light];
   float chance, density;
-  const int i = pointOf(light, u.x, choice, chance);
+  const int i = pointOf(light, chosen.at, choice, chance);
   if (chance <= 0.0) return kNothing;
   const vec3 point = texelFetch(lightPoints, kLightPointTexels * i).xyz;
   const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
@@ -122,7 +152,7 @@ Scattered byPoint(View v, vec4 u, float choice) {
   const float along = dot(d, v.direction), apart = sqrt(max(dot(d, d) - along * along, 0.0) + leastApart(emits, area));
   const float t = placeOnView(v, along, apart, u.y, density);
   Scattered s = scatteredAt(v, t, i, place, area);
-  s.light /= light.share * chance * density;
+  s.light /= chosen.chance * chance * density;
   return s;
 }
 
@@ -133,30 +163,66 @@ void choose(Scattered s, float choice, inout Scattered chosen, inout float weigh
   if (weight > 0.0 && choice * weights < weight) chosen = s;
 }
 
+/// A place by equal angles about the middle of a light, then points spread evenly over it, of which many may face away;
+/// besides, one of them by what it does.
+vec3 byPoints(View v, Choice choice, float at, uint seed, out Scattered chosen) {
+  const HazeLight light = hazeLights[choice.light];
+  float apart, density, weights = 0.0;
+  const float along = alongView(v, light, apart), t = placeOnView(v, along, apart, at, density);
+  vec3 all = vec3(0.0);
+  chosen = kNothing;
+  for (int k = 0; k < kPointsAtOnce; ++k) {
+    const float where = fract(choice.at + float(k) / float(kPointsAtOnce));
+    const int point = light.firstPoint + min(int(where * float(light.points)), light.points - 1);
+    const Scattered s = scatteredAt(v, t, point, pointPosition(point), light.pointArea);
+    all += s.light;
+    choose(s, randomOf(seed, uint(k)), chosen, weights);
+  }
+  const float worth = float(light.points) / (float(kPointsAtOnce) * choice.chance * density);
+  if (weights > 0.0) chosen.light *= worth * weights / largest(chosen.light);
+  return worth * all;
+}
+
 /// What all of them scatter with nothing in the way, and what of that something keeps, by the one that is asked for.
 struct Found {
   vec3 all, kept;
+  float byChance;  // of all of it, by points that are not spread evenly over what they stand for
 };
+const Found kNothingFound = Found(vec3(0.0), vec3(0.0), 0.0);
 
-Found found(vec3 all, Scattered chosen, float weights, inout int rounds) {
-  if (weights <= 0.0) return Found(vec3(0.0), vec3(0.0));
+/// `worth`: of one of those that have been looked at.
+Found found(vec3 all, float byChance, Scattered chosen, float weights, float worth, inout int rounds) {
+  if (weights <= 0.0) return kNothingFound;
   const vec3 share = transmitted(chosen.at, mix(chosen.at, chosen.place, kShadowEnd), chosen.source, rounds);
-  return Found(all, (1.0 - share) * (weights / largest(chosen.light)) * chosen.light);
+  return Found(worth * all, (1.0 - share) * (worth * weights / largest(chosen.light)) * chosen.light, worth * byChance);
+}
+
+bool isFewPolygons(int i) {
+  return params.ofSurfaces == 0 && texelFetch(direct, 1 + 2 * i).w == kAsPolygons && texelFetch(direct, 2 + 2 * i).y <= kFewPolygons;
 }
 
 /// From lights that are passed at a distance.
 Found rayAfar(View v, vec4 shift, uint seed, int k, inout int rounds) {
   vec3 all = vec3(0.0);
-  float weights = 0.0;
+  float byChance = 0.0, weights = 0.0;
   Scattered chosen = kNothing;
   for (int i = 0; i < kHazeCandidates; ++i) {
     const int n = k * kHazeCandidates + i;
-    const Scattered s = byPoint(v, fract(shift + float(n) * kSampleSteps), randomOf(seed, 2u * uint(n) + 1u));
-    all += s.light;
+    const Choice choice = lightOf(n, shift.x, params.turns * kHazeRays * kHazeCandidates);
+    const HazeLight light = hazeLights[choice.light];
+    if (light.share <= 0.0 || isBeside(v, light)) continue;
+    const vec4 u = fract(shift + latticePoint(n));
+    const bool asOne = light.sphere.w > 0.0 && !isFewPolygons(choice.light);
+    Scattered s = kNothing;
+    vec3 here;
+    if (asOne) here = byPoints(v, choice, u.y, hashed(seed + uint(n)), s);
+    else s = byPoint(v, choice, u, randomOf(seed, 2u * uint(n) + 1u));
+    if (!asOne) here = s.light;
+    all += here;
+    if (params.ofSurfaces == 1) byChance += largest(here);
     choose(s, randomOf(seed, 2u * uint(n)), chosen, weights);
   }
-  const Found f = found(all, chosen, weights, rounds);
-  return Found(f.all / float(kHazeCandidates), f.kept / float(kHazeCandidates));
+  return found(all, byChance, chosen, weights, 1.0 / float(kHazeCandidates), rounds);
 }
 
 /// Of triangle t of those of a light that x sees, a place, evenly by solid angle, or where it is small by area.
@@ -223,24 +289,19 @@ vec3 allOfPoints(View v, int i, float t, vec4 u, uint seed, out Scattered chosen
   return all;
 }
 
-bool isFewPolygons(int i) {
-  return texelFetch(direct, 1 + 2 * i).w == kAsPolygons && texelFetch(direct, 2 + 2 * i).y <= kFewPolygons;
-}
-
 /// From a light that the view passes beside, over several places; `chance`: that it was chosen.
 Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout int rounds) {
   const HazeLight light = hazeLights[i];
   const bool few = isFewPolygons(i);
-  const vec3 d = light.sphere.xyz - frame.eye;
-  const float along = dot(d, v.direction), radius = light.sphere.w;
-  const float apart = sqrt(max(dot(d, d) - along * along, 0.0) + 0.25 * radius * radius);
+  float apart;
+  const float along = alongView(v, light, apart);
   vec3 all = vec3(0.0);
   float weights = 0.0;
   Scattered chosen = kNothing;
   const int places = few ? kPlacesByPolygons : kPlacesByPoints;
   for (int place = 0; place < places; ++place) {
     const int n = k * places + place;
-    const vec4 u = fract(shift + float(n) * kSampleSteps);
+    const vec4 u = fract(shift + latticePoint(n));
     const float at = fract(shift.y + float(n / 2) * kGoldenStep);
     float density;
     float t = placeOnView(v, along, apart, at, density);
@@ -257,27 +318,32 @@ Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout
     one.light /= density;
     choose(one, randomOf(seed, 2u * uint(n)), chosen, weights);
   }
-  const Found f = found(all, chosen, weights, rounds);
-  return Found(f.all / (float(places) * chance), f.kept / (float(places) * chance));
+  return found(all, 0.0, chosen, weights, 1.0 / (float(places) * chance), rounds);
 }
 
-/// For each of a turn's rays one of the lights that the view passes beside, by about what it scatters, and its chance; -1
-/// where there are none.
-void chooseBeside(View v, uint seed, out int lights[kHazeRays], out float chances[kHazeRays]) {
-  float all = 0.0;
+/// About what a light that the view passes beside scatters; 0 of others.
+float worthBeside(View v, HazeLight light) {
+  return light.points > 0 && isBeside(v, light) ? light.power / light.sphere.w : 0.0;
+}
+
+/// For each of a turn's rays one of the lights that the view passes beside, in proportion to their worth, and its chance;
+/// -1 where there are none.
+void chooseBeside(View v, float shift, out int lights[kHazeRays], out float chances[kHazeRays]) {
+  const int count = params.turns * kHazeRays;
+  float all = 0.0, end = 0.0;
+  for (int i = 0; i < params.lights; ++i) all += worthBeside(v, hazeLights[i]);
   for (int ray = 0; ray < kHazeRays; ++ray) lights[ray] = -1;
-  for (int i = 0; i < params.lights; ++i) {
-    const HazeLight light = hazeLights[i];
-    if (light.points == 0 || !isBeside(v, light)) continue;
-    const float worth = light.power / light.sphere.w;
-    all += worth;
+  for (int i = 0, begin = 0; i < params.lights && begin < count && all > 0.0; ++i) {
+    const float share = worthBeside(v, hazeLights[i]) / all;
+    const int next = countBelow(end += share, shift, count);
     for (int ray = 0; ray < kHazeRays; ++ray) {
-      if (randomOf(seed, 1u + 2u * uint((params.turn * kHazeRays + ray) * params.lights + i)) * all >= worth) continue;
+      const int place = placeOf(params.turn * kHazeRays + ray, count);
+      if (place < begin || place >= next) continue;
       lights[ray] = i;
-      chances[ray] = worth;
+      chances[ray] = chanceOf(share, next - begin, count);
     }
+    begin = next;
   }
-  for (int ray = 0; ray < kHazeRays; ++ray) chances[ray] /= max(all, 1e-30);
 }
 
 void main() {
@@ -291,24 +357,24 @@ void main() {
   const View v = viewOf(pixel);
   int beside[kHazeRays];
   float chances[kHazeRays];
-  chooseBeside(v, seed, beside, chances);
-  vec4 sum = vec4(0.0);
-  vec2 chance = vec2(0.0);
+  chooseBeside(v, randomOf(~seed, 0u), beside, chances);
+  vec3 sum = vec3(0.0);
+  vec3 ofRays = vec3(0.0), squares = vec3(0.0);  // found in all; by which light is looked at; by chance alone
   int sent = 0, rounds = 0;
   for (; v.end > v.begin && sent < kHazeRays && rounds < kMostRayRounds; ++sent) {
     const int k = params.turn * kHazeRays + sent;
-    Found f = rayAfar(v, shift, seed, k, rounds);
-    if (beside[sent] >= 0) {
-      const Found more = rayBeside(v, beside[sent], chances[sent], shift, seed, k, rounds);
-      f = Found(f.all + more.all, f.kept + more.kept);
-    }
-    const vec3 arrives = f.all - f.kept;
-    const float single = params.ofSurfaces == 1 ? largest(arrives) : largest(f.kept);
-    sum += vec4(arrives, largest(arrives) * largest(arrives));
-    chance += vec2(single, single * single);
+    const Found afar = rayAfar(v, shift, seed, k, rounds);
+    Found near = kNothingFound;
+    if (beside[sent] >= 0) near = rayBeside(v, beside[sent], chances[sent], shift, seed, k, rounds);
+    const vec3 kept = afar.kept + near.kept, arrives = afar.all + near.all - kept;
+    const vec3 chosen = (params.lights > 1 ? afar.all : vec3(0.0)) + (chances[sent] < 1.0 ? near.all : vec3(0.0));
+    const vec3 one = vec3(largest(arrives), largest(chosen), largest(kept) + afar.byChance + near.byChance);
+    sum += arrives;
+    ofRays += one;
+    squares += one * one;
   }
-  const float share = float(kHazeRays) / float(max(sent, 1));
-  const bool anew = params.firstTurn == 1;
-  imageStore(hazeSum, pixel, share * sum + (anew ? vec4(0.0) : imageLoad(hazeSum, pixel)));
-  imageStore(hazeChance, pixel, vec4(share * chance + (anew ? vec2(0.0) : imageLoad(hazeChance, pixel).xy), 0.0, 0.0));
+  const float rays = float(max(sent, 1)), share = float(kHazeRays) / rays;
+  const vec3 variance = max(squares - ofRays * ofRays / rays, vec3(0.0)) * rays / max(rays - 1.0, 1.0);  // of the sum
+  const vec4 turn = vec4(share * sum, share * share * dot(variance, kEvenness));
+  imageStore(hazeSum, pixel, turn + (params.firstTurn == 1 ? vec4(0.0) : imageLoad(hazeSum, pixel)));
 }

@@ -1,6 +1,7 @@
 // Smooths what haze scatters towards the camera over pixels whose views are as long and that differ by no more than chance:
 // edges of shadows in the haze stay where they are. A thread has a pixel.
 #include "layout.h"
+#include "common/colour.glsl"
 #include "frame/position.glsl"
 
 layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
@@ -10,16 +11,12 @@ layout(std140, binding = kHazeParams) uniform HazeBlock { HazeParams params; };
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
 layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 layout(binding = kHazeSum) uniform sampler2D hazeSum;
-layout(binding = kHazeChance) uniform sampler2D hazeChance;
 layout(binding = kHazeOut, rgba32f) writeonly uniform image2D haze;
 
 const int kReach = 3;             // pixels on each side
 const float kSameLength = 0.1;    // of a view, as a share of it
-const float kEvenness = 0.02;     // of a variance: places are spread evenly, so that what they say differs by less
-const float kByChance = 3.0;      // variances: the mean of two pixels is one and a half from a third, and often twice that
+const float kByChance = 3.0;      // variances: a pixel and the mean of two others differ by one and a half of them, and often by twice that
 const float kDoubt = 1e-3;        // of what is found: what chance may do at least, since few rays do not know
-
-float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
 
 float depthAt(ivec2 pixel) { return max(texelFetch(surfaceDepth, pixel, 0).x, texelFetch(emitterDepth, pixel, 0).x); }
 
@@ -31,14 +28,11 @@ float lengthAt(ivec2 pixel) {
 
 vec3 foundAt(ivec2 pixel) { return texelFetch(hazeSum, pixel, 0).rgb / float(params.turns * kHazeRays); }
 
-/// Of a pixel's mean: places are spread evenly, and what they say differs by little; what single rays say is chance.
+/// Of a pixel's mean.
 float varianceAt(ivec2 pixel) {
-  const float rays = float(params.turns * kHazeRays);
-  const vec4 sum = texelFetch(hazeSum, pixel, 0) / rays;
-  const vec2 chance = texelFetch(hazeChance, pixel, 0).xy / rays;
-  const float most = largest(sum.rgb);
-  return (kEvenness * max(sum.a - most * most, 0.0) + max(chance.y - chance.x * chance.x, 0.0)) / rays +
-         kDoubt * kDoubt * most * most;
+  const vec4 mean = texelFetch(hazeSum, pixel, 0) / float(params.turns * kHazeRays);
+  const float doubt = kDoubt * largest(mean.rgb);
+  return mean.a / float(params.turns * kHazeRays) + doubt * doubt;
 }
 
 /// Over the pixels around, or its own where that is more: what one ray alone has found is grain.

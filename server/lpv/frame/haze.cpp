@@ -14,8 +14,8 @@ namespace lpv {
 
 namespace {
 
-gpu::Texture hazePicture(const char* label, const glm::ivec2& size, GLenum format) {
-  return gpu::Texture::make2d(label, size, format, gpu::Sampling::kNearestClamp);
+gpu::Texture hazePicture(const char* label, const glm::ivec2& size) {
+  return gpu::Texture::make2d(label, size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
 }
 
 /// What a turn of a tile takes: a candidate about as much as a shaded pixel.
@@ -67,10 +67,7 @@ std::vector<layout::HazeLight> hazeLights(const PatchSet& patches) {
 }  // namespace
 
 HazeBuffer::HazeBuffer(const glm::ivec2& s)
-    : size(s),
-      sum(hazePicture("haze, all rays", s, GL_RGBA32F)),
-      chance(hazePicture("haze, by chance", s, GL_RG32F)),
-      scattered(hazePicture("haze", s, GL_RGBA32F)) {}
+    : size(s), sum(hazePicture("haze, all rays", s)), scattered(hazePicture("haze", s)) {}
 
 struct HazePass::Picture {
   const HazeBuffer& buffer;
@@ -119,7 +116,6 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
       sources.occluders.bind();
       sources.emitters.view.bind(layout::kDirect);
       picture.buffer.sum.bindImage(layout::kHazeSumOut, GL_READ_WRITE);
-      picture.buffer.chance.bindImage(layout::kHazeChanceOut, GL_READ_WRITE);
       rays_.get({}).dispatch(std::uint32_t(some));
       gpu::memoryBarrier();
       params.first += some;
@@ -143,7 +139,6 @@ GpuTask HazePass::run(HazeBuffer& buffer, const Gbuffer& gbuffer, const EmitterB
   params_.bindUniform(layout::kHazeParams);
   picture.bind();
   buffer.sum.bind(layout::kHazeSum);
-  buffer.chance.bind(layout::kHazeChance);
   buffer.scattered.bindImage(layout::kHazeOut, GL_WRITE_ONLY);
   const glm::ivec2 tiles = partsOf(buffer.size, kTile);
   filter_.get({}).dispatch(std::uint32_t(tiles.x), std::uint32_t(tiles.y));

@@ -23,8 +23,7 @@ struct HazeBuffer {
   explicit HazeBuffer(const glm::ivec2& size);
 
   glm::ivec2 size;
-  gpu::Texture sum;        ///< RGBA32F: what all rays have found, and the sum of its squares
-  gpu::Texture chance;     ///< RG32F: of what single rays decide about the sum, and that of its squares
+  gpu::Texture sum;        ///< RGBA32F: what all rays have found, and its variance
   gpu::Texture scattered;  ///< RGBA32F: radiance towards the camera
 };
 

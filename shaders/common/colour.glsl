@@ -1,0 +1,1 @@
+float largest(vec3 c) { return max(max(c.r, c.g), c.b); }
