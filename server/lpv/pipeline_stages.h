@@ -40,7 +40,7 @@ inline int foldTurns(const LightingSettings& options) { return options.quality =
 inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 32 : 16;
 }
-/// Of rays of a pixel through haze.
+/// Of rays of a pixel through haze. A power of two: so many are spread evenly (shaders/frame/haze.comp).
 inline int hazeTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 16 : 8;
 }

@@ -28,8 +28,6 @@ float firstMet(vec4 shares, float sent) {
   return few || most - least > kSameShare ? kMixed : 4.0 * most;
 }
 
-ivec2 blockOf(uint four) { return unpackedPixel(points[four].x) / ivec2(kNearFieldBlockX, kNearFieldBlockY); }
-
 /// Whether another four decides with a four: in single frames those beside it in its block of pixels, which were listed
 /// one after the other, since 16 rays miss a light of which little is seen once in a while.
 bool decidesWith(uint other, uint four) {
@@ -92,7 +90,8 @@ ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
 
 #if LPV_TRANSPARENT
 /// What haze leaves of what the pool sends, over as many points as are weighed. It belongs to what is sent, not to the share
-/// that arrives: so it is no reason for more rays, and is not smoothed like what few of them have seen.
+/// that arrives: so it is no reason for more rays, and is not smoothed like what few of them have seen, but on its own
+/// (shadow_sum.comp).
 float keptInHaze(vec3 x, vec3 n, ivec2 pixel) {
   const float shift = candidatesAt(pixel);
   float kept = 0.0, all = 0.0;
@@ -104,35 +103,6 @@ float keptInHaze(vec3 x, vec3 n, ivec2 pixel) {
     all += weight;
   }
   return all > 0.0 ? kept / all : 1.0;
-}
-
-const uint kAlike = 32u;           // receivers, listed one after the other, that take the mean of what haze leaves
-const float kAlikeApart = 1.0;     // cells between them, at most,
-const float kAlikeDepth = 0.03;    // and optical depth,
-const float kAlikeNormals = 0.95;  // and the cosine between their normals, at least
-shared vec4 keptBy[4 * kNearFieldGroup];  // rgb: of a receiver, where it is; a: what haze leaves; -1: nothing is sent there
-shared vec3 normalOf[4 * kNearFieldGroup];
-
-/// keptInHaze() of a receiver, and of those like it beside it: few points of many that send light differ from one receiver
-/// to the next. All threads of the group come here; `lit`: whether something is sent to this one.
-float keptInHazeAround(uint point, bool lit) {
-  const uint here = gl_LocalInvocationID.x;
-  keptBy[here].a = -1.0;
-  if (lit) {
-    const ivec2 pixel = unpackedPixel(points[point / 4u][point % 4u]);
-    const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
-    normalOf[here] = n;
-    keptBy[here] = vec4(x, keptInHaze(x, n, inPicture(pixel)));
-  }
-  barrier();
-  const float apart = min(kAlikeApart, kAlikeDepth / hazeExtinction());
-  vec2 sum = vec2(0.0);
-  for (uint i = here - here % kAlike; i < here - here % kAlike + kAlike; ++i) {
-    const vec4 other = keptBy[i];
-    if (!lit || other.a < 0.0 || distance(other.xyz, keptBy[here].xyz) > apart) continue;
-    if (dot(normalOf[i], normalOf[here]) >= kAlikeNormals) sum += vec2(other.a, 1.0);
-  }
-  return sum.y > 0.0 ? sum.x / sum.y : 1.0;
 }
 #endif
 
@@ -153,27 +123,21 @@ void sendRays(uint point, ivec2 pixel) {
     seenRays += max(max(share.r, share.g), share.b);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }
-  if (shadow.turn == 0) shadowPoints[point].light.a = firstMet(shares, all.a);
+  if (shadow.turn == 0) {
+    shadowPoints[point].light.a = firstMet(shares, all.a);
+#if LPV_TRANSPARENT
+    if (hazeExtinction() > 0.0) shadowPoints[point].sum.a = keptInHaze(x, n, inPicture(pixel));
+#endif
+  }
   shadowPoints[point].all += all;
   shadowPoints[point].seen.rgb += seen;
   if (shadow.darkTurns > 1) countSeen(point, seenRays);
 }
 
-bool isLit(uint point) {
-  if (point / 4u >= list.count) return false;
-  const vec3 light = shadowPoints[point].light.rgb;
-  return max(max(light.r, light.g), light.b) > 0.0;
-}
-
 void main() {
-  const uint point = gl_GlobalInvocationID.x;
-  const bool lit = isLit(point);
-#if LPV_TRANSPARENT
-  if (shadow.turn == 0 && hazeExtinction() > 0.0) {
-    const float kept = keptInHazeAround(point, lit);
-    const vec3 asked = lit ? shadowPoints[point].asked.rgb : vec3(0.0);
-    if (lit) shadowPoints[point].light.rgb = asked + kept * (shadowPoints[point].light.rgb - asked);
-  }
-#endif
-  if (lit && (shadow.turn == 0 || !agreed(point / 4u))) sendRays(point, unpackedPixel(points[point / 4u][point % 4u]));
+  const uint point = gl_GlobalInvocationID.x, four = point / 4u;
+  if (four >= list.count) return;
+  const vec3 light = shadowPoints[point].light.rgb;
+  if (max(max(light.r, light.g), light.b) <= 0.0 || (shadow.turn > 0 && agreed(four))) return;
+  sendRays(point, unpackedPixel(points[four][point % 4u]));
 }

@@ -7,7 +7,7 @@ struct ShadowPoint {
   vec4 known;  // rgb: of that what arrives; a: as seen.a, after odd turns
   vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
   vec4 seen;   // rgb: of those that arrived; a: how many did, or their shares' largest, after even turns
-  vec4 sum;    // rgb: E of the pools before
+  vec4 sum;    // rgb: E of the pools before; a: of this one's light what haze leaves (shadow_rays.comp), 0: none is there
 };
 
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };
@@ -20,6 +20,9 @@ ivec2 inPicture(ivec2 pixel) { return pixel + ivec2(0, shadow.firstRow); }
 /// has in the place of a light (visibility/light_points.glsl).
 bool isFolded(float r2, float from) { return shadow.foldTurns > 0 && from <= kFromFolds && r2 < kFromFolds - from; }
 
+/// The block of a picture's pixels that a four is of: all of a block are listed one after the other.
+ivec2 blockOf(uint four) { return unpackedPixel(points[four].x) / ivec2(kNearFieldBlockX, kNearFieldBlockY); }
+
 /// What the pool sends to a point, before any ray; besides, what it sends that was asked about already, and what of that
 /// arrives.
 void begin(uint point, vec3 light, vec3 asked, vec3 known, bool folded) {
@@ -28,4 +31,5 @@ void begin(uint point, vec3 light, vec3 asked, vec3 known, bool folded) {
   shadowPoints[point].known = vec4(known, 0.0);
   shadowPoints[point].all = vec4(0.0);
   shadowPoints[point].seen = vec4(0.0);
+  shadowPoints[point].sum.a = 0.0;
 }

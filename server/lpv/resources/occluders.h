@@ -20,7 +20,8 @@ namespace lpv {
 /// show its picture, then maps of alpha.
 class GpuOccluders {
  public:
-  /// Makes what differs from the last scene; `haze` fills a part of it. Trees over new meshes are made on another thread meanwhile.
+  /// Makes what differs from the last scene; `haze` fills a part of it. Trees over new meshes are made on another
+  /// thread meanwhile.
   GpuTask update(std::vector<Occluder> occluders, const Grid& grid, Haze haze = {});
   void bind() const;
   /// Changes with what blocks all lights.

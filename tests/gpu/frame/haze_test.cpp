@@ -283,6 +283,9 @@ TEST_F(HazeTest, LeavesLightOfSurfacesSmooth) {
     }
   }
   EXPECT_LE(std::sqrt(squared / pixels), 0.012);
+  TickRequest again = test::requestOf(scene, 2);
+  again.frames = {request};
+  EXPECT_EQ(run(again).frames[0]->rgb32f, result.frames[0]->rgb32f);
 }
 
 // Broken by: haze that cells do not see, or that they see twice.
