@@ -85,12 +85,13 @@ export class RoomPage {
     return this.page.evaluate(() => lpvRoom.shading.view.eye);
   }
 
-  // Holds a key until the camera has moved by so many metres.
+  // Presses a key until the camera has moved by so many metres. It is not held: a busy page would go round once and more.
   async steer(key, metres) {
     const before = await this.eye();
-    await this.page.keyboard.down(key);
-    await until(`${key} steers`, async () => apart(before, await this.eye()) > metres);
-    await this.page.keyboard.up(key);
+    await until(`${key} steers`, async () => {
+      await this.page.keyboard.press(key, { delay: 100 });
+      return apart(before, await this.eye()) > metres;
+    });
   }
 
   async select(name) {
