@@ -1,8 +1,9 @@
 // What haze scatters once towards the camera (MATHS.md 3g): a turn of rays from places along each pixel's view to points of
-// the lights, or of the patches of surfaces. Of a light that the view passes at a distance the point comes first: the place
-// is chosen by the angle under which it sees the view (equi-angular: Kulla and Fajardo 2012), and of kHazeCandidates such
-// pairs one is asked for, by what it scatters (Talbot, Cline and Egbert 2005). Beside a light, where 1 / r^2 of a single point
-// says little, the place comes first, and of all points one is asked for. What nothing is in the way of counts whole either way.
+// the lights, or of the patches of surfaces. Of polygons that the view passes at a distance, and of patches, the point comes
+// first: the place is chosen by the angle under which it sees the view (equi-angular: Kulla and Fajardo 2012). A mesh is
+// looked at from a place that its middle chooses, since half of it faces away. Of kHazeCandidates such pairs one is asked
+// for, by what it scatters (Talbot, Cline and Egbert 2005). Beside a light, where 1 / r^2 of a single point says little,
+// several places come first, and of all points one is asked for. What nothing is in the way of counts whole either way.
 // A thread has a pixel.
 #include "layout.h"
 #include "common/sh.glsl"
@@ -125,14 +126,14 @@ bool isBeside(View v, HazeLight light) {
 
 /// Of four points spread over a light one, in proportion to what it sends, and how often it is chosen so: of what patches
 /// and pictures send much comes from few.
-int pointOf(HazeLight light, float at, float choice, out float chance) {
+int pointOf(HazeLight light, float at, float which, out float chance) {
   ivec4 points;
   vec4 sends;
   for (int k = 0; k < 4; ++k) {
     points[k] = light.firstPoint + min(int(fract(at + kGoldenStep * float(k)) * float(light.points)), light.points - 1);
     sends[k] = texelFetch(lightPoints, kLightPointTexels * points[k]).w;
   }
-  const float all = dot(sends, vec4(1.0)), wanted = choice * all;
+  const float all = dot(sends, vec4(1.0)), wanted = which * all;
   int chosen = 0;
   for (float before = sends[0]; chosen < 3 && before <= wanted; before += sends[chosen]) ++chosen;
   chance = all > 0.0 ? 4.0 * sends[chosen] / (all * float(light.points)) : 0.0;
@@ -140,20 +141,21 @@ int pointOf(HazeLight light, float at, float choice, out float chance) {
 }
 
 /// A point, then a place by equal angles about it.
-Scattered byPoint(View v, Choice chosen, vec4 u, float choice) {
-  const HazeLight light = hazeLights[chosen.light];
+vec3 byPoint(View v, Choice choice, vec4 u, float which, out Scattered chosen) {
+  const HazeLight light = hazeLights[choice.light];
   float chance, density;
-  const int i = pointOf(light, chosen.at, choice, chance);
-  if (chance <= 0.0) return kNothing;
+  const int i = pointOf(light, choice.at, which, chance);
+  chosen = kNothing;
+  if (chance <= 0.0) return vec3(0.0);
   const vec3 point = texelFetch(lightPoints, kLightPointTexels * i).xyz;
   const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
   const float area = areaOf(light, emits);
   const vec3 place = placeAround(point, emits.xyz, area, u.zw), d = place - frame.eye;
   const float along = dot(d, v.direction), apart = sqrt(max(dot(d, d) - along * along, 0.0) + leastApart(emits, area));
   const float t = placeOnView(v, along, apart, u.y, density);
-  Scattered s = scatteredAt(v, t, i, place, area);
-  s.light /= chosen.chance * chance * density;
-  return s;
+  chosen = scatteredAt(v, t, i, place, area);
+  chosen.light /= choice.chance * chance * density;
+  return chosen.light;
 }
 
 /// Takes one of several in proportion to what they scatter, `weights` so far.
@@ -212,12 +214,11 @@ Found rayAfar(View v, vec4 shift, uint seed, int k, inout int rounds) {
     const HazeLight light = hazeLights[choice.light];
     if (light.share <= 0.0 || isBeside(v, light)) continue;
     const vec4 u = fract(shift + latticePoint(n));
-    const bool asOne = light.sphere.w > 0.0 && !isFewPolygons(choice.light);
-    Scattered s = kNothing;
+    const bool isMesh = light.sphere.w > 0.0 && !isFewPolygons(choice.light);
+    Scattered s;
     vec3 here;
-    if (asOne) here = byPoints(v, choice, u.y, hashed(seed + uint(n)), s);
-    else s = byPoint(v, choice, u, randomOf(seed, 2u * uint(n) + 1u));
-    if (!asOne) here = s.light;
+    if (isMesh) here = byPoints(v, choice, u.y, hashed(seed + uint(n)), s);
+    else here = byPoint(v, choice, u, randomOf(seed, 2u * uint(n) + 1u), s);
     all += here;
     if (params.ofSurfaces == 1) byChance += largest(here);
     choose(s, randomOf(seed, 2u * uint(n)), chosen, weights);
