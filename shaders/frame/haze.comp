@@ -43,7 +43,7 @@ const int kPointsAtOnce = 4;       // seen from one place, of a light of many tr
 const float kSmallAngle = 1e-2;    // below, a triangle looks alike from all of it
 const float kBeside = 1.5;         // radii of a light's sphere from its middle: nearer views are beside it
 const vec3 kEvenness = vec3(0.02, 0.2, 1.0);  // of variances: places and lights are spread evenly, so that they differ by less
-const float kUnevenness = 0.3;     // of what few points of a mesh say beside it, what is chance
+const float kUnevenness = 0.15;    // of what few points of a mesh say beside it, what is chance
 
 /// Of `count` numbers spread evenly over [0, 1), (j + shift) / count, how many are below another.
 int countBelow(float end, float shift, int count) { return clamp(int(ceil(end * float(count) - shift)), 0, count); }

@@ -29,8 +29,9 @@ float worth(ShadowPoint p) {
 #endif
 
 /// Of what a pool sends, what haze leaves: the mean of a receiver and those like it in its block of pixels, of which each has
-/// weighed few points of many.
+/// weighed few points of many. Where all have weighed the same points, its own.
 float leftByHaze(uint point, float own) {
+  if (shadow.jitter == 0) return own;
   const uint four = point / 4u;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel);
