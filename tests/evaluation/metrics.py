@@ -32,6 +32,12 @@ def nrmse(ours, truth):
     return float(np.sqrt(np.mean((np.asarray(ours) - truth) ** 2)) / mean) if mean > 0 else math.nan
 
 
+def blocks(image, edge=8):
+    """Means over squares of `edge` pixels; a rest at the right and lower edges is left out."""
+    height, width = (n // edge * edge for n in image.shape[:2])
+    return image[:height, :width].reshape(height // edge, edge, width // edge, edge, 3).mean(axis=(1, 3))
+
+
 def floored(ours, truth):
     """Luminances of both, not below the floor."""
     a, b = luminance(ours), luminance(truth)

@@ -82,6 +82,17 @@ class Numbers(unittest.TestCase):
         self.assertEqual(metrics.of_reference(truth, 0 * truth)["log_ratio_p95_of_reference"], 0)
 
 
+class Blocks(unittest.TestCase):
+    def test_are_means_and_leave_a_rest_out(self):
+        image = np.zeros((5, 6, 3))
+        image[:2, 2:4] = [[[1, 2, 3], [3, 2, 1]], [[0, 0, 0], [4, 0, 0]]]
+        image[4] = 100
+        out = metrics.blocks(image, 2)
+        self.assertEqual(out.shape, (2, 3, 3))
+        np.testing.assert_allclose(out[0, 1], [2, 1, 1])
+        self.assertEqual(out.sum(), 4)
+
+
 class Bootstrap(unittest.TestCase):
     # The NRMSE of errors of one size hardly depends on the points; that of a single large error does by half.
     # Broken by: the same points in every resample; the standard error of the mean of the resamples.

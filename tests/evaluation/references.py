@@ -94,9 +94,10 @@ class Cycles:
         """Why there is none; "" if there is."""
         return "" if self.blender else "blender is not installed"
 
-    def picture(self, scene_file, view, size, samples, level, seed=0):
-        """Layers as exr.read names them: radiance, P, N, A."""
-        key = [self.version, self.split, view, list(size), samples, level, seed]
+    def picture(self, scene_file, view, size, samples, level, seed=0, haze=None):
+        """Layers as exr.read names them: radiance, P, N, A; with haze (cycles/render.py) what it scatters, as "haze", at the
+        pixels' middles."""
+        key = [self.version, self.split, view, list(size), samples, level, seed] + ([haze] if haze else [])
         digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode() + scene_bytes_hash(scene_file))
         path = self.embree.folder / f"cycles-{digest.hexdigest()[:24]}.exr"
         if not path.exists():
@@ -105,7 +106,9 @@ class Cycles:
                 self.embree._run(scene_file, "--dump", folder)
                 part = path.with_suffix(".part.exr")
                 job = {"dump": folder, "view": view, "size": list(size), "samples": samples, "bounces": level,
-                       "seed": seed, "threads": self.threads, "output": str(part), "split": self.split}
+                       "seed": seed, "threads": self.threads, "output": str(part), "split": self.split,
+                       "filter": "centre" if haze else "box",
+                       **({"haze": haze} if haze else {})}
                 job_file = pathlib.Path(folder) / "job.json"
                 job_file.write_text(json.dumps(job))
                 done = subprocess.run([self.blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", CYCLES,
@@ -114,7 +117,7 @@ class Cycles:
                     raise RuntimeError(f"blender: {done.stdout[-600:]} {done.stderr[-600:]}")
                 part.rename(path)
         layers = exr.read(path)
-        by_pass = {"Combined": "radiance", "Position": "P", "Normal": "N", "DiffCol": "A"}
+        by_pass = {"Combined": "radiance", "Position": "P", "Normal": "N", "DiffCol": "A", "VolumeDir": "haze"}
         return {by_pass[name.split(".")[-1]]: values for name, values in layers.items()
                 if name.split(".")[-1] in by_pass}
 

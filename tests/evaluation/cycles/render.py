@@ -3,9 +3,11 @@
 usage: blender -b --factory-startup -P tests/evaluation/cycles/render.py -- JOB.json
 
 JOB.json: dump (folder of `reference_renderer --dump`), view (eye, target, up, fov), size, samples, bounces (a number, or
-"all"), seed, threads, output (an OpenEXR file to write), split (least triangles of a light).
+"all"), seed, threads, output (an OpenEXR file to write), split (least triangles of a light), filter
+("box": a pixel is the mean over it; "centre"); haze, if there is any (lower, upper: its box;
+extinction per metre, absorption: a share of that, anisotropy), which scatters light once.
 
-The file has Cycles' passes: Combined, Position, Normal, DiffCol. A pixel is the mean over its box. Lights emit from their
+The file has Cycles' passes: Combined, Position, Normal, DiffCol; with haze VolumeDir, what that scatters. Lights emit from their
 front unless they are two-sided; their backs, and those of one-sided surfaces, are black; the camera looks through the
 latter. Nothing is clamped, no sample is left out for being weak.
 """
@@ -120,6 +122,26 @@ def add_object(entry, data, folder, least):
     thing.cycles.shadow_terminator_geometry_offset = 0.0
 
 
+def add_haze(haze):
+    lower, upper = (mathutils.Vector(haze[key]) for key in ("lower", "upper"))
+    material = bpy.data.materials.new("haze")
+    material.use_nodes = True
+    material.cycles.homogeneous_volume = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    scatter, absorb = nodes.new("ShaderNodeVolumeScatter"), nodes.new("ShaderNodeVolumeAbsorption")
+    scatter.inputs["Color"].default_value, absorb.inputs["Color"].default_value = (1, 1, 1, 1), (0, 0, 0, 1)
+    scatter.inputs["Density"].default_value = haze["extinction"] * (1 - haze["absorption"])
+    absorb.inputs["Density"].default_value = haze["extinction"] * haze["absorption"]
+    scatter.inputs["Anisotropy"].default_value = haze["anisotropy"]
+    both, output = nodes.new("ShaderNodeAddShader"), nodes.new("ShaderNodeOutputMaterial")
+    links.new(scatter.outputs[0], both.inputs[0])
+    links.new(absorb.outputs[0], both.inputs[1])
+    links.new(both.outputs[0], output.inputs["Volume"])
+    bpy.ops.mesh.primitive_cube_add(size=1, location=0.5 * (lower + upper), scale=upper - lower)
+    bpy.context.object.data.materials.append(material)
+
+
 def add_camera(view):
     data = bpy.data.cameras.new("camera")
     data.sensor_fit = "VERTICAL"
@@ -147,7 +169,8 @@ def set_up(job):
     cycles.device = "CPU"
     cycles.samples, cycles.seed = job["samples"], job["seed"]
     cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+    # A box is as wide as a pixel there, whatever the width.
+    cycles.pixel_filter_type, cycles.filter_width = ("BOX", 1.0) if job["filter"] == "box" else ("GAUSSIAN", 0.01)
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.light_sampling_threshold = 0.0
     cycles.blur_glossy = 0.0
@@ -158,6 +181,7 @@ def set_up(job):
     scene.world.use_nodes = False
     scene.world.color = (0, 0, 0)
     layer = bpy.context.view_layer
+    layer.cycles.use_pass_volume_direct = "haze" in job
     layer.use_pass_position = layer.use_pass_normal = layer.use_pass_diffuse_color = True
     scene.view_settings.view_transform = "Raw"
     image = scene.render.image_settings
@@ -174,6 +198,8 @@ def main():
     data = (folder / "scene.bin").read_bytes()
     for entry in json.loads((folder / "scene.json").read_text()):
         add_object(entry, data, folder, job["split"])
+    if "haze" in job:
+        add_haze(job["haze"])
     add_camera(job["view"])
     set_up(job)
     bpy.ops.render.render(write_still=True)
