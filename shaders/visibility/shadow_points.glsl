@@ -21,7 +21,14 @@ ivec2 inPicture(ivec2 pixel) { return pixel + ivec2(0, shadow.firstRow); }
 bool isFolded(float r2, float from) { return shadow.foldTurns > 0 && from <= kFromFolds && r2 < kFromFolds - from; }
 
 /// The block of a picture's pixels that a four is of: all of a block are listed one after the other.
-ivec2 blockOf(uint four) { return unpackedPixel(points[four].x) / ivec2(kNearFieldBlockX, kNearFieldBlockY); }
+ivec2 blockOf(uint four) {
+  ivec2 pixel = unpackedPixel(points[four].x);
+#if !LPV_PATCHES && LPV_MET
+  const int width = pictureWidth(frame), place = pixel.x / width;  // places of reflections lie side by side (gloss_points.glsl)
+  pixel.x += place * (kNearFieldBlockX - width % kNearFieldBlockX);
+#endif
+  return pixel / ivec2(kNearFieldBlockX, kNearFieldBlockY);
+}
 
 /// What the pool sends to a point, before any ray; besides, what it sends that was asked about already, and what of that
 /// arrives.
