@@ -125,6 +125,7 @@ LPV_CONST int kGlossShares = 22;  // what lobes reflect in all, by cosine and ro
 LPV_CONST int kHaze = 27;  // of a picture: what haze scatters towards the camera
 LPV_CONST int kHazeSum = 1;  // of a picture: the same before it is smoothed, as kHazeSumOut
 LPV_CONST int kGlossMaterial = 14;  // of a picture: roughness and metalness of its surfaces
+LPV_CONST int kGlossMap = 15;  // of a surface that is drawn: its green multiplies roughness, its blue metalness
 // --- image units
 LPV_CONST int kHazeOut = 0;  // as kHaze
 LPV_CONST int kHazeSumOut = 1;  // of a picture: rgb: what all rays so far have found; a: its variance

@@ -237,9 +237,14 @@ Expected<UploadedFiles> uploadFiles(client::Client& client, const ObjectFlags& f
     out.texture = *hash;
   }
   if (!flags.normalMap.empty()) {
-    const auto hash = uploadImageFile(client, flags.id, flags.normalMap, ImageUse::kNormals);
+    const auto hash = uploadImageFile(client, flags.id, flags.normalMap, ImageUse::kNumbers);
     if (!hash) return hash.status();
     out.normalMap = *hash;
+  }
+  if (!flags.glossMap.empty()) {
+    const auto hash = uploadImageFile(client, flags.id, flags.glossMap, ImageUse::kNumbers);
+    if (!hash) return hash.status();
+    out.glossMap = *hash;
   }
   return out;
 }

@@ -58,6 +58,7 @@ struct ObjectFlags {
   std::string texture;
   bool textureAlpha = false;  ///< the texture keeps its alpha
   std::string normalMap;      ///< of surfaces
+  std::string glossMap;       ///< of surfaces
   std::optional<bool> castsShadow;
   std::optional<bool> visibleToCamera;
   TransformFlags transform;
@@ -89,6 +90,7 @@ struct UploadedFiles {
   std::optional<std::string> mesh;
   std::optional<std::string> texture;
   std::optional<std::string> normalMap;
+  std::optional<std::string> glossMap;
 };
 /// Uploads the files that were given. `directions`: file of emission directions, one per vertex in the mesh file's
 /// order; "": none.

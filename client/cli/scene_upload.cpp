@@ -22,8 +22,7 @@ class SceneBlobs {
     }
     for (const Surface& surface : scene.surfaces) {
       add(surface.mesh);
-      add(surface.albedoTexture);
-      add(surface.normalTexture);
+      for (const TexturePtr& texture : texturesOf(surface)) add(texture);
     }
   }
 
@@ -77,6 +76,7 @@ v1::Operation operationFor(const Surface& surface, const SceneBlobs& blobs) {
   }
   out.set_roughness(surface.roughness);
   out.set_metalness(surface.metalness);
+  out.set_gloss_texture(blobs.hashOf(surface.glossTexture.get()));
   out.set_two_sided(surface.twoSided);
   if (surface.alphaMode != AlphaMode::kOpaque) {
     out.set_alpha_mode(v1::AlphaMode(surface.alphaMode));

@@ -36,6 +36,10 @@ struct SurfaceFlags : ObjectFlags {
     app.add_option("--normal-scale", normalScale, "How much it bends, 0..16 (default of add: 1)")->type_name("S");
     app.add_option("--roughness", roughness, "Roughness, 0..1 (default of add: 1)")->type_name("R");
     app.add_option("--metalness", metalness, "Metalness, 0..1 (default of add: 0)")->type_name("M");
+    app.add_option("--gloss-map", glossMap,
+                   "Picture whose green multiplies the roughness and whose blue the metalness, as glTF has it; none "
+                   "removes it")
+        ->type_name("IMG|none");
     addSwitch(app, "--one-sided", oneSided, "Show and light the front only (default of add: off)");
     addChoice<v1::AlphaMode>(
         app, "--alpha", alpha,
@@ -78,6 +82,7 @@ Expected<std::vector<std::string>> writeSurface(const SurfaceFlags& flags, clien
   fields.set("mesh", files->mesh, [&](const std::string& hash) { surface.set_mesh(hash); });
   fields.set("albedo_texture", files->texture, [&](const std::string& hash) { surface.set_albedo_texture(hash); });
   fields.set("normal_texture", files->normalMap, [&](const std::string& hash) { surface.set_normal_texture(hash); });
+  fields.set("gloss_texture", files->glossMap, [&](const std::string& hash) { surface.set_gloss_texture(hash); });
   fields.set("normal_scale", flags.normalScale, [&](double v) { surface.set_normal_scale(v); });
   fields.set("albedo", flags.albedo, [&](const auto& v) { *surface.mutable_albedo() = client::toProto(v); });
   fields.set("roughness", flags.roughness, [&](double v) { surface.set_roughness(v); });

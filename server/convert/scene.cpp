@@ -142,6 +142,7 @@ Expected<SurfaceFields> surfaceFields(const pb::Surface& in, const FieldSelectio
   if (Status s = takeCommon<Surface>(in, named, &out); !s.ok()) return s;
   if (named("albedo_texture", !in.albedo_texture().empty())) out.albedoTexture = in.albedo_texture();
   if (named("normal_texture", !in.normal_texture().empty())) out.normalTexture = in.normal_texture();
+  if (named("gloss_texture", !in.gloss_texture().empty())) out.glossTexture = in.gloss_texture();
   return out;
 }
 
@@ -251,6 +252,7 @@ void toProto(const Versioned<Surface>& in, pb::Surface* out) {
   toProto(surface.transform, out->mutable_transform());
   if (surface.albedoTexture) out->set_albedo_texture(surface.albedoTexture->hash);
   if (surface.normalTexture) out->set_normal_texture(surface.normalTexture->hash);
+  if (surface.glossTexture) out->set_gloss_texture(surface.glossTexture->hash);
   writePlain(surface, out);
   out->set_revision(in.revision);
   out->set_triangle_count(std::int64_t(surface.mesh->triangles.size()));

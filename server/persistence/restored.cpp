@@ -133,6 +133,9 @@ Expected<Versioned<Surface>> surfaceFrom(const pb::Surface& in, const Contents& 
   const Expected<TexturePtr> normals = contents.texture(in.normal_texture());
   if (!normals) return normals.status();
   surface->normalTexture = *normals;
+  const Expected<TexturePtr> gloss = contents.texture(in.gloss_texture());
+  if (!gloss) return gloss.status();
+  surface->glossTexture = *gloss;
   const Expected<Transform> transform = transformOf(in.transform());
   if (!transform) return outOfRange("surface", in.name(), transform.status());
   surface->transform = *transform;
@@ -254,8 +257,7 @@ void addTextures(const Contents& contents, SavedSession* out) {
   };
   for (const Versioned<Light>& light : out->document.lights) add(light.object->texture);
   for (const Versioned<Surface>& surface : out->document.surfaces) {
-    add(surface.object->albedoTexture);
-    add(surface.object->normalTexture);
+    for (const TexturePtr& texture : texturesOf(*surface.object)) add(texture);
   }
 }
 

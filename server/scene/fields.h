@@ -59,6 +59,7 @@ struct SurfaceFields {
   std::optional<double> normalScale;
   std::optional<double> roughness;
   std::optional<double> metalness;
+  std::optional<BlobHash> glossTexture;  ///< "" removes it
   std::optional<bool> twoSided;
   std::optional<bool> castsShadow;
   std::optional<bool> visibleToCamera;
@@ -210,6 +211,7 @@ inline constexpr std::array kSurface = {
     ofTransform<Surface, &Transform::scale, &TransformFields::scale>("transform.scale"),
     referenced<&Surface::albedoTexture, &SurfaceFields::albedoTexture>("albedo_texture", FieldKind::kTexture),
     referenced<&Surface::normalTexture, &SurfaceFields::normalTexture>("normal_texture", FieldKind::kTexture),
+    referenced<&Surface::glossTexture, &SurfaceFields::glossTexture>("gloss_texture", FieldKind::kTexture),
     plain<&Surface::normalScale, &SurfaceFields::normalScale, checkNormalScale>("normal_scale"),
     plain<&Surface::twoSided, &SurfaceFields::twoSided>("two_sided"),
     plain<&Surface::albedo, &SurfaceFields::albedo, checkAlbedo>("albedo"),

@@ -37,7 +37,9 @@ glm::dvec3 seenFacet(const glm::dvec3& v, double alpha, const glm::dvec2& u) {
 
 }  // namespace
 
-bool isGlossy(const Surface& surface) { return surface.metalness > 0.0 || surface.roughness < 1.0; }
+bool isGlossy(const Surface& surface) {
+  return surface.metalness > 0.0 || surface.roughness < 1.0 || surface.glossTexture != nullptr;
+}
 
 bool showsGloss(const Scene& scene) {
   if (scene.options.gloss != Gloss::kOn || scene.options.transport == Transport::kPropagate) return false;

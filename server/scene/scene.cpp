@@ -19,6 +19,10 @@ glm::dvec3 emittedRadiance(const Light& light) {
   return area > 0.0 ? *light.power / (sh::kPi * area) : glm::dvec3(0.0);
 }
 
+std::array<TexturePtr, 3> texturesOf(const Surface& surface) {
+  return {surface.albedoTexture, surface.normalTexture, surface.glossTexture};
+}
+
 Bounds contentBounds(const Scene& scene) {
   Bounds bounds;
   for (const auto& [name, surface] : scene.surfaces) {

@@ -2,6 +2,7 @@
 // A session's scene as ticks read it: immutable objects behind shared pointers, so that a snapshot is a copy of
 // pointers and a tick never sees half an edit.
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
@@ -70,6 +71,7 @@ struct Surface {
   double normalScale = 1.0;  ///< how much these bend, 0..16
   double roughness = 1.0;  ///< 0..1
   double metalness = 0.0;  ///< 0..1
+  TexturePtr glossTexture;  ///< its green multiplies roughness, its blue metalness, in frames; or null
   bool twoSided = true;  ///< false: seen and lit from its front only
   bool castsShadow = true;  ///< stands in the way of light
   bool visibleToCamera = true;  ///< shown in frames
@@ -80,6 +82,9 @@ struct Surface {
 };
 
 using SurfacePtr = std::shared_ptr<const Surface>;
+
+/// All that a surface wears: albedo, normals, gloss. Each may be null.
+std::array<TexturePtr, 3> texturesOf(const Surface& surface);
 
 /// One revision of a session's scene. Maps are ordered by name: order of work is the same everywhere.
 struct Scene {

@@ -85,7 +85,7 @@ void Workload::add(const Light& light) {
 
 void Workload::add(const Surface& surface) {
   countMesh(*surface.mesh);
-  for (const TexturePtr& texture : {surface.albedoTexture, surface.normalTexture})
+  for (const TexturePtr& texture : texturesOf(surface))
     if (texture != nullptr) bytes += 4.0 * double(texture->width) * double(texture->height);
 }
 

@@ -108,7 +108,7 @@ std::map<std::string, lpv::v1::BlobKind> contentsOf(const pb::Snapshot& snapshot
   }
   for (const auto& [name, surface] : snapshot.surfaces()) {
     out[surface.mesh()] = lpv::v1::BLOB_KIND_MESH;
-    for (const std::string& hash : {surface.albedo_texture(), surface.normal_texture()})
+    for (const std::string& hash : {surface.albedo_texture(), surface.normal_texture(), surface.gloss_texture()})
       if (!hash.empty()) out[hash] = lpv::v1::BLOB_KIND_TEXTURE;
   }
   for (const auto& [hash, kind] : snapshot.uploads()) out[hash] = static_cast<lpv::v1::BlobKind>(kind);

@@ -1,6 +1,7 @@
 // Albedo and normal of the nearest surface. The normal is the interpolated vertex normal (LPV_NORMALS), else the
 // triangle's; seen from behind it is turned over, towards the viewer. LPV_ALPHA: the texture's alpha says what is there.
-// LPV_NORMAL_MAP: a picture of tangent-space normals bends it. LPV_GLOSS: what its lobe follows from is kept.
+// LPV_NORMAL_MAP: a picture of tangent-space normals bends it. LPV_GLOSS: what its lobe follows from is kept;
+// LPV_GLOSS_MAP: a picture multiplies that.
 #include "layout.h"
 #include "common/anisotropic.glsl"
 #include "common/octahedral.glsl"
@@ -8,8 +9,8 @@
 #if !defined(LPV_NORMALS) || !defined(LPV_TEXTURE) || !defined(LPV_ALPHA) || !defined(LPV_NORMAL_MAP)
 #error "LPV_NORMALS, LPV_TEXTURE, LPV_ALPHA, LPV_NORMAL_MAP: 0 or 1"
 #endif
-#ifndef LPV_GLOSS
-#error "LPV_GLOSS: 0 or 1"
+#if !defined(LPV_GLOSS) || !defined(LPV_GLOSS_MAP)
+#error "LPV_GLOSS, LPV_GLOSS_MAP: 0 or 1"
 #endif
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
@@ -20,6 +21,9 @@ layout(binding = kAlbedo) uniform sampler2D albedoTexture;
 
 #if LPV_NORMAL_MAP
 layout(binding = kNormal) uniform sampler2D normalMap;
+#endif
+#if LPV_GLOSS_MAP
+layout(binding = kGlossMap) uniform sampler2D glossMap;
 #endif
 
 in vec3 eyePosition;
@@ -60,10 +64,13 @@ vec3 bent(vec3 n, float share) {
 #endif
 
 void main() {
+  const float share = inversesqrt(float(frame.samples));
 #if LPV_GLOSS
   material = vec2(draw.roughness, draw.metalness);
+#if LPV_GLOSS_MAP
+  material *= textureAskew(glossMap, textureUv, share).gb;
 #endif
-  const float share = inversesqrt(float(frame.samples));
+#endif
   albedo = vec4(draw.colour, 1.0);
 #if LPV_TEXTURE
   const vec4 texel = textureAskew(albedoTexture, textureUv, share);

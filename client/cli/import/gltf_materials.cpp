@@ -74,6 +74,7 @@ class MaterialWriter {
       copyTexture(pbr, "baseColorTexture", to);
       copyNumber(pbr, "metallicFactor", to);
       copyNumber(pbr, "roughnessFactor", to);
+      copyTexture(pbr, "metallicRoughnessTexture", to);
     }
     addSpecularGlossiness(place, out);
     addTransmission(place, out);

@@ -105,12 +105,12 @@ Expected<Texture> readTexture(OIIO::ImageInput& input, const std::string& name, 
     auto rgb = readPixels<std::uint8_t>(input, OIIO::TypeDesc::UINT8, name);
     if (!rgb) return rgb.status();
     texture.texels = std::move(*rgb);
-    if (use == ImageUse::kNormals) texture.format = TexelFormat::kRgb8;
+    if (use == ImageUse::kNumbers) texture.format = TexelFormat::kRgb8;
     return texture;
   }
   auto rgb = readPixels<float>(input, OIIO::TypeDesc::FLOAT, name);
   if (!rgb) return rgb.status();
-  if (!spec.format.is_floating_point() && use != ImageUse::kNormals) {
+  if (!spec.format.is_floating_point() && use != ImageUse::kNumbers) {
     for (float& value : *rgb) value = float(linearFromSrgb(value));
   }
   setLinear(texture, std::move(*rgb));

@@ -12,7 +12,7 @@ namespace lpv::cli {
 enum class ImageUse {
   kColour,           ///< alpha is dropped
   kColourWithAlpha,
-  kNormals,          ///< integers are linear
+  kNumbers,          ///< integers are linear
 };
 
 /// Reads the file `name`, or `bytes` as a file with the extension of `name`.

@@ -16,6 +16,8 @@ namespace lpv::cli {
 namespace {
 
 constexpr double kLargestRadiance = 1e9;
+/// Of AI_MATKEY_GLTF_PBRMETALLICROUGHNESS_METALLICROUGHNESS_TEXTURE.
+constexpr aiTextureType kBothInOne = aiTextureType_UNKNOWN;
 
 double factor(const aiMaterial& material, const char* key, unsigned type, unsigned index, double otherwise) {
   ai_real value = 0;
@@ -37,6 +39,29 @@ std::string nameOf(const aiMaterial& material) {
 
 AlphaMode modeOf(const std::string& gltf) {
   return gltf == "MASK" ? AlphaMode::kMask : gltf == "BLEND" ? AlphaMode::kBlend : AlphaMode::kOpaque;
+}
+
+/// A picture of the first channels of two of one size, either of which may be missing: green and blue.
+TexturePtr glossOf(const TexturePtr& roughness, const TexturePtr& metalness) {
+  const TexturePtr& any = roughness ? roughness : metalness;
+  if (!any) return nullptr;
+  Texture out;
+  out.width = any->width;
+  out.height = any->height;
+  out.format = TexelFormat::kRgb8;
+  const auto byteOf = [](float value) {
+    return std::uint8_t(std::lround(255.0 * std::clamp(double(value), 0.0, 1.0)));
+  };
+  std::vector<glm::vec3> green, blue;
+  for (int y = 0; y < out.height; ++y) {
+    green.assign(roughness ? 0 : std::size_t(out.width), glm::vec3(1.0F));
+    blue.assign(metalness ? 0 : std::size_t(out.width), glm::vec3(1.0F));
+    if (roughness) appendLinearRow(*roughness, y, green);
+    if (metalness) appendLinearRow(*metalness, y, blue);
+    for (std::size_t x = 0; x < green.size(); ++x)
+      out.texels.insert(out.texels.end(), {std::uint8_t(255), byteOf(green[x].x), byteOf(blue[x].x)});
+  }
+  return std::make_shared<const Texture>(std::move(out));
 }
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
@@ -100,6 +125,7 @@ Material Materials::read(const aiMaterial& material) {
                           ": put its values into the alpha of the colour's texture");
     setTexture(material, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, out);
     readNormals(material, out);
+    readGloss(material, out);
     if (out.alphaMode == AlphaMode::kBlend && out.texture && !hasAlpha(*out.texture) && out.tints)
       out.transmission *= glm::min(meanColour(*out.texture), glm::dvec3(1.0));
     out.passes = assumedOf(nameOf(material), out);
@@ -134,20 +160,43 @@ void Materials::readAlpha(const aiMaterial& material, Material& out) const {
   out.transmission = out.albedo;
 }
 
-/// glTF's normalTexture, OBJ's norm. A mesh has one set of uvs here.
-void Materials::readNormals(const aiMaterial& material, Material& out) {
+/// A texture that is no colour, or null. A mesh has one set of uvs here.
+TexturePtr Materials::numbers(const aiMaterial& material, aiTextureType type, const std::string& what, Material& out) {
   aiString name;
   unsigned channel = 0;
-  if (material.GetTexture(aiTextureType_NORMALS, 0, &name, nullptr, &channel) != AI_SUCCESS || name.length == 0) return;
-  if (out.texture != nullptr && channel != out.uvChannel) {
-    warnings_.push_back("ignored the normal texture of " + nameOf(material) +
-                        ": it has other texture coordinates than the colour's; give both the same");
-    return;
+  if (material.GetTexture(type, 0, &name, nullptr, &channel) != AI_SUCCESS || name.length == 0) return nullptr;
+  if ((out.texture != nullptr || out.normals != nullptr) && channel != out.uvChannel) {
+    warnings_.push_back("ignored the " + what + " texture of " + nameOf(material) +
+                        ": it has other texture coordinates than its other textures; give all the same");
+    return nullptr;
   }
-  out.normals = texture(name.C_Str(), ImageUse::kNormals);
+  out.uvChannel = channel;
+  return texture(name.C_Str(), ImageUse::kNumbers);
+}
+
+/// glTF's normalTexture, OBJ's norm.
+void Materials::readNormals(const aiMaterial& material, Material& out) {
+  out.normals = numbers(material, aiTextureType_NORMALS, "normal", out);
   out.normalScale =
       std::clamp(factor(material, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0), 1.0), 0.0, 16.0);
-  out.uvChannel = channel;
+}
+
+/// glTF's metallicRoughnessTexture, which has both; OBJ's map_Pr and map_Pm, which are alone.
+void Materials::readGloss(const aiMaterial& material, Material& out) {
+  if (extension_ == "glb" || extension_ == "gltf") {
+    out.gloss = numbers(material, kBothInOne, "roughness", out);
+    return;
+  }
+  const TexturePtr roughness = numbers(material, aiTextureType_DIFFUSE_ROUGHNESS, "roughness", out);
+  const TexturePtr metalness = numbers(material, aiTextureType_METALNESS, "metalness", out);
+  if (metalness) out.metalness = std::clamp(factor(material, AI_MATKEY_METALLIC_FACTOR, 1.0), 0.0, 1.0);
+  if (roughness && metalness && (roughness->width != metalness->width || roughness->height != metalness->height)) {
+    warnings_.push_back("ignored the metalness texture of " + nameOf(material) +
+                        ": it is not as large as that of the roughness; give both the same size");
+    out.gloss = glossOf(roughness, nullptr);
+    return;
+  }
+  out.gloss = glossOf(roughness, metalness);
 }
 
 /// The first of the texture types that the material has.

@@ -23,6 +23,7 @@ struct Material {
   glm::dvec3 albedo{0.8};
   double roughness = 1.0;
   double metalness = 0.0;
+  TexturePtr gloss;  ///< of a surface: its green multiplies the roughness, its blue the metalness
   bool doubleSided = false;
   bool oneSidedSurface = false;  ///< the file says that back faces are not drawn
   AlphaMode alphaMode = AlphaMode::kOpaque;
@@ -51,6 +52,8 @@ class Materials {
   Material read(const aiMaterial& material);
   void readAlpha(const aiMaterial& material, Material& out) const;
   void readNormals(const aiMaterial& material, Material& out);
+  void readGloss(const aiMaterial& material, Material& out);
+  TexturePtr numbers(const aiMaterial& material, aiTextureType type, const std::string& what, Material& out);
   void setTexture(const aiMaterial& material, const std::vector<aiTextureType>& types, Material& out);
   TexturePtr texture(const std::string& name, ImageUse use);
   Expected<Texture> load(const std::string& name, ImageUse use) const;

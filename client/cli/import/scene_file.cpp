@@ -165,7 +165,10 @@ class SceneBuilder {
     surface.transform = transform;
     surface.albedo = material.albedo;
     surface.albedoTexture = texture;
-    if (!mesh->uvs.empty()) surface.normalTexture = material.normals;
+    if (!mesh->uvs.empty()) {
+      surface.normalTexture = material.normals;
+      surface.glossTexture = material.gloss;
+    }
     surface.normalScale = material.normalScale;
     surface.roughness = material.roughness;
     surface.metalness = material.metalness;

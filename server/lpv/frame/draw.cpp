@@ -115,6 +115,7 @@ void MeshDrawer::bind(const DrawItem& item, std::size_t index, const gpu::Buffer
   glVertexArrayElementBuffer(vertexArray_, mesh.triangles->id());
   if (item.texture != nullptr) item.texture->bind(layout::kAlbedo);
   if (item.normals != nullptr) item.normals->bind(layout::kNormal);
+  if (item.gloss != nullptr) item.gloss->bind(layout::kGlossMap);
 }
 
 GpuTask MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,

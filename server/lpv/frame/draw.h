@@ -19,6 +19,7 @@ struct DrawItem {
   const GpuMesh* mesh = nullptr;
   const gpu::Texture* texture = nullptr;  ///< or null
   const gpu::Texture* normals = nullptr;  ///< tangent-space, or null
+  const gpu::Texture* gloss = nullptr;    ///< green: roughness, blue: metalness; or null
   bool mirrored = false;                  ///< the transform turns its front over
   bool cullBack = false;
   bool alphaVaries = false;  ///< with the texture

@@ -23,12 +23,14 @@ std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene,
 }  // namespace
 
 gpu::Defines GbufferRenderer::Variant::defines() const {
-  return {gpu::define("LPV_NORMALS", normals), gpu::define("LPV_TEXTURE", texture), gpu::define("LPV_ALPHA", alpha),
-          gpu::define("LPV_NORMAL_MAP", normalMap), gpu::define("LPV_GLOSS", gloss)};
+  return {gpu::define("LPV_NORMALS", normals), gpu::define("LPV_TEXTURE", texture),
+          gpu::define("LPV_ALPHA", alpha),     gpu::define("LPV_NORMAL_MAP", normalMap),
+          gpu::define("LPV_GLOSS", gloss),     gpu::define("LPV_GLOSS_MAP", glossMap)};
 }
 
 GbufferRenderer::Variant GbufferRenderer::variantOf(const DrawItem& item, bool glossy) {
-  return {item.mesh->normals != nullptr, item.texture != nullptr, item.normals != nullptr, item.alphaVaries, glossy};
+  return {item.mesh->normals != nullptr,  item.texture != nullptr, item.normals != nullptr, item.alphaVaries, glossy,
+          glossy && item.gloss != nullptr};
 }
 
 DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneResources& resources) {
@@ -38,6 +40,9 @@ DrawItem drawItemOf(const FrameView& view, const Surface& surface, const SceneRe
     item.texture = resources.textures.at(surface.albedoTexture).get();
   if (surface.normalTexture != nullptr && item.mesh->uvs != nullptr && surface.normalScale > 0.0)
     item.normals = resources.textures.at(surface.normalTexture).get();
+  if (const auto gloss = resources.textures.find(surface.glossTexture);
+      gloss != resources.textures.end() && item.mesh->uvs != nullptr)
+    item.gloss = gloss->second.get();
   item.mirrored = surface.transform.mirrors();
   item.cullBack = !surface.twoSided;
   item.params = placed(view, surface.transform.worldFromObject());

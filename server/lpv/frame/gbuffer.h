@@ -51,6 +51,7 @@ class GbufferRenderer {
     bool normalMap = false;
     bool alpha = false;
     bool gloss = false;
+    bool glossMap = false;
     bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };

@@ -8,6 +8,7 @@
 
 #include "gpu/gl.h"
 #include "lpv/pacing/chunked.h"
+#include "scene/gloss.h"
 
 namespace lpv {
 
@@ -193,8 +194,9 @@ GpuTask SceneCache::upload(const Scene& scene, SceneResources& resources) {
   co_await uploadMeshes(scene, resources);
   co_await uploadLightTextures(scene, resources);
   std::map<TexturePtr, GpuTexturePtr> textures;
+  const bool glossy = showsGloss(scene);
   for (const auto& [name, surface] : scene.surfaces) {
-    const std::array<TexturePtr, 2> worn = {surface->albedoTexture, surface->normalTexture};
+    const std::array worn = {surface->albedoTexture, surface->normalTexture, glossy ? surface->glossTexture : nullptr};
     for (const TexturePtr& texture : worn) {
       if (texture == nullptr || textures.contains(texture)) continue;
       if (!resources.textures.contains(texture)) co_await uploadTexture(texture, resources);

@@ -449,7 +449,7 @@ std::set<BlobHash> Document::hashesInUse() const {
   }
   for (const auto& [name, surface] : surfaces_) {
     out.insert(surface.object->mesh->hash);
-    for (const TexturePtr& texture : {surface.object->albedoTexture, surface.object->normalTexture})
+    for (const TexturePtr& texture : texturesOf(*surface.object))
       if (texture) out.insert(texture->hash);
   }
   return out;

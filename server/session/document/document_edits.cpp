@@ -59,7 +59,8 @@ constexpr std::array kTextures<Light> = {TextureSlot<Light>{&Light::texture, &Li
 template <>
 constexpr std::array kTextures<Surface> = {
     TextureSlot<Surface>{&Surface::albedoTexture, &SurfaceFields::albedoTexture, "albedo_texture"},
-    TextureSlot<Surface>{&Surface::normalTexture, &SurfaceFields::normalTexture, "normal_texture"}};
+    TextureSlot<Surface>{&Surface::normalTexture, &SurfaceFields::normalTexture, "normal_texture"},
+    TextureSlot<Surface>{&Surface::glossTexture, &SurfaceFields::glossTexture, "gloss_texture"}};
 
 /// What the fields of a light may not be together.
 Status checkTogether(const Light& light) {

@@ -189,8 +189,7 @@ void History::hold(const ObjectState& object, int sign) {
   }
   if (object.surface) {
     hold(object.surface->mesh, sign);
-    hold(object.surface->albedoTexture, sign);
-    hold(object.surface->normalTexture, sign);
+    for (const TexturePtr& texture : texturesOf(*object.surface)) hold(texture, sign);
   }
 }
 

@@ -16,17 +16,17 @@ double powerShare(double mine, double other) {
 }  // namespace
 
 bool isGlossy(const TracedScene& scene, const Hit& hit) {
-  const TracedObject& object = scene.objects()[hit.object];
-  return !object.emits && (object.metalness > 0.0 || object.roughness < 1.0);
+  const Finish finish = scene.finish(hit);
+  return !scene.objects()[hit.object].emits && (finish.metalness > 0.0 || finish.roughness < 1.0);
 }
 
 GlossTracer::GlossTracer(const TracedScene& scene, const PathTracer& tracer, const Hit& hit, const glm::dvec3& eye)
     : scene_(scene), tracer_(tracer), receiver_(receiverAt(hit)), v_(glm::normalize(eye - hit.position)) {
-  const TracedObject& object = scene.objects()[hit.object];
-  lobe_ = GlossLobe::of(scene.albedo(hit), object.roughness, object.metalness);
+  const Finish finish = scene.finish(hit);
+  lobe_ = GlossLobe::of(scene.albedo(hit), finish.roughness, finish.metalness);
   const GlossShare share = glossShare(std::max(glm::dot(receiver_.normal, v_), 1e-3), lobe_.alpha);
   gain_ = share.gain(lobe_.straight);
-  diffuse_ = (1.0 - object.metalness) * (1.0 - share.of(glm::dvec3(kDielectricReflectance)).x);
+  diffuse_ = (1.0 - finish.metalness) * (1.0 - share.of(glm::dvec3(kDielectricReflectance)).x);
 }
 
 glm::dvec3 GlossTracer::fromLight(Sampler& sampler) const {

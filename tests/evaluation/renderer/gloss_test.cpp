@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "reference/meshes.h"
+#include "reference/textures.h"
 #include "renderer/picture.h"
 #include "renderer/test_scenes.h"
 #include "scene/gloss.h"
@@ -76,7 +77,10 @@ TEST(ReferenceGloss, AMirrorShowsALightAsItIsAndSurfacesAsTheyAreLit) {
            glm::dvec3(7.0, 5.0, 3.0));
   Surface& floor = addFloor(scene, 0.0, 1.0, glm::dvec3(1.0));
   EXPECT_NEAR(seen(scene, askew()).x, 7.0, 1e-3);
-  floor.metalness = 0.0;
+  floor.roughness = 0.5;
+  floor.glossTexture = reference::textureOf(1, 1, [](int, int) { return glm::dvec3(1.0, 0.0, 1.0); });
+  EXPECT_NEAR(seen(scene, askew()).x, 7.0, 1e-3);
+  floor.glossTexture = reference::textureOf(1, 1, [](int, int) { return glm::dvec3(0.0, 0.0, 0.0); });
   floor.albedo = glm::dvec3(0.0);
   const double mu = glm::normalize(askew().eye).z;
   EXPECT_NEAR(seen(scene, askew()).x, 7.0 * (0.04 + 0.96 * std::pow(1.0 - mu, 5.0)), 5e-3);

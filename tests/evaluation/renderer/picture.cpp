@@ -71,8 +71,8 @@ void renderCentre(Picture& picture, std::size_t i, const TracedScene& scene, con
     picture.radianceError[level][i] = albedo * e.error[level] / glm::pi<double>();
   }
   if (eye == nullptr || !isGlossy(scene, hit)) return;
-  const TracedObject& object = scene.objects()[hit.object];
-  picture.material[i] = {object.roughness, object.metalness, 1.0};
+  const Finish finish = scene.finish(hit);
+  picture.material[i] = {finish.roughness, finish.metalness, 1.0};
   const GlossTracer gloss(scene, tracer, hit, *eye);
   const GlossEstimate lobe = estimateGloss(gloss, e.mean.size(), sampling, std::uint32_t(i));
   for (std::size_t level = 0; level < e.mean.size(); ++level) {

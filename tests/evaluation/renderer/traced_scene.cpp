@@ -67,8 +67,8 @@ TracedScene::TracedScene(const Scene& scene)
     TracedObject object;
     object.twoSided = surface->twoSided;
     object.colour = surface->albedo;
-    object.roughness = surface->roughness;
-    object.metalness = surface->metalness;
+    object.finish = {surface->roughness, surface->metalness};
+    object.gloss = linear(surface->glossTexture, *surface->mesh);
     object.texture = linear(surface->albedoTexture, *surface->mesh);
     add(*surface->mesh, surface->transform, std::move(object));
   }
@@ -245,6 +245,13 @@ glm::dvec3 TracedScene::emitted(const Hit& hit) const {
 glm::dvec3 TracedScene::albedo(const Hit& hit) const {
   const TracedObject& object = objects_[hit.object];
   return !object.emits && (hit.front || object.twoSided) ? coloured(hit) : glm::dvec3(0.0);
+}
+
+Finish TracedScene::finish(const Hit& hit) const {
+  const TracedObject& object = objects_[hit.object];
+  if (!object.gloss) return object.finish;
+  const glm::dvec3 texel = object.gloss->at(hit.uv);
+  return {object.finish.roughness * texel.y, object.finish.metalness * texel.z};
 }
 
 LightSample TracedScene::sampleLight(const glm::dvec2& random) const {

@@ -16,6 +16,12 @@
 
 namespace lpv::evaluation {
 
+/// What a surface's lobe follows from.
+struct Finish {
+  double roughness = 1.0;
+  double metalness = 0.0;
+};
+
 /// A light or a surface, its triangles in the world. Counter-clockwise corners are the front; a mirroring transform
 /// keeps the front that the mesh has (MATHS.md 1).
 struct TracedObject {
@@ -23,9 +29,9 @@ struct TracedObject {
   bool twoSided = false;
   bool distant = false;  ///< seen behind everything, however near the camera's far end is
   glm::dvec3 colour{0.0};  ///< radiance in W/(sr m^2), or albedo
-  double roughness = 1.0;
-  double metalness = 0.0;
+  Finish finish;
   std::shared_ptr<const LinearTexture> texture;  ///< multiplies it, or null
+  std::shared_ptr<const LinearTexture> gloss;  ///< its green multiplies roughness, its blue metalness; or null
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;  ///< unit, or empty: flat
   std::vector<glm::dvec2> uvs;      ///< or empty
@@ -75,6 +81,9 @@ class TracedScene {
   glm::dvec3 emitted(const Hit& hit) const;
   /// 0 for a light, which reflects nothing, and for the back of a one-sided surface.
   glm::dvec3 albedo(const Hit& hit) const;
+
+  /// Where it was hit.
+  Finish finish(const Hit& hit) const;
 
   bool hasLights() const { return !cumulative_.empty(); }
   LightSample sampleLight(const glm::dvec2& random) const;

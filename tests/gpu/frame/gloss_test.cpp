@@ -233,6 +233,33 @@ TEST_F(GlossTest, MatteSurfacesAreAsWithout) {
   EXPECT_EQ(on->rgb32f, off->rgb32f);
 }
 
+// Half of the floor by a picture as rough and metal as one floor, half as another. Red with roughness and metalness
+// exchanged, with red in the place of green, or where the picture is looked up upside down.
+TEST_F(GlossTest, APictureSaysWhatIsRoughAndMetal) {
+  const glm::dvec3 albedo(0.9, 0.6, 0.3);
+  const double whole = 0.8;
+  const glm::dvec3 left(0.9, 0.25, 1.0), right(0.1, 0.75, 0.125);
+  Scene scene = floorAndLamp(whole, whole, albedo);
+  const auto floor = std::make_shared<Surface>(*scene.surfaces.at("floor"));
+  floor->glossTexture =
+      reference::textureOf(64, 64, [&](int x, int y) { return x < 32 ? left : y < 32 ? right : glm::dvec3(1.0); });
+  scene.surfaces["floor"] = floor;
+  const FramePtr got = frame(scene, above());
+  const auto expectAlike = [&](const glm::dvec3& texel, int x0, int x1, int y0, int y1, SessionKey session) {
+    const FramePtr want = frame(floorAndLamp(whole * texel.y, whole * texel.z, albedo), above(), session);
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        const glm::dvec3 there = pixel(*want, x, y);
+        EXPECT_LE(glm::length(pixel(*got, x, y) - there), 1e-3 + 0.01 * there.x) << x << ", " << y;
+      }
+    }
+  };
+  // The middle of the floor, where the picture's quarters meet, is the middle of the frame.
+  expectAlike(left, 4, 24, 24, 60, 2);
+  expectAlike(right, 40, 60, 22, 26, 3);
+  expectAlike(glm::dvec3(1.0), 40, 60, 40, 60, 4);
+}
+
 TEST_F(GlossTest, TheSameSceneGivesTheSameBytes) {
   const Scene scene = floorAndLamp(0.3, 0.5, glm::dvec3(0.5));
   const FramePtr one = frame(scene, above(), 1, 4), other = frame(scene, above(), 2, 4);

@@ -142,6 +142,49 @@ TEST_F(Import, GltfNormals) {
   EXPECT_EQ(floor.albedoTexture->format, TexelFormat::kRgb8Srgb) << "the same file";
 }
 
+// Broken by: the rewritten file without it; reading it as sRGB.
+TEST_F(Import, GltfRoughnessAndMetalness) {
+  folder_.write("leaf.png", halfClearPng());
+  std::string json = gltfWithFloor("", "1");
+  const std::string pbr = R"("pbrMetallicRoughness":{)", floorStarts = R"("name":"floor",)";
+  json.insert(json.find(pbr, json.find(floorStarts)) + pbr.size(),
+              R"("metallicRoughnessTexture":{"index":0},)");
+  const ImportedScene scene = load(folder_.write("room.glb", glb(json, gltfBuffer())));
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  const Surface& floor = named(scene.surfaces, "Floor_1");
+  ASSERT_NE(floor.glossTexture, nullptr);
+  EXPECT_EQ(floor.glossTexture->format, TexelFormat::kRgb8);
+  EXPECT_EQ(floor.glossTexture->texels, (std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0}));
+  EXPECT_EQ(floor.roughness, 0.5);
+  EXPECT_EQ(floor.metalness, 0.25);
+}
+
+// OBJ has a picture for each. Broken by: only one of them, or both in one channel.
+TEST_F(Import, ObjRoughnessAndMetalness) {
+  folder_.write("rough.pgm", "P5 2 1 255\n\x33\x66");
+  folder_.write("metal.pgm", std::string("P5 2 1 255\n\0\xff", 13));
+  folder_.write("wide.pgm", "P5 3 1 255\n\x11\xff\xff");
+  const auto floorOf = [&](const std::string& material) {
+    folder_.write("room.mtl", mtlText() + "newmtl worn\nKd 0.1 0.1 0.1\n" + material);
+    std::string text = objText();
+    text.replace(text.find("usemtl white"), 12, "vt 0 0\nvt 1 1\nusemtl worn");
+    text.replace(text.find("f -4 -1 -2 -3"), 13, "f -4/-2 -1/-1 -2/-2 -3/-1");
+    const ImportedScene scene = load(folder_.write("room.obj", text));
+    return std::pair(named(scene.surfaces, "floor"), scene.warnings);
+  };
+  const auto [both, nothing] = floorOf("map_Pr rough.pgm\nmap_Pm metal.pgm\n");
+  EXPECT_THAT(nothing, IsEmpty());
+  ASSERT_NE(both.glossTexture, nullptr);
+  EXPECT_EQ(both.glossTexture->texels, (std::vector<std::uint8_t>{255, 51, 0, 255, 102, 255}));
+  EXPECT_EQ(both.metalness, 1.0);
+  const auto [rough, none] = floorOf("map_Pr rough.pgm\n");
+  EXPECT_EQ(rough.glossTexture->texels, (std::vector<std::uint8_t>{255, 51, 255, 255, 102, 255}));
+  EXPECT_EQ(rough.metalness, 0.0);
+  const auto [unequal, warned] = floorOf("map_Pr rough.pgm\nmap_Pm wide.pgm\n");
+  EXPECT_EQ(unequal.glossTexture->texels, rough.glossTexture->texels);
+  EXPECT_THAT(warned, ElementsAre(testing::HasSubstr("give both the same size")));
+}
+
 // Triangles share vertices, none of which has the normal of all of them. Broken by: the normal of the last triangle.
 TEST_F(Import, GltfWithoutNormalsIsFlat) {
   std::string json = gltfJson();

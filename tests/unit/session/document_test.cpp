@@ -269,7 +269,9 @@ TEST_F(DocumentTest, ABlobIsTakenForWhatItIs) {
   texture->kind = BlobKind::kTexture;
   texture->hash = "picture";
   texture->bytes = std::make_shared<const std::string>("t");
-  texture->texture = std::make_shared<const Texture>();
+  Texture picture;
+  picture.hash = texture->hash;
+  texture->texture = std::make_shared<const Texture>(picture);
   ASSERT_TRUE(blobs_.add(texture, Clock::now()).ok());
   applied({createSurface("Wall")});
   UpdateSurface asMesh{"Wall", {}};
@@ -283,8 +285,14 @@ TEST_F(DocumentTest, ABlobIsTakenForWhatItIs) {
   asNormals.fields.normalTexture = "picture";
   applied({asNormals});
   EXPECT_EQ(document_.snapshot()->surfaces.at("Wall")->normalTexture, texture->texture);
+  UpdateSurface asGloss{"Wall", {}};
+  asGloss.fields.glossTexture = "picture";
+  applied({asGloss});
+  EXPECT_EQ(document_.snapshot()->surfaces.at("Wall")->glossTexture, texture->texture);
   asTexture.fields.albedoTexture = "";
-  applied({asTexture});
+  asNormals.fields.normalTexture = "";
+  applied({asTexture, asNormals});
+  EXPECT_EQ(document_.hashesInUse().count("picture"), 1U) << "what the gloss texture alone refers to";
   EXPECT_EQ(document_.snapshot()->surfaces.at("Wall")->albedoTexture, nullptr);
 }
 

@@ -27,6 +27,7 @@ void expectSame(const Surface& a, const Surface& b) {
   EXPECT_EQ(a.albedo, b.albedo);
   EXPECT_EQ(a.albedoTexture ? a.albedoTexture->hash : "", b.albedoTexture ? b.albedoTexture->hash : "");
   EXPECT_EQ(a.normalTexture ? a.normalTexture->hash : "", b.normalTexture ? b.normalTexture->hash : "");
+  EXPECT_EQ(a.glossTexture ? a.glossTexture->hash : "", b.glossTexture ? b.glossTexture->hash : "");
   EXPECT_EQ(a.normalScale, b.normalScale);
   EXPECT_EQ(a.roughness, b.roughness);
   EXPECT_EQ(a.metalness, b.metalness);

@@ -120,6 +120,7 @@ TEST_F(FoldTest, ContentsAreWhatIsReferredToOrWasUploaded) {
   record.mutable_surfaces(0)->set_mesh("mesh-w");
   record.mutable_surfaces(0)->set_albedo_texture("texture-w");
   record.mutable_surfaces(0)->set_normal_texture("normals-w");
+  record.mutable_surfaces(0)->set_gloss_texture("gloss-w");
   (*record.mutable_uploads())["upload"] = lpv::v1::BLOB_KIND_TEXTURE;
   take(record);
   EXPECT_THAT(contentsOf(snapshot_),
@@ -127,6 +128,7 @@ TEST_F(FoldTest, ContentsAreWhatIsReferredToOrWasUploaded) {
                                             testing::Pair("mesh-w", lpv::v1::BLOB_KIND_MESH),
                                             testing::Pair("texture-w", lpv::v1::BLOB_KIND_TEXTURE),
                                             testing::Pair("normals-w", lpv::v1::BLOB_KIND_TEXTURE),
+                                            testing::Pair("gloss-w", lpv::v1::BLOB_KIND_TEXTURE),
                                             testing::Pair("upload", lpv::v1::BLOB_KIND_TEXTURE)));
   record = next();
   record.add_dropped("upload");
