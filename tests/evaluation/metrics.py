@@ -38,6 +38,14 @@ def blocks(image, edge=8):
     return image[:height, :width].reshape(height // edge, edge, width // edge, edge, 3).mean(axis=(1, 3))
 
 
+def kinds_of_gloss(material):
+    """{name: mask} of what has a lobe, by roughness and metalness; `material`: layer M of a reference."""
+    glossy = material[..., 2] > 0
+    kinds = np.unique(np.round(material[glossy][:, :2], 4), axis=0)
+    return {f"roughness {r:g}, metalness {m:g}": glossy & np.isclose(material[..., 0], r) & np.isclose(material[..., 1], m)
+            for r, m in kinds}
+
+
 def floored(ours, truth):
     """Luminances of both, not below the floor."""
     a, b = luminance(ours), luminance(truth)

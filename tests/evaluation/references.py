@@ -94,11 +94,13 @@ class Cycles:
         """Why there is none; "" if there is."""
         return "" if self.blender else "blender is not installed"
 
-    def picture(self, scene_file, view, size, samples, level, seed=0, haze=None):
+    def picture(self, scene_file, view, size, samples, level, seed=0, haze=None, gloss=False, sky=None):
         """Layers as exr.read names them: radiance, P, N, A; with haze (cycles/render.py) what it scatters, as "haze", at the
-        pixels' middles."""
-        key = [self.version, self.split, view, list(size), samples, level, seed] + ([haze] if haze else [])
+        pixels' middles. `sky`: its picture."""
+        key = [self.version, self.split, view, list(size), samples, level, seed, haze, gloss]
         digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode() + scene_bytes_hash(scene_file))
+        if sky:
+            digest.update(pathlib.Path(sky).read_bytes())
         path = self.embree.folder / f"cycles-{digest.hexdigest()[:24]}.exr"
         if not path.exists():
             self.embree.folder.mkdir(parents=True, exist_ok=True)
@@ -107,8 +109,8 @@ class Cycles:
                 part = path.with_suffix(".part.exr")
                 job = {"dump": folder, "view": view, "size": list(size), "samples": samples, "bounces": level,
                        "seed": seed, "threads": self.threads, "output": str(part), "split": self.split,
-                       "filter": "centre" if haze else "box",
-                       **({"haze": haze} if haze else {})}
+                       "filter": "centre" if haze else "box", "gloss": gloss,
+                       **({"haze": haze} if haze else {}), **({"sky": str(sky)} if sky else {})}
                 job_file = pathlib.Path(folder) / "job.json"
                 job_file.write_text(json.dumps(job))
                 done = subprocess.run([self.blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", CYCLES,

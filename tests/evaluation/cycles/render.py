@@ -4,8 +4,9 @@ usage: blender -b --factory-startup -P tests/evaluation/cycles/render.py -- JOB.
 
 JOB.json: dump (folder of `reference_renderer --dump`), view (eye, target, up, fov), size, samples, bounces (a number, or
 "all"), seed, threads, output (an OpenEXR file to write), split (least triangles of a light), filter
-("box": a pixel is the mean over it; "centre"); haze, if there is any (lower, upper: its box;
-extinction per metre, absorption: a share of that, anisotropy), which scatters light once.
+("box": a pixel is the mean over it; "centre"); gloss: whether what the camera sees has lobes; sky, if there is one: its
+equirectangular picture; haze, if there is any (lower, upper: its box; extinction per metre, absorption: a share of
+that, anisotropy), which scatters light once.
 
 The file has Cycles' passes: Combined, Position, Normal, DiffCol; with haze VolumeDir, what that scatters. Lights emit from their
 front unless they are two-sided; their backs, and those of one-sided surfaces, are black; the camera looks through the
@@ -66,7 +67,83 @@ def colour_socket(nodes, links, entry, folder):
     return mix.outputs[0], scale
 
 
-def material_of(entry, folder):
+def number_socket(nodes, links, entry, key, colours):
+    """Roughness or metalness: the number, times a channel of the gloss texture if there is one."""
+    if colours is None:
+        node = nodes.new("ShaderNodeValue")
+        node.outputs[0].default_value = entry[key]
+        return node.outputs[0]
+    times = nodes.new("ShaderNodeMath")
+    times.operation, times.inputs[1].default_value = "MULTIPLY", entry[key]
+    links.new(colours.outputs["Green" if key == "roughness" else "Blue"], times.inputs[0])
+    return times.outputs[0]
+
+
+def glossy(nodes, links, entry, folder, albedo, matte):
+    """A GGX lobe whose facets exchange light, over what is matte; the camera sees it, and light that goes from surface to
+    surface meets what is matte alone. Metals have Schlick's term at the normal's angle, dielectrics the facets' own of
+    an index of 1.5, which Principled has."""
+    def math(operation, *values):
+        node = nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for socket, value in zip(node.inputs, values):
+            if isinstance(value, float):
+                socket.default_value = value
+            else:
+                links.new(value, socket)
+        return node.outputs[0]
+
+    def mixed(share, one, other):
+        node = nodes.new("ShaderNodeMixRGB")
+        links.new(share, node.inputs[0])
+        for socket, value in ((node.inputs[1], one), (node.inputs[2], other)):
+            if isinstance(value, float):
+                socket.default_value = (value, value, value, 1.0)
+            else:
+                links.new(value, socket)
+        return node.outputs[0]
+
+    def over(share, below, above):
+        node = nodes.new("ShaderNodeMixShader")
+        for socket, value in zip(node.inputs, (share, below, above)):
+            links.new(value, socket)
+        return node.outputs[0]
+
+    colours = None
+    if "gloss" in entry:
+        image = nodes.new("ShaderNodeTexImage")
+        image.image = bpy.data.images.load(str(folder / entry["gloss"]), check_existing=True)
+        image.image.colorspace_settings.name = "Non-Color"
+        colours = nodes.new("ShaderNodeSeparateColor")
+        links.new(image.outputs["Color"], colours.inputs[0])
+    roughness, metalness = (number_socket(nodes, links, entry, key, colours) for key in ("roughness", "metalness"))
+    geometry, towards = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeVectorMath")
+    towards.operation = "DOT_PRODUCT"
+    links.new(geometry.outputs["Normal"], towards.inputs[0])
+    links.new(geometry.outputs["Incoming"], towards.inputs[1])
+    edge = math("POWER", math("SUBTRACT", 1.0, math("ABSOLUTE", towards.outputs["Value"])), 5.0)
+
+    def lobe_of(node, colour, **settings):
+        shader = nodes.new(node)
+        shader.distribution = "MULTI_GGX"
+        for name, value in settings.items():
+            shader.inputs[name].default_value = value
+        links.new(roughness, shader.inputs["Roughness"])
+        links.new(colour, shader.inputs[0])
+        return shader.outputs[0]
+
+    black = nodes.new("ShaderNodeRGB")
+    black.outputs[0].default_value = (0, 0, 0, 1)
+    nothing, both = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeAddShader")
+    links.new(black.outputs[0], nothing.inputs[0])
+    beneath = over(math("ADD", 0.04, math("MULTIPLY", 0.96, edge)), matte, nothing.outputs[0])
+    links.new(beneath, both.inputs[0])
+    links.new(lobe_of("ShaderNodeBsdfPrincipled", black.outputs[0], Specular=0.5), both.inputs[1])
+    shown = over(metalness, both.outputs[0], lobe_of("ShaderNodeBsdfGlossy", mixed(edge, albedo, 1.0)))
+    return over(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], matte, shown)
+
+
+def material_of(entry, folder, gloss):
     material = bpy.data.materials.new("material")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -78,6 +155,8 @@ def material_of(entry, folder):
     if entry["emits"]:
         shader.inputs["Strength"].default_value = scale
     front = shader.outputs[0]
+    if gloss and not entry["emits"] and ("gloss" in entry or entry["roughness"] < 1 or entry["metalness"] > 0):
+        front = glossy(nodes, links, entry, folder, colour, front)
     if entry["two_sided"]:
         links.new(front, output.inputs["Surface"])
         return material
@@ -98,7 +177,7 @@ def material_of(entry, folder):
     return material
 
 
-def add_object(entry, data, folder, least):
+def add_object(entry, data, folder, least, gloss):
     vertices = array(data, entry["positions"], "<f8", 3)
     normals = array(data, entry["normals"], "<f8", 3)
     uvs = array(data, entry["uvs"], "<f8", 2)
@@ -115,7 +194,7 @@ def add_object(entry, data, folder, least):
         mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
         mesh.use_auto_smooth = True
         mesh.normals_split_custom_set_from_vertices(normals.tolist())
-    mesh.materials.append(material_of(entry, folder))
+    mesh.materials.append(material_of(entry, folder, gloss))
     thing = bpy.data.objects.new("object", mesh)
     bpy.context.scene.collection.objects.link(thing)
     thing.cycles.shadow_terminator_offset = 0.0
@@ -140,6 +219,23 @@ def add_haze(haze):
     links.new(both.outputs[0], output.inputs["Volume"])
     bpy.ops.mesh.primitive_cube_add(size=1, location=0.5 * (lower + upper), scale=upper - lower)
     bpy.context.object.data.materials.append(material)
+
+
+def add_sky(picture):
+    """All around, as the server has it: its middle towards +x, its top towards +y."""
+    world = bpy.context.scene.world
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    where, turn, sky, light, output = (nodes.new(f"ShaderNode{name}") for name in (
+        "TexCoord", "Mapping", "TexEnvironment", "Background", "OutputWorld"))
+    turn.inputs["Rotation"].default_value = (0.5 * math.pi, 0, 0)  # up is +z there
+    sky.image = bpy.data.images.load(picture)
+    sky.image.colorspace_settings.name = "Non-Color"
+    links.new(where.outputs["Generated"], turn.inputs["Vector"])
+    links.new(turn.outputs["Vector"], sky.inputs["Vector"])
+    links.new(sky.outputs["Color"], light.inputs["Color"])
+    links.new(light.outputs[0], output.inputs["Surface"])
 
 
 def add_camera(view):
@@ -176,6 +272,8 @@ def set_up(job):
     cycles.blur_glossy = 0.0
     bounces = ALL_BOUNCES if job["bounces"] == "all" else int(job["bounces"])
     cycles.max_bounces = cycles.diffuse_bounces = bounces
+    if job["gloss"]:  # what a lobe shows has bounced as often as what the camera shows
+        cycles.glossy_bounces, cycles.max_bounces = 1, bounces + 1
     cycles.transparent_max_bounces = 64
     scene.world = bpy.data.worlds.new("dark")
     scene.world.use_nodes = False
@@ -197,11 +295,13 @@ def main():
     folder = pathlib.Path(job["dump"])
     data = (folder / "scene.bin").read_bytes()
     for entry in json.loads((folder / "scene.json").read_text()):
-        add_object(entry, data, folder, job["split"])
+        add_object(entry, data, folder, job["split"], job["gloss"])
     if "haze" in job:
         add_haze(job["haze"])
     add_camera(job["view"])
     set_up(job)
+    if "sky" in job:
+        add_sky(job["sky"])
     bpy.ops.render.render(write_still=True)
 
 

@@ -18,18 +18,13 @@ class Dump {
     std::ostringstream json;
     json.precision(17);
     json << (count_++ == 0 ? "" : ",\n") << "{\"emits\":" << (object.emits ? "true" : "false")
+         << ",\"roughness\":" << object.finish.roughness << ",\"metalness\":" << object.finish.metalness
          << ",\"two_sided\":" << (object.twoSided ? "true" : "false") << ",\"colour\":[" << object.colour.x << ","
          << object.colour.y << "," << object.colour.z << "],\"positions\":" << array(object.positions)
          << ",\"normals\":" << array(object.normals) << ",\"uvs\":" << array(object.uvs)
          << ",\"triangles\":" << array(object.triangles);
-    if (object.texture) {
-      const auto [known, added] = textures_.emplace(object.texture.get(), textures_.size());
-      const std::string name = "texture-" + std::to_string(known->second) + ".exr";
-      if (added) {
-        if (Status status = write(*object.texture, folder_ + "/" + name); !status.ok()) return status;
-      }
-      json << ",\"texture\":\"" << name << "\"";
-    }
+    if (Status status = addTexture("texture", object.texture.get(), json); !status.ok()) return status;
+    if (Status status = addTexture("gloss", object.gloss.get(), json); !status.ok()) return status;
     json_ += json.str() + "}";
     return {};
   }
@@ -42,6 +37,14 @@ class Dump {
   }
 
  private:
+  Status addTexture(const char* key, const LinearTexture* texture, std::ostream& json) {
+    if (texture == nullptr) return {};
+    const auto [known, added] = textures_.emplace(texture, textures_.size());
+    const std::string name = "texture-" + std::to_string(known->second) + ".exr";
+    json << ",\"" << key << "\":\"" << name << "\"";
+    return added ? write(*texture, folder_ + "/" + name) : Status();
+  }
+
   /// [first byte, elements]
   template <typename Value>
   std::string array(const std::vector<Value>& values) {
