@@ -241,8 +241,9 @@ TEST_F(GlossTest, APictureSaysWhatIsRoughAndMetal) {
   const glm::dvec3 left(0.9, 0.25, 1.0), right(0.1, 0.75, 0.125);
   Scene scene = floorAndLamp(whole, whole, albedo);
   const auto floor = std::make_shared<Surface>(*scene.surfaces.at("floor"));
-  floor->glossTexture =
-      reference::textureOf(64, 64, [&](int x, int y) { return x < 32 ? left : y < 32 ? right : glm::dvec3(1.0); });
+  floor->glossTexture = reference::textureOf(64, 64, [&](int x, int y) {
+    return x < 32 ? left : y < 32 ? right : glm::dvec3(1.0);
+  });
   scene.surfaces["floor"] = floor;
   const FramePtr got = frame(scene, above());
   const auto expectAlike = [&](const glm::dvec3& texel, int x0, int x1, int y0, int y1, SessionKey session) {

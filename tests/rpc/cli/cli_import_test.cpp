@@ -147,8 +147,7 @@ TEST_F(Import, GltfRoughnessAndMetalness) {
   folder_.write("leaf.png", halfClearPng());
   std::string json = gltfWithFloor("", "1");
   const std::string pbr = R"("pbrMetallicRoughness":{)", floorStarts = R"("name":"floor",)";
-  json.insert(json.find(pbr, json.find(floorStarts)) + pbr.size(),
-              R"("metallicRoughnessTexture":{"index":0},)");
+  json.insert(json.find(pbr, json.find(floorStarts)) + pbr.size(), R"("metallicRoughnessTexture":{"index":0},)");
   const ImportedScene scene = load(folder_.write("room.glb", glb(json, gltfBuffer())));
   EXPECT_THAT(scene.warnings, IsEmpty());
   const Surface& floor = named(scene.surfaces, "Floor_1");
