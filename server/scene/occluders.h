@@ -30,6 +30,7 @@ struct Occluder {
   int surface = -1;  ///< which one of the scene's, in the order of names; -1: a light
   int light = -1;  ///< which one of those that emit, in the order of names; -1: a surface
   bool textured = false;  ///< it has a picture that reflections show
+  int reflects = 0;  ///< sides of a surface that do: 1, its front, and 2, its back
 
   bool operator==(const Occluder&) const = default;
 };

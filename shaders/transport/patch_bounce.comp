@@ -27,7 +27,9 @@ vec3 reflectedTo(int a, int before) {
     const int pair = b * params.count + a;
     sum += shareOf(pair) * max(exchange[pair], 0.0) * sent[before * params.count + b].rgb;
   }
-  return patches[a].scale[params.balanced] / patches[a].place.w * sum;
+  const float gain = patches[a].of;
+  const vec3 own = exchange[a * params.count + a] * sent[before * params.count + a].rgb;
+  return patches[a].scale[params.balanced] / patches[a].place.w * (gain * sum + (1.0 - gain) * own);
 }
 
 void main() {

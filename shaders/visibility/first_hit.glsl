@@ -1,4 +1,4 @@
-// What a ray first meets of what stops all light: the walk of visibility/occluders.glsl, which the caller has included, up
+// What a ray first meets of what stops all light, or of surfaces that do: the walk of visibility/occluders.glsl, which the caller has included, up
 // to the nearest place so far.
 
 struct Sight {
@@ -36,16 +36,23 @@ void lookInMesh(int instance, vec3 origin, vec3 direction, inout Sight sight, in
   }
 }
 
-Sight firstHit(vec3 from, vec3 to, inout int rounds) {
+Sight firstHit(vec3 from, vec3 to, bool lights, inout int rounds) {
   const int instances = int(texelFetch(occluders, 0).x);
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   Sight sight = Sight(1.0, 0, 0, true);
   for (int at = kOccluderHeader; at < instances && rounds < kMostRayRounds; ++rounds) {
     const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, sight.at, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
-    if (leaf == 0u || !stopsAll(instance)) continue;
+    if (leaf == 0u || !stopsAll(instance) || !(lights || texelFetch(occluders, instance + 6).x > 0u)) continue;
     const mat4x3 object = objectFromGrid(instance);
     lookInMesh(instance, object * vec4(from, 1.0), object * vec4(to - from, 0.0), sight, rounds);
   }
   return sight;
+}
+
+Sight firstHit(vec3 from, vec3 to, inout int rounds) { return firstHit(from, to, true, rounds); }
+
+/// Whether what is met reflects light to where the ray comes from.
+bool reflects(Sight sight) {
+  return sight.at < 1.0 && (texelFetch(occluders, sight.instance + 6).z & (sight.front ? 1u : 2u)) != 0u;
 }

@@ -7,7 +7,7 @@
 //             triangles, which follow them, largest coordinate of its box, what it blocks: Occluder::blocks), then
 //             (transmission, alpha), (first texel of a map of alpha or 0, its boxes across and down, first texel of
 //             the triangles' texture coordinates) and (the surface's number and one, 0: a light; the light's number and
-//             one, 0: a surface; -, -)
+//             one, 0: a surface; sides of a surface that reflect: Occluder::reflects; -)
 //   triangle  its three corners, each with a component of the unit normal (BvhTriangle)
 //   texture coordinates of a triangle: (first, second), (third, -)
 //   map       alphas of 255, four to a number

@@ -13,7 +13,8 @@ struct Patch {
                     // square of how far it is from where they are looked for
   float wanted;     // of what patches exchange (transport/patch_balance.comp): what this one gets from all
   float scale[2];   // of its row and column, by the parity of turns
-  float of;  // of a piece, which follow the patches: the patch that stands for it
+  float of;  // of a piece, which follow the patches: the patch that stands for it; of a patch: what it would get from
+             // all if each sent 1, by rays, then by how much more of the others' light comes to it than they account for
 };
 
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };

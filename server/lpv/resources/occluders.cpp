@@ -153,7 +153,7 @@ void GpuOccluders::storeTop(const Inputs& inputs) {
     texels.push_back(std::bit_cast<Texel>(glm::vec4(glm::vec3(c.transmission), float(c.alpha))));
     const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
     texels.emplace_back(c.map == nullptr ? 0U : maps_.at(c.map), size.x, size.y, place.uvs);
-    texels.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), 0, 0);
+    texels.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), std::uint32_t(o.reflects), 0);
   }
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }

@@ -53,6 +53,8 @@ GpuTask BouncePass::findExchange(PatchSet& set, const GpuOccluders& occluders, P
   const Step scales = {balance_.get({2}), Stage::kReflect, set.count, double(set.count)};
   for (params.bounce = 1; params.bounce <= kTurnsOfBalance; ++params.bounce)
     co_await dispatch(scales, set, params, nullptr, pacing);
+  const Step gains = {balance_.get({3}), Stage::kReflect, set.count, double(set.count)};
+  co_await dispatch(gains, set, params, nullptr, pacing);
 }
 
 GpuTask BouncePass::findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing) {
