@@ -40,7 +40,7 @@ Seen seenFrom(vec3 x, vec3 n, float reach) {
   for (; rays < kCreviceRays && rounds < kMostRayRounds; ++rays) {
     const Sight sight = firstHit(x, x + far * directionAbout(n, rays), false, rounds);
     reflecting += int(reflects(sight));
-    near += int(sight.at * far < reach);
+    near += int(sight.at < 1.0 && sight.at * far < reach);
   }
   return Seen(float(reflecting) / float(rays), float(near) / float(rays), float(rays));
 }

@@ -100,6 +100,27 @@ TEST_F(BouncesTest, WhiteFurnace) {
   }
 }
 
+// A ball of triangles smaller than patches, in a black room, sees nothing that reflects: further bounces add nothing.
+// Broken by: patches that see themselves where nothing is in the way of light.
+TEST_F(BouncesTest, AConvexThingReflectsNothingToItself) {
+  Scene scene = closedRoom(1.0, 0.0, 0);
+  scene.options.visibility = Visibility::kOff;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::box(glm::dvec3(-1.01), glm::dvec3(1.01), true);
+  light.radiance = glm::dvec3(1.0);
+  Surface& ball = test::addSurface(scene, "ball", reference::sphereOf(96, 48));
+  ball.transform.scale = glm::dvec3(1.2);
+  ball.albedo = glm::dvec3(0.8);
+  ball.twoSided = false;
+  std::vector<double> means;
+  for (const int bounces : {0, 1, 8}) {
+    scene.options.bounces = bounces;
+    means.push_back(meanOf(probed(scene, walls(1.0, 5), SessionKey(1 + bounces))));
+  }
+  EXPECT_GT(means[1], 1.1 * means[0]);
+  EXPECT_NEAR(means[2], means[1], 0.001 * means[1]);
+}
+
 // What a lamp sends to the walls of a closed cube of 4 m is on them, and albedo of it again with every bounce: the mean
 // of E is the power over the area times 1 + albedo + ... + albedo^n, whatever the room's shape (the energy balance
 // behind CIE 171:2006, 5.8).
