@@ -1,5 +1,5 @@
-// What a patch sees of surfaces, by rays from its middle: of all that reflects, and of what is nearer than the patch is large.
-// What one that stands for several small triangles sees so near, and not in its partners, is its own folds and those of
+// What a patch sees of surfaces, by rays from its middle: of all that reflects, and of what is nearer than the patch is
+// large. What one that stands for several small triangles sees so near, and not in its partners, is its own folds and those of
 // its neighbours: they are taken to be lit as it is, with the mean of the albedos around. In the frame of a window half of
 // what is reflected goes on between its parts, and a room is lit by that. A thread per patch.
 #include "layout.h"
@@ -59,7 +59,8 @@ float ownShare(int a, vec3 x, float reach, float near) {
     areaAround += patches[b].place.w;
     reflecting += patches[b].place.w * brightness(patches[b].albedo.rgb);
   }
-  const float whole = kPi * patches[a].place.w, around = reflecting / areaAround / max(brightness(patches[a].albedo.rgb), 1e-6);
+  const float whole = kPi * patches[a].place.w;
+  const float around = reflecting / areaAround / max(brightness(patches[a].albedo.rgb), 1e-6);
   return min(around, 1.0) * clamp(whole * near - nearer, 0.0, max(whole - all, 0.0));
 }
 

@@ -1,5 +1,5 @@
-// What a ray first meets of what stops all light, or of surfaces that do: the walk of visibility/occluders.glsl, which the caller has included, up
-// to the nearest place so far.
+// What a ray first meets of what stops all light, or of surfaces that do: the walk of visibility/occluders.glsl, which
+// the caller has included, up to the nearest place so far.
 
 struct Sight {
   float at;      // on the segment, 0..1; 1: nothing is met
