@@ -63,8 +63,8 @@ LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points 
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
-LPV_CONST int kPatchExchange = 30;  // float per two patches: E that one gets from the other of unit radiance x its
-                                    // area; negative: a light is between
+LPV_CONST int kPatchExchange = 30;  // float per two patches, PatchParams.stride to what one sends: E that another gets
+                                    // from it of unit radiance x its area; negative: a light is between
 LPV_CONST int kPatchSent = 4;  // vec4 per patch and parity of bounces: radiance it reflects x its scale
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (shaders/frame/fold_rays.comp)
@@ -87,6 +87,8 @@ LPV_CONST int kHazeParams = 2;  // HazeParams of one dispatch
 // --- texture units
 LPV_CONST int kFieldIn = 0;  // samplerBuffer over a field
 LPV_CONST int kFieldSource = 1;  // samplerBuffer over the injected field
+LPV_CONST int kPatchExchangeTexels = 0;  // samplerBuffer over kPatchExchange: four that get something of one
+LPV_CONST int kPatchSentTexels = 1;  // samplerBuffer over kPatchSent
 LPV_CONST int kIncident = 2;  // 2, 3, 4: sampler3D of incident radiance, one per colour (or per channel)
 LPV_CONST int kAlbedo = 5;
 LPV_CONST int kNormal = 6;
@@ -159,6 +161,7 @@ LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bi
 LPV_CONST int kNearFieldBlockY = 4;
 LPV_CONST int kNearFieldSpacing = 8;  // of NearFieldParams where frames are reduced
 LPV_CONST int kPatchGroup = 64;  // patches, or parts of their rows: a thread each
+LPV_CONST int kPatchRows = 4;  // patches that a thread of patch_bounce.comp has: a texel of their exchange
 LPV_CONST int kCreviceRays = 64;  // of a patch, to what is nearer than it is large
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
@@ -329,7 +332,8 @@ struct PatchParams {
   int balanced;  // parity of the last turn of balancing
   int pieces;  // of folds, after the patches
   float weight;  // of this turn (server/scene/patches.h: BouncePlan)
-  int pad0;
+  int stride;  // of kPatchExchange: patches, and up to three more
+  vec4 lightsLow, lightsHigh;  // the box of all lights, cells
 };
 
 struct Counters {
@@ -585,7 +589,7 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
-static_assert(sizeof(PatchParams) == 32 && sizeof(CellVisibility) == 32 &&
+static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 64 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&

@@ -14,6 +14,8 @@ layout(local_size_x = 4 * kNearFieldGroup) in;
 
 layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
 
+/// Between normals of surfaces that send each other nothing: of a bowl's light 5e-5 is lost.
+const float kBesideCosine = 0.9999;
 const int kMostTries = 8;  // to find a place that the receiver does not turn its back to
 
 vec3 radianceOf(int i) {
@@ -22,27 +24,20 @@ vec3 radianceOf(int i) {
          texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
 }
 
-/// By the square of the distance over the patch's area.
-bool isNearer(int i, vec3 x, float limit) {
-  const vec3 d = texelFetch(lightPoints, kLightPointTexels * i).xyz - x;
-  return dot(d, d) < -limit * texelFetch(lightPoints, kLightPointTexels * i + 1).w;
-}
-
-/// Whether its pieces are looked for instead, in fold_rays.comp.
-bool isFolded(int i, vec3 x) {
-  const vec3 d = texelFetch(lightPoints, kLightPointTexels * i).xyz - x;
-  return isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a);
-}
-
-vec3 farLight(vec3 x, vec3 n) {
+/// Of the patches from `first` to `end`, at most 32, the far ones' light, and a bit for each of the others: near ones, and
+/// folds whose pieces are looked for instead (fold_rays.comp).
+vec3 farLight(int first, int end, vec3 x, vec3 n, out uint others) {
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < shadow.pointCount; ++i) {
+  others = 0u;
+  for (int i = first; i < end; ++i) {
     const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;
-    const bool near = dot(d, d) < -kNearPatch * emits.w || isFolded(dot(d, d), colour.a);
-    sum += near ? vec3(0.0) : place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n) * colour.rgb;
+    const bool folded = isFolded(dot(d, d), colour.a), far = dot(d, d) >= -kNearPatch * emits.w && !folded;
+    const bool beside = dot(emits.xyz, n) > kBesideCosine && !folded;
+    others |= far || beside ? 0u : 1u << (i - first);
+    sum += far ? place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n) * colour.rgb : vec3(0.0);
   }
   return sum;
 }
@@ -79,41 +74,55 @@ vec3 arrivesOf(vec3 x, vec3 place, inout int rounds) {
 #endif
 }
 
-/// Of near patches, what would arrive with nothing in between, from those that are not asked and from those that are;
-/// and what arrives from these. What pieces of folds send is not known yet: as much is asked for as patches like these
-/// send to all sides, so that what they are found to send is smoothed like a share of it.
-void addNear(vec3 x, vec3 n, ivec2 pixel, inout vec3 light, out vec3 asked, out vec3 known, out bool folded) {
-  asked = known = vec3(0.0);
-  folded = false;
-  int i = 0, rounds = 0;
-  while (i < shadow.pointCount) {
-    // By itself: llvmpipe goes through what a branch leaves out.
-    while (i < shadow.pointCount && !isNearer(i, x, kNearPatch) && !isFolded(i, x)) ++i;
-    if (i >= shadow.pointCount) break;
-    if (isFolded(i, x)) {
+/// What arrives at a point.
+struct Arriving {
+  vec3 light;   // of what is not asked
+  vec3 asked;   // with nothing in between, of what is: near patches by a ray each, folds by rays all around
+  vec3 known;   // what of that is known to arrive
+  bool folded;  // whether folds are among it
+};
+
+/// What pieces of folds send is not known yet: as much is asked for as patches like these send to all sides, so that what
+/// they are found to send is smoothed like a share of it.
+void addFold(int i, vec3 d, inout Arriving arriving) {
+  arriving.asked += patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
+  arriving.folded = true;
+}
+
+void addNear(int i, vec3 d, vec3 x, vec3 n, ivec2 pixel, inout int rounds, inout Arriving arriving) {
+  const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
+  const bool asks = dot(d, d) < kAskedPatch * patches[i].place.w;
+  arriving.light += asks ? vec3(0.0) : e;
+  arriving.asked += asks ? e : vec3(0.0);
+  if (asks && shadow.turns == 0) arriving.known += e;
+  if (asks && shadow.turns > 0 && e != vec3(0.0)) arriving.known += e * arrivesOf(x, placeOn(i, x, n, pixel), rounds);
+}
+
+/// Patches by 32: llvmpipe goes through what any of eight points needs, and for near patches that is much.
+Arriving arrivingAt(vec3 x, vec3 n, ivec2 pixel) {
+  Arriving arriving = Arriving(vec3(0.0), vec3(0.0), vec3(0.0), false);
+  int rounds = 0;
+  for (int first = 0; first < shadow.pointCount; first += 32) {
+    uint others;
+    arriving.light += farLight(first, min(first + 32, shadow.pointCount), x, n, others);
+    for (; others != 0u; others &= others - 1u) {
+      const int i = first + findLSB(others);
       const vec3 d = patches[i].place.xyz - x;
-      asked += patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
-      folded = true;
-      ++i;
-      continue;
+      if (isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a)) {
+        addFold(i, d, arriving);
+      } else {
+        addNear(i, d, x, n, pixel, rounds, arriving);
+      }
     }
-    const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
-    const bool asks = isNearer(i, x, kAskedPatch);
-    light += asks ? vec3(0.0) : e;
-    asked += asks ? e : vec3(0.0);
-    if (asks && shadow.turns == 0) known += e;
-    if (asks && shadow.turns > 0 && e != vec3(0.0)) known += e * arrivesOf(x, placeOn(i, x, n, inPicture(pixel)), rounds);
-    ++i;
   }
+  return arriving;
 }
 
 void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
-  const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
-  vec3 light = farLight(x, n), asked, known;
-  bool folded;
-  addNear(x, n, pixel, light, asked, known, folded);
-  begin(point, light, asked, known, folded);
+  const vec3 n = receiverNormal(pixel);
+  const Arriving arriving = arrivingAt(rayStart(pixel, n), n, inPicture(pixel));
+  begin(point, arriving.light, arriving.asked, arriving.known, arriving.folded);
 }

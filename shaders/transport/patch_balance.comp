@@ -26,7 +26,7 @@ void main() {
   const int a = index / eights, begin = 8 * (index % eights);
   if (a >= params.count || begin + 7 <= a) return;
   for (int b = max(begin, a + 1); b < min(begin + 8, params.count); ++b) {
-    const int there = a * params.count + b, back = b * params.count + a;
+    const int there = a * params.stride + b, back = b * params.stride + a;
     const float mean = 0.5 * (exchange[there] + exchange[back]);
     exchange[there] = mean;
     exchange[back] = mean;
@@ -37,7 +37,7 @@ void main() {
 float sumTo(int a, int scale) {
   float sum = 0.0;
   for (int b = 0; b < params.count; ++b)
-    sum += exchange[b * params.count + a] * (LPV_STEP == 0 ? 1.0 : patches[b].scale[scale]);
+    sum += exchange[b * params.stride + a] * (LPV_STEP == 0 ? 1.0 : patches[b].scale[scale]);
   return sum;
 }
 
@@ -52,7 +52,7 @@ void main() {
   const float next = sum > 0.0 ? sqrt(scale * patches[a].wanted / sum) : 1.0;
   patches[a].scale[now] = clamp(next, 1.0 / kMostScale, kMostScale);
 #else
-  const float scale = patches[a].scale[before], own = scale * scale * exchange[a * params.count + a];
+  const float scale = patches[a].scale[before], own = scale * scale * exchange[a * params.stride + a];
   const float others = scale * sumTo(a, before) - own;
   patches[a].of = others > 0.0 ? clamp((patches[a].of - own) / others, 1.0, kMostGain) : 1.0;
 #endif

@@ -52,7 +52,7 @@ float withoutChance(Seen seen) { return max(seen.all - 0.5 * sqrt(seen.all * (1.
 float ownShare(int a, vec3 x, float reach, float near) {
   float nearer = 0.0, all = 0.0, areaAround = 0.0, reflecting = 0.0;
   for (int b = 0; b < params.count; ++b) {
-    const float part = exchange[b * params.count + a];
+    const float part = exchange[b * params.stride + a];
     all += part;
     if (distance(patches[b].place.xyz, x) >= reach) continue;
     nearer += part;
@@ -72,7 +72,7 @@ void main() {
   const Seen seen = seenFrom(x, n, reach);
   patches[a].of = kPi * area * withoutChance(seen);
 #if LPV_TRANSPARENT
-  shares[a * params.count + a] = packedShare(vec3(1.0));
+  shares[a * params.stride + a] = packedShare(vec3(1.0));
 #endif
-  if (patches[a].corners[0].w == 0.0) exchange[a * params.count + a] = ownShare(a, x, reach, seen.near);
+  if (patches[a].corners[0].w == 0.0) exchange[a * params.stride + a] = ownShare(a, x, reach, seen.near);
 }

@@ -43,10 +43,10 @@ void main() {
     if (share == vec3(0.0)) continue;
 #if LPV_TRANSPARENT
     const uint kept = packedShare(throughHaze(beside(here), beside(there)) * share);
-    shares[b * params.count + a] = kept;
-    shares[a * params.count + b] = kept;
+    shares[b * params.stride + a] = kept;
+    shares[a * params.stride + b] = kept;
 #endif
-    exchange[b * params.count + a] = here.place.w * arrivesAt(here, there);
-    exchange[a * params.count + b] = there.place.w * arrivesAt(there, here);
+    exchange[b * params.stride + a] = here.place.w * arrivesAt(here, there);
+    exchange[a * params.stride + b] = there.place.w * arrivesAt(there, here);
   }
 }

@@ -63,6 +63,15 @@ std::vector<glm::vec2> uvsOf(const Mesh& mesh, const TriangleBvh& bvh) {
 static_assert(4 * sizeof(glm::vec2) == layout::kUvTexels * sizeof(Texel));
 static_assert(sizeof(Texel) == layout::kAlphasOfTexel);
 
+Bounds boxAroundLights(const std::vector<Occluder>& occluders, const Grid& grid) {
+  Bounds out;
+  for (const Occluder& o : occluders) {
+    if (o.blocks == kAllLights) continue;
+    out.add(o.mesh->bounds.transformed(grid.gridFromWorldMatrix() * o.worldFromObject));
+  }
+  return out;
+}
+
 std::size_t texelsOf(const AlphaMap& map) {
   return (map.alphas.size() + layout::kAlphasOfTexel - 1) / layout::kAlphasOfTexel;
 }
@@ -172,6 +181,7 @@ GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid, 
   storeTop(inputs);
   transparent_ =
       haze.any() || std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
+  boxOfLights_ = boxAroundLights(inputs.occluders, inputs.grid);
   Inputs all = inputs;
   std::erase_if(all.occluders, [](const Occluder& o) { return o.blocks != kAllLights; });
   if (!surfaces_.holds(all)) surfaces_.set(std::move(all));

@@ -30,6 +30,8 @@ class GpuOccluders {
   Stamp all() const { return made_.stamp(); }
   /// Whether something there lets light through, or haze takes some of it.
   bool transparent() const { return transparent_; }
+  /// Of what does not block all lights, in the grid's space; empty without any.
+  const Bounds& boxOfLights() const { return boxOfLights_; }
   std::size_t bytes() const { return texels_.size(); }
 
  private:
@@ -66,6 +68,7 @@ class GpuOccluders {
   gpu::Buffer texels_;
   gpu::BufferTexture view_;
   bool transparent_ = false;
+  Bounds boxOfLights_;
   Cached<Inputs> made_;
   Cached<Inputs> surfaces_;  ///< of these, what blocks all lights
 };

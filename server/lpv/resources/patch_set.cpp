@@ -78,6 +78,13 @@ std::vector<PatchList> listsOf(int first, int count) {
   return out;
 }
 
+/// From what one patch sends to what the next one does: whole texels.
+int strideOf(std::size_t patches) {
+  return (int(patches) + layout::kPatchRows - 1) / layout::kPatchRows * layout::kPatchRows;
+}
+
+std::size_t pairs(std::size_t patches) { return patches * std::size_t(strideOf(patches)); }
+
 std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 
 }  // namespace
@@ -87,11 +94,12 @@ PatchSet::PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid
       count(int(source->patches.size())),
       pieces(int(source->folds.pieces.size())),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(*source, grid)))),
-      exchange("patch exchange", source->patches.size() * source->patches.size() * sizeof(float)),
+      exchange("patch exchange", pairs(source->patches.size()) * sizeof(float)),
+      exchangeTexels("patch exchange", exchange),
       sent("patch sent", bytesOfVec4(2 * source->patches.size()), gpu::BufferUse::kDevice, gpu::Undefined{}),
-      shares(throughPanes
-                 ? gpu::Buffer("patch shares", source->patches.size() * source->patches.size() * sizeof(std::uint32_t))
-                 : gpu::Buffer()),
+      sentTexels("patch sent", sent),
+      shares(throughPanes ? gpu::Buffer("patch shares", pairs(source->patches.size()) * sizeof(std::uint32_t))
+                          : gpu::Buffer()),
       points(listsOf(0, count)),
       piecePoints(listsOf(count, pieces)),
       shadows("patch shadows", bytesOfVec4(std::size_t(kMostOfList) * kShadowPointTexels)),
@@ -113,6 +121,7 @@ void PatchSet::bind() const {
 layout::PatchParams PatchSet::params() const {
   layout::PatchParams params = {};
   params.count = count;
+  params.stride = strideOf(source->patches.size());
   params.pieces = pieces;
   return params;
 }

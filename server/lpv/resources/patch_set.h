@@ -38,7 +38,9 @@ struct PatchSet {
   int pieces;
   gpu::Buffer patches;  ///< as shaders/visibility/patches.glsl has them: all patches, then the pieces of their folds
   gpu::Buffer exchange;  ///< layout::kPatchExchange
+  gpu::BufferTexture exchangeTexels;
   gpu::Buffer sent;  ///< layout::kPatchSent
+  gpu::BufferTexture sentTexels;
   gpu::Buffer shares;  ///< layout::kPatchShares; empty without panes
   std::vector<PatchList> points;  ///< all patches
   std::vector<PatchList> piecePoints;  ///< the pieces; empty without

@@ -27,6 +27,8 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
     set.patches.bindStorage(layout::kPatches);
     set.exchange.bindStorage(layout::kPatchExchange);
     set.sent.bindStorage(layout::kPatchSent);
+    set.exchangeTexels.bind(layout::kPatchExchangeTexels);
+    set.sentTexels.bind(layout::kPatchSentTexels);
     set.lights.bindStorage(layout::kPatchLights);
     if (set.shares) set.shares.bindStorage(layout::kPatchShares);
     if (set.folded()) set.pieceLights.bindStorage(layout::kPieceLights);
@@ -60,14 +62,19 @@ GpuTask BouncePass::findExchange(PatchSet& set, const GpuOccluders& occluders, P
 GpuTask BouncePass::findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing) {
   const int byEights = set.count * ((set.count + kPairsOfThread - 1) / kPairsOfThread);
   const Step step = {lights_.get({}), Stage::kVisibility, byEights, double(kPairsOfThread)};
-  co_await dispatch(step, set, set.params(), &occluders, pacing);
+  layout::PatchParams params = set.params();
+  params.lightsLow = glm::vec4(glm::vec3(occluders.boxOfLights().min), 0.0F);
+  params.lightsHigh = glm::vec4(glm::vec3(occluders.boxOfLights().max), 0.0F);
+  co_await dispatch(step, set, params, &occluders, pacing);
 }
 
 GpuTask BouncePass::run(PatchSet& set, const BouncePlan& plan, int done, int turns, Pacing pacing) {
   layout::PatchParams params = set.params();
   params.lastBounce = turns - 1;
   params.balanced = kTurnsOfBalance & 1;
-  const Step step = {bounce_.get({bool(set.shares)}), Stage::kReflect, set.count, double(set.count)};
+  constexpr int kRows = layout::kPatchRows;
+  const Step step = {bounce_.get({bool(set.shares)}), Stage::kReflect, (set.count + kRows - 1) / kRows,
+                     double(kRows) * set.count};
   for (params.bounce = done; params.bounce < turns; ++params.bounce) {
     params.weight = float(plan.weight(params.bounce));
     co_await dispatch(step, set, params, nullptr, pacing);

@@ -157,6 +157,42 @@ TEST_F(BouncesTest, ASpotOnAWallIsReflectedAsAWhole) {
   }
 }
 
+// What a lamp in a ball sends comes to all of its inside alike once it has been reflected, since every part of a ball
+// sees every other the same: albedo x power / area. Frames of streams and others. Broken by: what is turned only a
+// little away taken for what is on the same plane.
+TEST_F(BouncesTest, ABowlReflectsEvenly) {
+  constexpr double kAlbedo = 0.5, kRadius = 2.0;
+  Scene scene = closedRoom(2.3, 0.0, 0);
+  scene.surfaces.clear();
+  Surface& ball = test::addSurface(scene, "ball", reference::sphereOf(64, 32, false));
+  ball.transform.scale = glm::dvec3(kRadius / 0.5);
+  ball.albedo = glm::dvec3(kAlbedo);
+  Light& light = test::lightOf(scene);
+  light.radiance = glm::dvec3(100.0);
+  light.transform.scale = glm::dvec3(0.1);
+  light.transform.translation = {-0.5, 0.2, 0.3};
+  const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
+  const double want = kAlbedo * power / (4.0 * sh::kPi * kRadius * kRadius);
+  Camera camera;
+  camera.eye = glm::dvec3(0.0);
+  camera.target = {1.0, 0.0, 0.0};
+  FrameRequest frame = test::linearFrame(camera);
+  frame.quantity = FrameQuantity::kIrradiance;
+  for (const bool reduced : {false, true}) {
+    frame.reduced = reduced;
+    std::vector<FramePtr> frames;
+    for (const int bounces : {0, 1}) {
+      scene.options.bounces = bounces;
+      frames.push_back(frameOf(scene, frame, SessionKey(1 + bounces)));
+      ASSERT_NE(frames.back(), nullptr);
+    }
+    double mean = 0.0;
+    for (std::size_t i = 0; i < frames[0]->rgb32f.size(); i += 3)
+      mean += 3.0 * double(frames[1]->rgb32f[i] - frames[0]->rgb32f[i]) / double(frames[0]->rgb32f.size());
+    EXPECT_NEAR(mean, want, 0.02 * want) << reduced;
+  }
+}
+
 // A large lamp in the middle swallows what walls send to it: A_lamp / A_walls of it, since all that leaves the lamp
 // comes to the walls; E is taken to be even. Broken by: patches that see each other through the lamp, AUTO without
 // lights (2).
