@@ -7,6 +7,7 @@
 
 #include "gpu/support/gl_test.h"
 #include "gpu/texture.h"
+#include "reference/random_volumes.h"
 #include "scene/lookup.h"
 #include "scene/volume.h"
 
@@ -52,7 +53,8 @@ gpu::Texture textureOf(const Volume& volume, int colour, float unit) {
       texels.emplace_back(glm::vec4(c[0], c[1], c[2], c[3]) / unit);
     }
   }
-  const glm::ivec3 size(kDims.x, kDims.y, kDims.z * int(volume.layers.size()));
+  const glm::ivec3& dims = volume.grid.dims;
+  const glm::ivec3 size(dims.x, dims.y, dims.z * int(volume.layers.size()));
   gpu::Texture texture = gpu::Texture::make3d("test", size, GL_RGBA32F, gpu::Sampling::kLinearClamp);
   glTextureSubImage3D(texture.id(), 0, 0, 0, 0, size.x, size.y, size.z, GL_RGBA, GL_FLOAT, texels.data());
   return texture;
@@ -89,20 +91,30 @@ gpu::Defines definesOf(Lookup lookup, int channels, int groups) {
   return defines;
 }
 
+std::string text(const glm::ivec3& v) {
+  return "ivec3(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+}
+
 class LookupTest : public test::GlTest {
  protected:
-  /// Largest difference between the two languages at the points.
-  static double difference(const Volume& volume, int channels, Lookup lookup, const std::vector<glm::vec4>& points) {
+  /// E in GLSL of pairs (position in the grid's space, normal), at every other one of what is returned.
+  static std::vector<glm::vec4> looksUp(const Volume& volume, int channels, Lookup lookup,
+                                        const std::vector<glm::vec4>& points) {
     std::vector<gpu::Texture> textures;
     for (int colour = 0; colour < channels; ++colour) {
       textures.push_back(textureOf(volume, colour, channels == 1 ? 2.0F : 1.0F));
       textures.back().bind(std::uint32_t(layout::kIncident + colour));
     }
-    const auto out = test::evaluate(
-        "#include \"common/sh.glsl\"\n#include \"transport/lookup.glsl\"",
-        "if (i % 2u == 1u) return;\n"
-        "outputs[i] = vec4(irradianceAt(inputs[i].xyz, inputs[i + 1u].xyz, ivec3(5, 4, 3), vec3(2, 1, 0.5)), 0);",
-        points, 0, definesOf(lookup, channels, int(volume.layers.size())));
+    return test::evaluate("#include \"common/sh.glsl\"\n#include \"transport/lookup.glsl\"",
+                          "if (i % 2u == 1u) return;\n"
+                          "outputs[i] = vec4(irradianceAt(inputs[i].xyz, inputs[i + 1u].xyz, " +
+                              text(volume.grid.dims) + ", vec3(2, 1, 0.5)), 0);",
+                          points, 0, definesOf(lookup, channels, int(volume.layers.size())));
+  }
+
+  /// Largest difference between the two languages at the points.
+  static double difference(const Volume& volume, int channels, Lookup lookup, const std::vector<glm::vec4>& points) {
+    const auto out = looksUp(volume, channels, lookup, points);
     double largest = 0.0;
     for (std::size_t i = 0; i < points.size(); i += 2) {
       const Irradiance want = irradianceAt(volume, lookup, glm::dvec3(points[i]), glm::dvec3(points[i + 1]));
@@ -144,6 +156,36 @@ class LookupTest : public test::GlTest {
 TEST_F(LookupTest, Sh2IsTheSameInGlslAndCpp) { compare(Lookup::kSh2); }
 TEST_F(LookupTest, CapIsTheSameInGlslAndCpp) { compare(Lookup::kCap); }
 TEST_F(LookupTest, NearestIsTheSameInGlslAndCpp) { compare(Lookup::kNearest); }
+
+/// Largest difference over the larger of what is wanted and a hundredth of the largest there.
+double differenceOf(const std::vector<glm::vec4>& got, const std::vector<glm::dvec3>& wanted) {
+  double most = 0.0, largest = 0.0;
+  for (const glm::dvec3& e : wanted) most = std::max({most, e.r, e.g, e.b});
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double off = std::abs(double(got[2 * i][c]) - wanted[i][c]) / std::max(wanted[i][c], 0.01 * most);
+      largest = std::max(largest, std::isfinite(off) ? off : std::numeric_limits<double>::infinity());
+    }
+  }
+  return largest;
+}
+
+// The volumes that the page looks up as well (tests/web/lookup_test.mjs). Broken by: a layer that reads the next one's
+// cells.
+TEST_F(LookupTest, CapOfVolumesOfClientsIsTheSameInGlslAndCpp) {
+  for (const reference::RandomVolume& random : reference::randomVolumes()) {
+    const Grid& grid = random.volume.grid;
+    std::vector<glm::vec4> points;
+    std::vector<glm::dvec3> wanted;
+    for (const reference::LookupPoint& point : random.points) {
+      points.emplace_back((glm::dvec3(point.position) - grid.origin) / grid.cell, 0.0);
+      points.emplace_back(point.normal, 0.0F);
+      wanted.push_back(
+          irradianceAt(random.volume, Lookup::kCap, glm::dvec3(point.position), glm::dvec3(point.normal)).rgb);
+    }
+    EXPECT_LE(differenceOf(looksUp(random.volume, 3, Lookup::kCap, points), wanted), 1e-3) << text(grid.dims);
+  }
+}
 
 /// Coefficients, as floats, of fluence 1 and |D| = rho about w.
 glm::vec4 capAbout(const glm::dvec3& w, double rho) { return glm::vec4(sh::fromBands(sh::kY0, sh::kY1 * rho * w)); }

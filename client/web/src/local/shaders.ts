@@ -25,7 +25,8 @@ void main() {
 }
 `;
 
-const lookup = `
+// Also of tests, which give the uniforms volumes of their own.
+export const lookup = `
 const float kPi = 3.14159265358979323846;
 const float kY0 = 0.28209479177387814347;
 const float kY1 = 0.48860251190291992159;
