@@ -1,6 +1,7 @@
 import type { Light } from "../gen/lpv/v1/scene_pb.ts";
 import { SessionService } from "../gen/lpv/v1/session_pb.ts";
 import { download, el } from "./dom.ts";
+import { Drawings } from "./drawings.ts";
 import { serverStream } from "./net/calls.ts";
 import type { Connection, ConnectionState } from "./net/connection.ts";
 import { CallError } from "./net/errors.ts";
@@ -29,6 +30,7 @@ const LOCK_SECONDS = 5;
 export class Room {
   readonly model = new SceneModel();
   private readonly editor: Editor;
+  private readonly drawings = new Drawings();
   private readonly stage: Stage;
   private readonly words = new Words();
   private readonly strip = new Strip();
@@ -68,7 +70,7 @@ export class Room {
     this.areas = new LightAreas(connection, session, () => this.changed());
     this.share = new ShareDialog(connection, session);
     this.settings = new SettingsDialog(connection, session);
-    this.stage = new Stage(connection, session, this.editor, this.model, (light) => this.areas.of(light), {
+    this.stage = new Stage(connection, session, this.editor, this.model, (light) => this.areas.of(light), this.drawings, {
       shown: (frame) => this.strip.frame(frame),
       volume: (field, bytes) => this.strip.volume(field.header.result?.revision ?? 0n, bytes),
       drew: () => this.strip.drew(),
@@ -142,14 +144,19 @@ export class Room {
     const followed = this.model.people.get(this.followed);
     if (!followed) this.followed = "";
     else if (followed.camera) this.stage.follow(followed.camera);
+    this.drawings.ask(this.drawPanels);
     const object = this.model.find(this.selected);
-    this.title.textContent = this.displayName || this.session.replace("sessions/", "");
-    this.list.draw();
-    this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
     this.stage.showWatchers(this.model.people.values());
     const distant = object?.kind === "light" && object.value.distant; // nowhere that handles could be
     this.stage.hold(object && !distant ? placementOf(object.value.transform) : undefined);
   }
+
+  private readonly drawPanels = (): void => {
+    const object = this.model.find(this.selected);
+    this.title.textContent = this.displayName || this.session.replace("sessions/", "");
+    this.list.draw();
+    this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
+  };
 
   private follow(member: string): void {
     this.followed = member;
@@ -159,6 +166,7 @@ export class Room {
   private select(name: string): void {
     this.selected = name;
     this.changed();
+    this.drawings.now();
     this.presenceChanged();
   }
 

@@ -8,6 +8,7 @@ import { emittingArea, radianceOf } from "../scene/emission.ts";
 import type { SceneModel } from "../scene/model.ts";
 import { placementOf } from "../scene/placement.ts";
 import type { View } from "../view/camera_rig.ts";
+import { rendererName } from "../webgl.ts";
 import type { Field } from "./field.ts";
 import type { MeshData, Meshes } from "./meshes.ts";
 import { fragment, MOST_LAYERS, vertex } from "./shaders.ts";
@@ -67,9 +68,7 @@ export class LocalRenderer {
   }
 
   get rendererName(): string {
-    const gl = this.renderer.getContext();
-    const info = gl.getExtension("WEBGL_debug_renderer_info");
-    return String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+    return rendererName(this.renderer.getContext());
   }
 
   // GL objects in use: geometries, textures, programs.

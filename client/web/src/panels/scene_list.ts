@@ -10,6 +10,7 @@ export class SceneList {
   });
   private readonly list = el("ul", { class: "list" });
   private readonly people = el("ul", { class: "list", "aria-label": "Others here" });
+  private shown = "";
   readonly element = el("nav", { class: "side", "aria-label": "Scene" }, this.search, this.list, this.people);
 
   constructor(
@@ -22,7 +23,11 @@ export class SceneList {
     this.search.select(); // what is typed now is another search
   }
 
+  // Redrawn when something that it shows has changed: not for every step of what is dragged.
   draw(): void {
+    const state = this.state();
+    if (state === this.shown) return;
+    this.shown = state;
     const wanted = this.search.value.toLowerCase();
     const has = (name: string): boolean => name.toLowerCase().includes(wanted);
     const rows: HTMLElement[] = [];
@@ -38,6 +43,14 @@ export class SceneList {
     if (rows.length === 0) rows.push(el("li", { class: "quiet" }, wanted ? "Nothing of that name." : "The scene is empty."));
     keepFocus(this.list, rows);
     this.drawPeople();
+  }
+
+  private state(): string {
+    const { lights, surfaces, people } = this.model;
+    return JSON.stringify([this.search.value, this.selected(), this.followed(), [...surfaces.keys()],
+      [...lights.values()].map(({ name, group, enabled }) => [name, group, enabled]),
+      [...people.values()].map(({ clientId, displayName, colour, selection, locked, camera }) =>
+        [clientId, displayName, colour && plainHex(colour), selection, locked, camera !== undefined])]);
   }
 
   private row(name: string): HTMLElement {

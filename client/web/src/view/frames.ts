@@ -154,7 +154,7 @@ export class FrameView {
     const picture = await createImageBitmap(file);
     if (this.canvas.width !== picture.width) this.canvas.width = picture.width;
     if (this.canvas.height !== picture.height) this.canvas.height = picture.height;
-    this.canvas.getContext("2d")?.drawImage(picture, 0, 0);
+    this.canvas.getContext("2d", { alpha: false })?.drawImage(picture, 0, 0);
     picture.close();
     this.canvas.dataset["sharp"] = String(header.sharp);
     if (!header.sharp) this.paced(performance.now());

@@ -3,7 +3,9 @@ import {
   Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
+import type { Drawings } from "../drawings.ts";
 import type { Placement } from "../scene/placement.ts";
+import { isSoftware } from "../webgl.ts";
 import type { Point, View } from "./camera_rig.ts";
 
 export type GizmoMode = "translate" | "rotate" | "scale";
@@ -27,9 +29,10 @@ export class Gizmo {
   private readonly others = new Group();
   private watchers = "";
 
-  constructor(private readonly canvas: HTMLCanvasElement, pointer: HTMLElement, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
+  constructor(private readonly canvas: HTMLCanvasElement, pointer: HTMLElement, private readonly drawings: Drawings, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
     this.renderer.setClearColor(0, 0);
+    drawings.withPictures = isSoftware(this.renderer.getContext());
     canvas.addEventListener("webglcontextrestored", () => this.draw());
     this.controls = new TransformControls(this.camera, pointer);
     this.controls.setSize(0.8);
@@ -115,14 +118,18 @@ export class Gizmo {
     };
   }
 
-  // An empty layer over the picture would be composed with every frame for nothing.
   private draw(): void {
+    this.drawings.ask(this.drawNow);
+  }
+
+  // An empty layer over the picture would be composed with every frame for nothing.
+  private readonly drawNow = (): void => {
     for (const other of this.others.children) other.visible = other.position.distanceTo(this.camera.position) > NEAR;
     this.canvas.hidden = this.controls.object === undefined && !this.others.children.some((other) => other.visible);
     if (this.canvas.hidden) return;
     this.camera.updateMatrixWorld();
     this.renderer.render(this.scene, this.camera);
-  }
+  };
 }
 
 function pyramid({ view, colour }: Watcher): LineSegments {

@@ -1,5 +1,6 @@
 import { FrameFormat, ResultService } from "../../gen/lpv/v1/result_pb.ts";
 import { download, el } from "../dom.ts";
+import type { Drawings } from "../drawings.ts";
 import { serverStream, unary } from "../net/calls.ts";
 import type { Connection } from "../net/connection.ts";
 import type { Editor } from "../scene/editor.ts";
@@ -50,7 +51,8 @@ export class Stage {
   private aimed = false;
 
   constructor(private readonly connection: Connection, private readonly session: string, private readonly editor: Editor,
-    private readonly model: SceneModel, private readonly areaOf: (light: Light) => number | undefined, private readonly reports: StageReports) {
+    private readonly model: SceneModel, private readonly areaOf: (light: Light) => number | undefined, private readonly drawings: Drawings,
+    private readonly reports: StageReports) {
     navigate(this.element, this.rig, {
       busy: () => this.gizmo?.busy ?? false,
       moved: () => this.cameraChanged(),
@@ -133,7 +135,10 @@ export class Stage {
     this.shaded.hidden = true;
     this.picture.hidden = false;
     this.frames = new FrameView(this.picture, this.connection, this.session, () => this.editor.identity, () => this.rig.view(), {
-      shown: (frame) => this.reports.shown(frame),
+      shown: (frame) => {
+        this.drawings.now();
+        this.reports.shown(frame);
+      },
       trouble: (message) => this.say(message),
     });
     if (this.ev !== undefined) this.frames.setExposure(this.ev);
@@ -246,7 +251,7 @@ export class Stage {
   private async loadHandles(): Promise<void> {
     try {
       const { Gizmo } = await import("./gizmo.ts");
-      this.gizmo = new Gizmo(this.handles, this.element, (to) => this.reports.moved(to), (on) => this.reports.dragging(on));
+      this.gizmo = new Gizmo(this.handles, this.element, this.drawings, (to) => this.reports.moved(to), (on) => this.reports.dragging(on));
       this.resized();
     } catch {
       this.say("This browser has no WebGL2: objects are moved by numbers only.");
