@@ -12,12 +12,13 @@ import { SettingsDialog } from "./panels/settings.ts";
 import { ShareDialog } from "./panels/share.ts";
 import { Strip } from "./panels/strip.ts";
 import { Words } from "./panels/words.ts";
-import { duplicate, place, remove, rename, update } from "./scene/actions.ts";
+import { duplicate, place, remove, rename, update, type Fields } from "./scene/actions.ts";
 import { LightAreas } from "./scene/areas.ts";
 import { Editor } from "./scene/editor.ts";
 import { boxOf, SceneModel, type SceneObject } from "./scene/model.ts";
-import { placementOf, type Placement } from "./scene/placement.ts";
+import { carried, placementOf, type Placement } from "./scene/placement.ts";
 import { accessOf, type Access } from "./scene/role.ts";
+import { Selection } from "./scene/selection.ts";
 import { watchScene } from "./scene/watch.ts";
 import type { LocalView } from "./local/view.ts";
 import type { View } from "./view/camera_rig.ts";
@@ -45,10 +46,11 @@ export class Room {
   private readonly title = el("h1");
   private readonly stop = new AbortController();
   private access: Access = { mayEdit: false, mayShare: false };
-  private selected = "";
+  private readonly selection = new Selection();
   private silenced = new Set<string>(); // lights that this page has turned off for another's sake
   private followed = ""; // the member whose camera this page's follows
   private drag = ""; // undo group of the drag under way
+  private dragged: [SceneObject, Placement][] = []; // what goes along with it, and where each was when it began
   private drags = 0;
   private started = false;
   private presenceDue: ReturnType<typeof setTimeout> | undefined;
@@ -59,10 +61,10 @@ export class Room {
 
   constructor(private readonly connection: Connection, private readonly session: string, private readonly leave: () => void) {
     this.editor = new Editor(connection, session);
-    this.list = new SceneList(this.model, () => this.selected, (name) => this.select(name), () => this.followed, (member) => this.follow(member));
+    this.list = new SceneList(this.model, this.selection, (name, more) => this.select(name, more), () => this.followed, (member) => this.follow(member));
     this.properties = new Properties({
-      change: (object, fields, paths) => void this.edit(() => this.editor.apply([update(object, fields, paths)])),
-      place: (object, to) => void this.edit(() => place(this.editor, object, to, "")),
+      change: (object, fields, paths) => this.change(object, fields, paths),
+      place: (object, to) => this.placeAll(this.places(), placementOf(object.value.transform), to, ""),
       rename: (object, name) => void this.rename(object, name),
       duplicate: () => this.duplicate(),
       remove: () => this.remove(),
@@ -75,7 +77,7 @@ export class Room {
       volume: (field, bytes) => this.strip.volume(field.header.result?.revision ?? 0n, bytes),
       drew: () => this.strip.drew(),
       looking: (local) => this.buttons.get("m")?.setAttribute("aria-pressed", String(local)),
-      picked: (name) => this.select(name),
+      picked: (name, more) => this.select(name, more),
       cameraMoved: (steered) => {
         if (steered && this.followed) this.follow("");
         this.presenceChanged();
@@ -140,22 +142,22 @@ export class Room {
       this.started = true;
       void this.stage.start(this.access.mayEdit).then(() => this.changed());
     }
-    if (this.selected && !this.model.find(this.selected)) this.selected = "";
+    this.selection.keep((name) => this.model.find(name) !== undefined);
     const followed = this.model.people.get(this.followed);
     if (!followed) this.followed = "";
     else if (followed.camera) this.stage.follow(followed.camera);
     this.drawings.ask(this.drawPanels);
-    const object = this.model.find(this.selected);
+    const object = this.model.find(this.selection.last);
     this.stage.showWatchers(this.model.people.values());
     const distant = object?.kind === "light" && object.value.distant; // nowhere that handles could be
     this.stage.hold(object && !distant ? placementOf(object.value.transform) : undefined);
   }
 
   private readonly drawPanels = (): void => {
-    const object = this.model.find(this.selected);
+    const object = this.model.find(this.selection.last);
     this.title.textContent = this.displayName || this.session.replace("sessions/", "");
     this.list.draw();
-    this.properties.draw(object, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
+    this.properties.draw(object, this.selection.names.length - 1, this.access.mayEdit, object?.kind === "light" ? this.areas.of(object.value) : undefined);
   };
 
   private follow(member: string): void {
@@ -163,24 +165,52 @@ export class Room {
     this.changed();
   }
 
-  private select(name: string): void {
-    this.selected = name;
+  // `more`: beside what is selected already, or no longer.
+  private select(name: string, more = false): void {
+    if (more && name) this.selection.flip(name);
+    else if (!more) this.selection.take(...(name ? [name] : []));
+    this.selectionChanged();
+  }
+
+  private selectionChanged(): void {
     this.changed();
     this.drawings.now();
     this.presenceChanged();
   }
 
+  // The one whose handles and numbers are shown is the last.
+  private objects(): SceneObject[] {
+    return this.selection.names.map((name) => this.model.find(name)).filter((object) => object !== undefined);
+  }
+
+  private places(): [SceneObject, Placement][] {
+    return this.objects().map((object) => [object, placementOf(object.value.transform)]);
+  }
+
   private dragging(on: boolean): void {
     this.drag = on ? `drag ${++this.drags}` : "";
-    if (on && this.selected) this.editor.lock([this.selected], LOCK_SECONDS).catch(this.words.refuse);
-    else this.editor.lock([], 0).catch(this.words.refuse);
+    this.dragged = on ? this.places() : [];
+    this.editor.lock(on ? [...this.selection.names] : [], on ? LOCK_SECONDS : 0).catch(this.words.refuse);
   }
 
   private moved(to: Placement): void {
-    const object = this.model.find(this.selected);
-    if (!object) return;
+    const from = this.dragged.at(-1)?.[1];
+    if (!from) return;
     this.stage.moving();
-    void this.edit(() => place(this.editor, object, to, this.drag));
+    this.placeAll(this.dragged, from, to, this.drag);
+  }
+
+  // The last goes from one place to another, the others along with it.
+  private placeAll(places: [SceneObject, Placement][], from: Placement, to: Placement, drag: string): void {
+    const last = places.length - 1;
+    const all = places.map(([object, at], i): [SceneObject, Placement] => [object, i === last ? to : carried(at, from, to)]);
+    if (all.length > 0) void this.edit(() => place(this.editor, all, drag));
+  }
+
+  // Of all selected objects of its kind.
+  private change(object: SceneObject, fields: Fields, paths: string[]): void {
+    const alike = this.objects().filter(({ kind }) => kind === object.kind);
+    void this.edit(() => this.editor.apply(alike.map((one) => update(one, fields, paths))));
   }
 
   private async edit(apply: () => ReturnType<Editor["apply"]>): Promise<string[]> {
@@ -240,38 +270,49 @@ export class Room {
   }
 
   private duplicate(): void {
-    const object = this.model.find(this.selected);
-    if (object) void this.edit(() => duplicate(this.editor, object)).then(([made]) => made && this.select(made));
+    const objects = this.objects();
+    if (objects.length === 0) return;
+    void this.edit(() => duplicate(this.editor, objects)).then((made) => {
+      if (made.length === 0) return;
+      this.selection.take(...made);
+      this.selectionChanged();
+    });
   }
 
   private remove(): void {
-    const object = this.model.find(this.selected);
-    if (object) void this.edit(() => this.editor.apply([remove(object)]));
+    const objects = this.objects();
+    if (objects.length > 0) void this.edit(() => this.editor.apply(objects.map(remove)));
   }
 
+  // As the last of them is not.
   private toggle(): void {
-    const object = this.model.find(this.selected);
-    if (object?.kind !== "light") return;
-    void this.edit(() => this.editor.apply([update(object, { enabled: object.value.enabled === false }, ["enabled"])]));
+    const lights = this.objects().filter((object) => object.kind === "light");
+    const enabled = lights.at(-1)?.value.enabled === false;
+    if (lights.length > 0) void this.edit(() => this.editor.apply(lights.map((light) => update(light, { enabled }, ["enabled"]))));
+  }
+
+  private selectLights(): void {
+    this.selection.take(...this.model.lights.keys());
+    this.selectionChanged();
   }
 
   // The others go off in one edit, for everybody, and all that went off come on again in another. Whoever goes from one
   // light to the next has the next alone.
   private solo(): void {
-    const object = this.model.find(this.selected);
-    if (object?.kind !== "light") return;
-    const others = [...this.model.lights.values()].filter((light) => light.name !== this.selected);
+    const alone = this.objects().filter((object) => object.kind === "light").map(({ value }) => value as Light);
+    if (alone.length === 0) return;
+    const others = [...this.model.lights.values()].filter((light) => !this.selection.has(light.name));
     const on = others.filter((light) => light.enabled !== false);
     const switched = (lights: Light[], enabled: boolean) => lights.map((value) => update({ kind: "light", value }, { enabled }, ["enabled"]));
     const operations = on.length > 0
-      ? [...switched(on, false), ...switched(object.value.enabled === false ? [object.value] : [], true)]
+      ? [...switched(on, false), ...switched(alone.filter((light) => light.enabled === false), true)]
       : switched(others.filter((light) => this.silenced.has(light.name)), true);
     this.silenced = on.length > 0 ? new Set([...this.silenced, ...on.map((light) => light.name)]) : new Set();
     if (operations.length > 0) void this.edit(() => this.editor.apply(operations));
   }
 
   private frameSelected(): void {
-    const object = this.model.find(this.selected);
+    const object = this.model.find(this.selection.last);
     if (!object) return;
     const { translation, scale } = placementOf(object.value.transform);
     this.stage.frameObject(translation, Math.max(Math.abs(scale.x), Math.abs(scale.y), Math.abs(scale.z)));
@@ -301,7 +342,7 @@ export class Room {
   private presenceChanged(): void {
     this.presenceDue ??= setTimeout(() => {
       this.presenceDue = undefined;
-      const presence = { camera: this.stage.rig.view(), selection: this.selected ? [this.selected] : [] };
+      const presence = { camera: this.stage.rig.view(), selection: [...this.selection.names] };
       this.editor.tell(presence).catch(() => {}); // transient: the next one says it all again
     }, PRESENCE_MS);
   }
@@ -320,7 +361,7 @@ export class Room {
     const help = (): void => this.help.showModal();
     const step = (which: "undo" | "redo") => () => void this.edit(() => this.editor[which]());
     return [
-      { keys: "g", does: "move the selected object", run: () => this.stage.setMode("translate"), edits: true },
+      { keys: "g", does: "move what is selected", run: () => this.stage.setMode("translate"), edits: true },
       { keys: "r", does: "turn it", run: () => this.stage.setMode("rotate"), edits: true },
       { keys: "y", does: "scale it", run: () => this.stage.setMode("scale"), edits: true },
       { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.setSnap(on)), edits: true },
@@ -338,6 +379,7 @@ export class Room {
       { keys: "n", does: "name of the selected object", run: () => document.getElementById("object-name")?.focus() },
       { keys: "v", does: "focus the picture", run: () => this.stage.element.focus() },
       { keys: "Escape", does: "select nothing", run: () => this.select("") },
+      { keys: "Ctrl+A", does: "select all lights; a click with Ctrl or Shift, or Shift+Enter in the list, selects one more, or one less", run: () => this.selectLights() },
       { keys: "m", does: "this browser's own shading of the light, or the server's pictures", run: () => void this.stage.flipLook() },
       { keys: "j", does: "a slice of the volume's cells", run: () => void this.stage.flipSlice() },
       { keys: "p", does: "save the picture", run: () => this.stage.savePicture() },

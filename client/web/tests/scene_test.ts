@@ -6,7 +6,7 @@ import { LightSchema, SceneChangeSchema, SceneSnapshotSchema } from "../gen/lpv/
 import { CameraRig } from "../src/view/camera_rig.ts";
 import { fromHex, fromKelvins, lumens, radianceOf, scaled, toHex, toKelvins, watts } from "../src/scene/emission.ts";
 import { SceneModel } from "../src/scene/model.ts";
-import { anglesOf, rotationOf } from "../src/scene/placement.ts";
+import { anglesOf, carried, rotationOf, type Placement } from "../src/scene/placement.ts";
 import { sphere } from "../src/scene/shapes.ts";
 
 const near = (a: number, b: number, tolerance = 1e-9): void => assert.ok(Math.abs(a - b) <= tolerance, `${a} is not ${b}`);
@@ -105,4 +105,26 @@ test("the sphere's triangles face outwards, and it is closed", () => {
     volume += six / 6;
   }
   assert.ok(volume > 0.45 && volume < Math.PI / 6);
+});
+
+const at = (x: number, y: number, z: number): Placement["translation"] => ({ x, y, z });
+const close = (a: object, b: object): void => Object.entries(b).forEach(([key, value]) => near((a as Record<string, number>)[key] ?? NaN, value as number));
+
+// Broken by: turning the wrong way, growth along the world's axes, a turn on the wrong side.
+test("what goes along keeps its place beside what leads", () => {
+  const still: Placement = { translation: at(1, 0, 0), rotation: { x: 0, y: 0, z: 0, w: 1 }, scale: at(1, 1, 1) };
+  const other: Placement = { translation: at(3, 1, 0), rotation: rotationOf(at(10, 20, 30)), scale: at(1, 2, 3) };
+  close(carried(other, still, { ...still, translation: at(1, 5, 0) }).translation, at(3, 6, 0));
+  const quarter = rotationOf(at(0, 90, 0));
+  const turned = carried(other, still, { ...still, rotation: quarter });
+  close(turned.translation, at(1, 1, -2));
+  const again = carried(turned, { ...still, rotation: quarter }, still);
+  close(again.translation, other.translation);
+  close(again.rotation, other.rotation);
+  close(carried(other, still, { ...still, scale: at(2, 1, 1) }).translation, at(5, 1, 0));
+  close(carried(other, still, { ...still, scale: at(2, 1, 1) }).scale, at(2, 2, 3));
+  const lying = carried({ ...other, rotation: rotationOf(at(0, 0, 90)) }, still, { ...still, rotation: rotationOf(at(90, 0, 0)) });
+  close(lying.rotation, { x: 0.5, y: -0.5, z: 0.5, w: 0.5 });
+  const leads: Placement = { ...still, rotation: quarter };
+  close(carried(other, leads, { ...leads, scale: at(1, 1, 2) }).translation, at(5, 1, 0));
 });

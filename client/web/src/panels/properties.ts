@@ -25,8 +25,9 @@ export class Properties {
 
   // Redrawn when the object is another or has changed; not under somebody's fingers.
   // `area` is that of one side of a light, m^2, where it is known.
-  draw(object: SceneObject | undefined, mayEdit: boolean, area: number | undefined): void {
-    const state = object ? `${object.kind} ${object.value.name} ${revisionOf(object)} ${mayEdit} ${area}` : `none ${mayEdit}`;
+  // `others`: so many are selected with it.
+  draw(object: SceneObject | undefined, others: number, mayEdit: boolean, area: number | undefined): void {
+    const state = object ? `${object.kind} ${object.value.name} ${revisionOf(object)} ${others} ${mayEdit} ${area}` : `none ${mayEdit}`;
     const active = document.activeElement;
     const typing = active instanceof HTMLInputElement && active.type !== "checkbox" && this.element.contains(active);
     if (state === this.shown || (typing && object && this.shown.startsWith(`${object.kind} ${object.value.name} `))) return;
@@ -35,16 +36,18 @@ export class Properties {
       this.element.replaceChildren(el("p", { class: "quiet" }, "Click an object in the picture or in the list to select it."));
       return;
     }
-    this.element.replaceChildren(this.common(object), this.placement(object),
+    this.element.replaceChildren(this.common(object, others), this.placement(object),
       object.kind === "light" ? this.light(object, object.value, area) : this.surface(object, object.value), this.buttons());
     for (const control of this.element.querySelectorAll<HTMLInputElement | HTMLButtonElement>("input, button")) control.disabled = !mayEdit;
     if (!mayEdit) this.element.append(el("p", { class: "quiet" }, "Your access is for viewing only."));
   }
 
-  private common(object: SceneObject): HTMLElement {
+  private common(object: SceneObject, others: number): HTMLElement {
+    const kind = object.kind === "light" ? "Light" : "Surface";
     const name = text(object.value.name, (value) => this.actions.rename(object, value));
     name.id = "object-name";
-    return el("div", { class: "group" }, el("h2", {}, object.kind === "light" ? "Light" : "Surface"), labelled("Name", name));
+    return el("div", { class: "group" }, el("h2", {}, others === 0 ? kind : `${kind} and ${others} more`), labelled("Name", name),
+      others === 0 ? undefined : el("p", { class: "quiet" }, `The others move along, and what is set here is set for every selected ${kind.toLowerCase()}.`));
   }
 
   private placement(object: SceneObject): HTMLElement {

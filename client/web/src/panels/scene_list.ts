@@ -2,6 +2,7 @@ import type { Presence } from "../../gen/lpv/v1/session_pb.ts";
 import { el } from "../dom.ts";
 import { plainHex } from "../scene/emission.ts";
 import type { SceneModel } from "../scene/model.ts";
+import type { Selection } from "../scene/selection.ts";
 
 // Lights by group, surfaces, and who is here; the search narrows all by name.
 export class SceneList {
@@ -14,7 +15,7 @@ export class SceneList {
   readonly element = el("nav", { class: "side", "aria-label": "Scene" }, this.search, this.list, this.people);
 
   constructor(
-    private readonly model: SceneModel, private readonly selected: () => string, private readonly select: (name: string) => void,
+    private readonly model: SceneModel, private readonly selection: Selection, private readonly select: (name: string, more: boolean) => void,
     private readonly followed: () => string, private readonly follow: (member: string) => void,
   ) {}
 
@@ -47,7 +48,7 @@ export class SceneList {
 
   private state(): string {
     const { lights, surfaces, people } = this.model;
-    return JSON.stringify([this.search.value, this.selected(), this.followed(), [...surfaces.keys()],
+    return JSON.stringify([this.search.value, this.selection.names, this.followed(), [...surfaces.keys()],
       [...lights.values()].map(({ name, group, enabled }) => [name, group, enabled]),
       [...people.values()].map(({ clientId, displayName, colour, selection, locked, camera }) =>
         [clientId, displayName, colour && plainHex(colour), selection, locked, camera !== undefined])]);
@@ -57,11 +58,11 @@ export class SceneList {
     const light = this.model.lights.get(name);
     const holder = this.model.lockHolder(name);
     const viewers = [...this.model.people.values()].filter((person) => person.selection.includes(name));
-    const button = el("button", { "data-name": name, "aria-current": this.selected() === name, onclick: () => this.select(name) },
+    const button = el("button", { "data-name": name, onclick: (event) => this.select(name, adds(event)) },
       el("span", light && light.enabled === false ? { class: "off" } : {}, name),
       ...viewers.map((person) => swatch(person.colour, `selected by ${person.displayName}`)),
       holder ? el("span", { class: "quiet" }, `locked by ${holder.displayName || "another member"}`) : undefined);
-    button.setAttribute("aria-current", String(this.selected() === name));
+    button.setAttribute("aria-current", String(this.selection.has(name)));
     return el("li", {}, button);
   }
 
@@ -81,6 +82,11 @@ export class SceneList {
     button.setAttribute("aria-label", `Follow the camera of ${person.displayName || "a member"}`);
     return button;
   }
+}
+
+// With Ctrl or Shift a click, or Shift+Enter, is about one more object, or one less.
+function adds(event: Event): boolean {
+  return event instanceof MouseEvent && (event.ctrlKey || event.metaKey || event.shiftKey);
 }
 
 function heading(text: string): HTMLElement {

@@ -35,14 +35,17 @@ export async function rename(editor: Editor, object: SceneObject, name: string):
   return editor.apply([copy(object, name, placementOf(object.value.transform)), remove(object)]);
 }
 
-export async function duplicate(editor: Editor, object: SceneObject): Promise<EditAck | undefined> {
-  const placement = placementOf(object.value.transform);
-  const { x, y, z } = placement.translation;
-  return editor.apply([copy(object, object.value.name, { ...placement, translation: { x: x + 0.3, y, z: z + 0.3 } })]);
+export async function duplicate(editor: Editor, objects: SceneObject[]): Promise<EditAck | undefined> {
+  return editor.apply(objects.map((object) => {
+    const placement = placementOf(object.value.transform);
+    const { x, y, z } = placement.translation;
+    return copy(object, object.value.name, { ...placement, translation: { x: x + 0.3, y, z: z + 0.3 } });
+  }));
 }
 
 // Moving, turning and scaling: while one edit is under way the newest place waits, and the whole drag is one undo step.
-export function place(editor: Editor, object: SceneObject, to: Placement, drag: string): Promise<EditAck | undefined> {
-  const operation = update(object, { transform: to }, ["transform.translation", "transform.rotation", "transform.scale"]);
-  return editor.apply([operation], { key: `place ${object.value.name}`, undoGroup: drag });
+export function place(editor: Editor, places: [SceneObject, Placement][], drag: string): Promise<EditAck | undefined> {
+  const paths = ["transform.translation", "transform.rotation", "transform.scale"];
+  const operations = places.map(([object, to]) => update(object, { transform: to }, paths));
+  return editor.apply(operations, { key: `place ${places.map(([object]) => object.value.name).join("/")}`, undoGroup: drag });
 }

@@ -43,3 +43,35 @@ export function rotationOf(angles: Angles): Placement["rotation"] {
     z: cx * cy * sz - sx * sy * cz, w: cx * cy * cz + sx * sy * sz,
   };
 }
+
+type Vector = Placement["translation"];
+type Rotation = Placement["rotation"];
+
+const times = (a: Rotation, b: Rotation): Rotation => ({
+  x: a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, y: a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+  z: a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+});
+
+const back = ({ x, y, z, w }: Rotation): Rotation => ({ x: -x, y: -y, z: -z, w });
+
+function turned(v: Vector, by: Rotation): Vector {
+  const { x, y, z } = times(times(by, { ...v, w: 0 }), back(by));
+  return { x, y, z };
+}
+
+const each = (a: Vector, b: Vector, join: (a: number, b: number) => number): Vector => ({ x: join(a.x, b.x), y: join(a.y, b.y), z: join(a.z, b.z) });
+const sum = (a: number, b: number): number => a + b;
+const product = (a: number, b: number): number => a * b;
+
+// Where an object comes to that goes along with another one's way from one place to the next: it keeps its place in what
+// the other sees along its axes, which may grow.
+export function carried(object: Placement, from: Placement, to: Placement): Placement {
+  const factor = each(to.scale, from.scale, (after, before) => (before === 0 ? 1 : after / before));
+  const seen = turned(each(object.translation, from.translation, (a, b) => a - b), back(from.rotation));
+  const turn = times(to.rotation, back(from.rotation));
+  return {
+    translation: each(to.translation, turned(each(seen, factor, product), to.rotation), sum),
+    rotation: times(turn, object.rotation),
+    scale: each(object.scale, factor, product),
+  };
+}

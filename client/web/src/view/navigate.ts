@@ -3,7 +3,7 @@ import type { CameraRig } from "./camera_rig.ts";
 export interface NavigateOptions {
   busy(): boolean; // a gizmo has the pointer
   moved(): void;
-  clicked(x: number, y: number): void; // CSS pixels within the element
+  clicked(x: number, y: number, more: boolean): void; // CSS pixels within the element; with Ctrl or Shift
 }
 
 const CLICK_PIXELS = 4;
@@ -66,7 +66,7 @@ function steerByPointer(element: HTMLElement, rig: CameraRig, options: NavigateO
     held.delete(event.pointerId);
     if (was && held.size === 0 && travelled <= CLICK_PIXELS && event.type === "pointerup" && event.button === 0) {
       const box = element.getBoundingClientRect();
-      options.clicked(event.clientX - box.left, event.clientY - box.top);
+      options.clicked(event.clientX - box.left, event.clientY - box.top, event.ctrlKey || event.metaKey || event.shiftKey);
     }
   };
   element.addEventListener("pointerup", release);

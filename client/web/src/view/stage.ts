@@ -27,7 +27,7 @@ export interface StageReports {
   volume(field: Field, bytes: number): void;
   drew(): void;
   looking(local: boolean): void;
-  picked(name: string): void;
+  picked(name: string, more: boolean): void;
   cameraMoved(steered: boolean): void; // by this page, or because it follows somebody
   dragging(on: boolean): void;
   moved(to: Placement): void;
@@ -56,7 +56,7 @@ export class Stage {
     navigate(this.element, this.rig, {
       busy: () => this.gizmo?.busy ?? false,
       moved: () => this.cameraChanged(),
-      clicked: (x, y) => void this.pick(x, y),
+      clicked: (x, y, more) => void this.pick(x, y, more),
     });
     new ResizeObserver(() => this.resized()).observe(this.element);
   }
@@ -294,14 +294,14 @@ export class Stage {
     }
   }
 
-  private async pick(x: number, y: number): Promise<void> {
+  private async pick(x: number, y: number, more: boolean): Promise<void> {
     const { width, height } = this.pixels();
     try {
       const hit = await unary(this.connection, ResultService.method.pick, {
         session: this.session, camera: this.rig.view(), width, height,
         x: (x / this.element.clientWidth) * width, y: (y / this.element.clientHeight) * height,
       });
-      this.reports.picked(hit.hit ? hit.object : "");
+      this.reports.picked(hit.hit ? hit.object : "", more);
     } catch (error) {
       this.reports.refused(error);
     }
