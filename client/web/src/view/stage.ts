@@ -110,7 +110,10 @@ export class Stage {
         identity: () => this.editor.identity, areaOf: this.areaOf, view: () => this.rig.view(), size: () => this.pixels(),
         reports: {
           volume: (field, bytes) => this.reports.volume(field, bytes),
-          drew: () => this.reports.drew(),
+          drew: () => {
+            this.drawings.now();
+            this.reports.drew();
+          },
           trouble: (message) => this.say(message),
           cannot: (message) => {
             this.showFrames();
