@@ -288,7 +288,8 @@ LPV_CONST int kMaxRounds = 32768;  // of one dispatch's walk through a tree: llv
 
 // --- shadow rays (MATHS.md 3d)
 LPV_CONST int kLightPointTexels = 3;
-LPV_CONST int kOccluderHeader = 3;  // texels before the nodes (shaders/visibility/occluders.glsl)
+LPV_CONST int kOccluderHeader = 6;  // texels before the nodes (shaders/visibility/occluders.glsl)
+LPV_CONST float kBoxMargin = 1e-6;  // of coordinates of boxes and of a segment's start: more than rounding can do
 LPV_CONST int kLeafItems = 8;  // of a BVH's node: see BvhNode::leaf
 LPV_CONST int kInstanceTexels = 7;
 LPV_CONST int kTriangleTexels = 3;

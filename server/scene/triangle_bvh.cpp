@@ -192,7 +192,7 @@ bool isWithin(double side, const glm::dvec2& edge) {
 Bvh makeBvh(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) { return Builder(boxes, itemsOfLeaf).take(); }
 
 TriangleBvh::TriangleBvh(const Mesh& mesh) {
-  constexpr std::uint32_t kTrianglesOfLeaf = 4;
+  constexpr std::uint32_t kTrianglesOfLeaf = 3;
   std::vector<BvhBox> boxes;
   std::vector<BvhTriangle> found;
   std::vector<std::uint32_t> inMesh;

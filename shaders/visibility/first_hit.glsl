@@ -16,6 +16,38 @@ bool stopsAll(int instance) {
 #endif
 }
 
+vec3 normalAt(int triangle) {
+  return uintBitsToFloat(uvec3(texelFetch(occluders, triangle).w, texelFetch(occluders, triangle + 1).w,
+                               texelFetch(occluders, triangle + 2).w));
+}
+
+/// The nearest place on the segment where a placed triangle is met.
+void lookAtPlaced(vec3 from, vec3 to, inout Sight sight, inout int rounds) {
+  const vec3 origin = placedFromGrid(from), direction = uintBitsToFloat(texelFetch(occluders, 3).w) * (to - from);
+  const SegmentBox box = placedBox(origin, direction);
+  const Segment segment = segmentOf(origin, direction);
+  PlacedWalk walk = placedWalk();
+  const int begin = walk.at;
+  int owner = 0, nearest = 0;  // texels
+  while (walk.at != walk.stop && rounds < kMostRayRounds) {
+    const uint leaf = nextPlacedLeaf(walk, box, sight.at, rounds);
+    const int items = int(leaf % uint(kLeafItems)), first = int(leaf / uint(kLeafItems));
+    for (int i = 0; i < items; ++i, ++rounds) {
+      const int texel = first + kTriangleTexels * i;
+      const float where = whereMet(texel, segment);
+      if (where >= sight.at) continue;
+      sight.at = where;
+      nearest = texel;
+      owner = walk.stop + (walk.root - begin) / 2;
+    }
+    ++rounds;
+  }
+  if (nearest == 0) return;
+  const vec3 normal = normalAt(nearest);
+  const uvec4 of = texelFetch(occluders, owner);
+  sight = Sight(sight.at, int(of.x), (nearest - int(of.y)) / kTriangleTexels, dot(normal, direction) < 0.0);
+}
+
 void lookInMesh(int instance, vec3 origin, vec3 direction, inout Sight sight, inout int rounds) {
   const uvec4 mesh = texelFetch(occluders, instance + 3);
   const int begin = int(mesh.x), end = int(mesh.y);
@@ -29,19 +61,18 @@ void lookInMesh(int instance, vec3 origin, vec3 direction, inout Sight sight, in
       const int texel = end + kTriangleTexels * i;
       const float where = whereMet(texel, segment);
       if (where >= sight.at) continue;
-      const vec3 normal = uintBitsToFloat(uvec3(texelFetch(occluders, texel).w, texelFetch(occluders, texel + 1).w,
-                                                texelFetch(occluders, texel + 2).w));
-      sight = Sight(where, instance, i, dot(normal, direction) < 0.0);
+      sight = Sight(where, instance, i, dot(normalAt(texel), direction) < 0.0);
     }
   }
 }
 
 Sight firstHit(vec3 from, vec3 to, bool lights, inout int rounds) {
-  const int instances = int(texelFetch(occluders, 0).x);
+  const int instances = firstInstance(), end = endOfInstanceNodes();
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   Sight sight = Sight(1.0, 0, 0, true);
-  for (int at = kOccluderHeader; at < instances && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, sight.at, rounds);
+  lookAtPlaced(from, to, sight, rounds);
+  for (int at = kOccluderHeader; at < end && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, end, box, sight.at, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     if (leaf == 0u || !stopsAll(instance) || !(lights || texelFetch(occluders, instance + 6).x > 0u)) continue;
     const mat4x3 object = objectFromGrid(instance);

@@ -1,13 +1,23 @@
-// Shadow rays against triangles: a BVH over instances, below each the BVH of its mesh, walked depth first without a stack
-// (server/scene/triangle_bvh.h, occluders.h). Texels:
-//   header    (texel of the first instance, -, -, -), (lower corner of the haze, its extinction per cell) and (its upper
-//             corner, -), then the nodes over instances, of which the first has the box of all
-//   node      (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
-//   instance  three rows of the matrix from grid to object space, then (first texel of the mesh's nodes, first of its
-//             triangles, which follow them, largest coordinate of its box, what it blocks: Occluder::blocks), then
-//             (transmission, alpha), (first texel of a map of alpha or 0, its boxes across and down, first texel of
-//             the triangles' texture coordinates) and (the surface's number and one, 0: a light; the light's number and
-//             one, 0: a surface; sides of a surface that reflect: Occluder::reflects; -)
+// Shadow rays against triangles. Surfaces that stop all light have theirs in one space, below a BVH over subtrees of theirs
+// (server/scene/placed_trees.h); all else is a BVH over instances, below each the BVH of its mesh, in its own space
+// (occluders.h). All are walked depth first without a stack (triangle_bvh.h). Texels:
+//   header    (texel of the first instance, first of the nodes over subtrees, one past the last, -), (lower corner of the
+//             haze, its extinction per cell), (its upper corner, -), (where grid space begins in the common space, cell),
+//             (lower corner of all that is there, -), (its upper corner, -)
+//   nodes over instances
+//             (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
+//   nodes over subtrees
+//             as those that are placed (below), but of leaves (lower corner, texel where the subtree ends) (upper corner,
+//             texel where it begins x kLeafItems); then for each node (texel of the instance, first texel of its
+//             triangles, -, -), which leaves have
+//   instance  three rows of the matrix from grid to object space, or to the common space, then (first texel of the mesh's
+//             nodes, first of its triangles, which follow them, largest coordinate of its box, what it blocks:
+//             Occluder::blocks), then (transmission, alpha), (first texel of a map of alpha or 0, its boxes across and
+//             down, first texel of the triangles' texture coordinates) and (the surface's number and one, 0: a light; the
+//             light's number and one, 0: a surface; sides of a surface that reflect: Occluder::reflects; -)
+//   nodes of a mesh
+//             as those over instances; of one that is placed with texels: (lower corner, texel after it and all below)
+//             (upper corner, texel of the first triangle x kLeafItems + triangles)
 //   triangle  its three corners, each with a component of the unit normal (BvhTriangle)
 //   texture coordinates of a triangle: (first, second), (third, -)
 //   map       alphas of 255, four to a number
@@ -24,7 +34,6 @@
 // ends a thread's loops after 2^16 rounds in all, without reporting it, and counts what any of eight neighbours takes: who
 // sends many rays from a thread adds up `rounds` and stops in time. (180,000 triangles: 42 on average, 679 at most.)
 const int kMostRayRounds = 12000;
-const float kBoxMargin = 1e-6;  // of the coordinates of a mesh and of a segment's start: more than rounding can do
 const float kTopMargin = 1e-4;  // cells: the same for boxes of instances
 
 /// What boxes are tested against: a segment from an origin to origin + direction.
@@ -33,10 +42,12 @@ struct SegmentBox {
   vec3 before, after;  // the origin plus and minus the margin of boxes
 };
 
-SegmentBox segmentBox(vec3 origin, vec3 direction, float margin) {
+SegmentBox segmentBox(vec3 origin, vec3 direction, vec3 margin) {
   const vec3 inverse = 1.0 / mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
   return SegmentBox(inverse, origin + margin, origin - margin);
 }
+
+SegmentBox segmentBox(vec3 origin, vec3 direction, float margin) { return segmentBox(origin, direction, vec3(margin)); }
 
 /// Up to `end`, 0..1.
 bool meetsBox(vec3 lower, vec3 upper, SegmentBox s, float end) {
@@ -108,8 +119,68 @@ float whereMet(int texel, Segment s) {
 bool meetsTriangle(int texel, Segment s) { return whereMet(texel, s) < 1.0; }
 
 /// The box of all that is there.
-vec3 lowestOccluder() { return uintBitsToFloat(texelFetch(occluders, kOccluderHeader).xyz); }
-vec3 highestOccluder() { return uintBitsToFloat(texelFetch(occluders, kOccluderHeader + 1).xyz); }
+vec3 lowestOccluder() { return uintBitsToFloat(texelFetch(occluders, 4).xyz); }
+vec3 highestOccluder() { return uintBitsToFloat(texelFetch(occluders, 5).xyz); }
+
+/// Where a walk through the placed trees is, in texels.
+struct PlacedWalk {
+  int at;
+  int end;   // of the subtree that it is in, or `stop`
+  int root;  // the node over subtrees that it went into last
+  int stop;  // one past the nodes over subtrees
+};
+
+PlacedWalk placedWalk() {
+  const uvec4 header = texelFetch(occluders, 0);
+  return PlacedWalk(int(header.y), int(header.z), 0, int(header.z));
+}
+
+vec3 placedFromGrid(vec3 grid) {
+  const vec4 map = uintBitsToFloat(texelFetch(occluders, 3));
+  return map.w * grid + map.xyz;
+}
+
+SegmentBox placedBox(vec3 origin, vec3 direction) { return segmentBox(origin, direction, kBoxMargin * abs(origin)); }
+
+/// Goes on to the next leaf that the segment may meet before `limit`: its first triangle's texel x kLeafItems + triangles,
+/// or 0 at the end. Into subtrees and out of them without a branch, so that eight threads go through as many nodes as the
+/// longest way has, not as the longest way through each tree.
+uint nextPlacedLeaf(inout PlacedWalk walk, SegmentBox box, float limit, inout int rounds) {
+  uint leaf = 0u;
+  while (walk.at != walk.stop && leaf == 0u && rounds < kMostRayRounds) {
+    const uvec4 lower = texelFetch(occluders, walk.at), upper = texelFetch(occluders, walk.at + 1);
+    const bool met = meetsBox(uintBitsToFloat(lower.xyz), uintBitsToFloat(upper.xyz), box, limit);
+    const bool inner = upper.w == 0u, above = !inner && upper.w % uint(kLeafItems) == 0u, enters = met && above;
+    leaf = met && !above ? upper.w : 0u;
+    const int after = above || (met && inner) ? walk.at + 2 : int(lower.w);
+    const int next = enters ? int(upper.w / uint(kLeafItems)) : after;
+    walk.root = enters ? walk.at : walk.root;
+    walk.end = enters ? int(lower.w) : walk.end;
+    const bool leaves = next == walk.end && walk.end != walk.stop;
+    walk.at = leaves ? walk.root + 2 : next;
+    walk.end = leaves ? walk.stop : walk.end;
+    ++rounds;
+  }
+  return leaf;
+}
+
+/// Whether one of the placed triangles lies strictly between two grid positions.
+bool meetsPlaced(vec3 from, vec3 to, inout int rounds) {
+  const vec3 origin = placedFromGrid(from), direction = uintBitsToFloat(texelFetch(occluders, 3).w) * (to - from);
+  const SegmentBox box = placedBox(origin, direction);
+  const Segment segment = segmentOf(origin, direction);
+  bool met = false;
+  for (PlacedWalk walk = placedWalk(); walk.at != walk.stop && !met && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextPlacedLeaf(walk, box, 1.0, rounds);
+    const int items = int(leaf % uint(kLeafItems)), first = int(leaf / uint(kLeafItems));
+    for (int i = 0; i < items && !met; ++i, ++rounds) met = meetsTriangle(first + kTriangleTexels * i, segment);
+  }
+  return met;
+}
+
+int firstInstance() { return int(texelFetch(occluders, 0).x); }
+/// One past the last.
+int endOfInstanceNodes() { return int(texelFetch(occluders, 0).y); }
 
 /// Goes on from node `at` of a tree to the next leaf that the segment may meet before `limit`: its items as BvhNode::leaf
 /// has them, or 0 at the end. Texels of the tree's first node and of one past the last. A loop with nothing else in it:
@@ -203,11 +274,11 @@ mat4x3 objectFromGrid(int instance) {
 /// Per colour, what gets from one grid position to another of light of `light`, by what lies strictly between. `rounds`:
 /// of loops, added to.
 vec3 transmitted(vec3 from, vec3 to, int light, inout int rounds) {
-  const int instances = int(texelFetch(occluders, 0).x);
+  const int instances = firstInstance(), end = endOfInstanceNodes();
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
-  vec3 share = vec3(1.0);
-  for (int at = kOccluderHeader; at < instances && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, 1.0, rounds);
+  vec3 share = vec3(meetsPlaced(from, to, rounds) ? 0.0 : 1.0);
+  for (int at = kOccluderHeader; at < end && share != vec3(0.0) && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, end, box, 1.0, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || (int(mesh.w) != kAllLights && light != kFromSurfaces && int(mesh.w) != light)) continue;
@@ -229,12 +300,12 @@ vec3 transmitted(vec3 from, vec3 to, int light) {
 
 /// Whether a light lies between, which blocks what surfaces reflect.
 bool meetsLight(vec3 from, vec3 to) {
-  const int instances = int(texelFetch(occluders, 0).x);
+  const int instances = firstInstance(), end = endOfInstanceNodes();
   const SegmentBox box = segmentBox(from, to - from, kTopMargin);
   bool met = false;
   int rounds = 0;
-  for (int at = kOccluderHeader; at < instances && !met && rounds < kMostRayRounds; ++rounds) {
-    const uint leaf = nextLeaf(at, kOccluderHeader, instances, box, 1.0, rounds);
+  for (int at = kOccluderHeader; at < end && !met && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, end, box, 1.0, rounds);
     const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
     const uvec4 mesh = texelFetch(occluders, instance + 3);
     if (leaf == 0u || int(mesh.w) == kAllLights) continue;

@@ -8,19 +8,14 @@
 #include <glm/gtx/component_wise.hpp>
 #include <span>
 
-#include "lpv/pacing/chunked.h"
 #include "shaders/layout.h"
 
 namespace lpv {
 
 namespace {
 
-using Texel = glm::uvec4;
+using Texel = OccluderTexel;
 using Texels = std::vector<Texel>;
-
-constexpr std::size_t kTexelsOfNode = sizeof(BvhNode) / sizeof(Texel);
-static_assert(sizeof(BvhNode) == 32 && sizeof(BvhTriangle) == layout::kTriangleTexels * sizeof(Texel));
-static_assert(kLeafItems == layout::kLeafItems);
 
 template <typename T>
 void append(const std::vector<T>& values, Texels& out) {
@@ -29,12 +24,12 @@ void append(const std::vector<T>& values, Texels& out) {
   if (!values.empty()) std::memcpy(&out[at], values.data(), values.size() * sizeof(T));
 }
 
-std::size_t texelsOfTop(std::size_t instances) {
-  return layout::kOccluderHeader + 2 * kTexelsOfNode * instances + layout::kInstanceTexels * instances;
-}
+Texel texelOf(const glm::dvec3& v, double w) { return std::bit_cast<Texel>(glm::vec4(glm::vec3(v), float(w))); }
 
-std::size_t texelsOf(const TriangleBvh& bvh) {
-  return kTexelsOfNode * bvh.nodes.size() + layout::kTriangleTexels * bvh.triangles.size();
+std::size_t texelsOfTop(const CommonSpace& space) {
+  return layout::kOccluderHeader + 2 * kTexelsOfNode * space.others.size() +
+         GpuPlacedTrees::texelsAbove(space.members.size()) +
+         layout::kInstanceTexels * (space.others.size() + space.members.size());
 }
 
 /// The largest coordinate of a mesh's box.
@@ -42,34 +37,47 @@ float reachOf(const Mesh& mesh) {
   return float(glm::compMax(glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max))));
 }
 
-/// Some megabytes at a time.
-GpuTask send(gpu::Buffer& buffer, std::size_t texel, std::span<const std::byte> bytes) {
-  for (const Chunk& part : chunksOf(bytes.size())) {
-    buffer.update(texel * sizeof(Texel) + part.offset, bytes.subspan(part.offset, part.bytes));
-    co_yield yield();
-  }
-}
-
-/// Texture coordinates of triangles in the order of the tree.
-std::vector<glm::vec2> uvsOf(const Mesh& mesh, const TriangleBvh& bvh) {
-  std::vector<glm::vec2> out;
-  out.reserve(4 * bvh.indices.size());
-  for (const std::uint32_t i : bvh.indices) {
-    const glm::uvec3& t = mesh.triangles[i];
-    out.insert(out.end(), {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z], glm::vec2(0.0F)});
-  }
-  return out;
-}
-static_assert(4 * sizeof(glm::vec2) == layout::kUvTexels * sizeof(Texel));
 static_assert(sizeof(Texel) == layout::kAlphasOfTexel);
 
-Bounds boxAroundLights(const std::vector<Occluder>& occluders, const Grid& grid) {
-  Bounds out;
-  for (const Occluder& o : occluders) {
-    if (o.blocks == kAllLights) continue;
-    out.add(o.mesh->bounds.transformed(grid.gridFromWorldMatrix() * o.worldFromObject));
-  }
+/// Whether triangles have their texture coordinates beside them.
+bool needsUvs(const Occluder& o) { return o.coverage.map != nullptr || o.textured; }
+
+PlacedObjects placedOf(const std::vector<Occluder>& occluders, const CommonSpace& space) {
+  PlacedObjects out;
+  for (const std::size_t i : space.members)
+    out.push_back({occluders[i].mesh, space.spaceFromObject(occluders[i]), needsUvs(occluders[i])});
   return out;
+}
+
+std::vector<Occluder> othersOf(const std::vector<Occluder>& occluders, const CommonSpace& space) {
+  std::vector<Occluder> out;
+  for (const std::size_t i : space.others) out.push_back(occluders[i]);
+  return out;
+}
+
+/// Rows of the matrix from grid space to that of the triangles, where they are, and what of them an instance says.
+void appendInstance(const Occluder& o, const glm::dmat4& spaceFromGrid, const StoredTree& tree, float reach,
+                    std::uint32_t map, Texels& out) {
+  const glm::mat4 rows(glm::transpose(spaceFromGrid));
+  for (int row = 0; row < 3; ++row) out.push_back(std::bit_cast<Texel>(rows[row]));
+  out.emplace_back(tree.nodes, tree.triangles, std::bit_cast<std::uint32_t>(reach), std::uint32_t(o.blocks));
+  const Coverage& c = o.coverage;
+  out.push_back(texelOf(c.transmission, c.alpha));
+  const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
+  out.emplace_back(map, size.x, size.y, tree.uvs);
+  out.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), std::uint32_t(o.reflects), 0);
+}
+
+/// Nothing is at a point where there is nothing.
+Bounds boxAround(const std::vector<Occluder>& occluders, const glm::dmat4& spaceFromWorld) {
+  Bounds out;
+  for (const Occluder& o : occluders) out.add(o.mesh->bounds.transformed(spaceFromWorld * o.worldFromObject));
+  return out.empty() ? Bounds{glm::dvec3(0.0), glm::dvec3(0.0)} : out;
+}
+
+Bounds boxAroundLights(std::vector<Occluder> occluders, const Grid& grid) {
+  std::erase_if(occluders, [](const Occluder& o) { return o.blocks == kAllLights; });
+  return occluders.empty() ? Bounds() : boxAround(occluders, grid.gridFromWorldMatrix());
 }
 
 std::size_t texelsOf(const AlphaMap& map) {
@@ -79,57 +87,54 @@ std::size_t texelsOf(const AlphaMap& map) {
 }  // namespace
 
 /// Takes some time where trees are new.
-GpuOccluders::Contents GpuOccluders::contentsOf(const std::vector<Occluder>& occluders) {
+GpuOccluders::Contents GpuOccluders::contentsOf(const Inputs& inputs, const CommonSpace& space) {
   Contents out;
-  for (const Occluder& o : occluders) {
+  for (const std::size_t i : space.others) {
+    const Occluder& o = inputs.occluders[i];
     if (!out.meshes.contains(o.mesh)) out.meshes.emplace(o.mesh, bvhOf(o.mesh));
-    if (o.coverage.map != nullptr || o.textured) out.withUvs.insert(o.mesh);
+    if (needsUvs(o)) out.withUvs.insert(o.mesh);
     if (o.coverage.map != nullptr) out.maps.insert(o.coverage.map);
   }
+  out.placed = placedOf(inputs.occluders, space);
+  out.trees = GpuPlacedTrees::make(out.placed);
   return out;
 }
 
-bool GpuOccluders::has(const Occluder& o) const {
+bool GpuOccluders::hasMesh(const Occluder& o) const {
   const auto mesh = meshes_.find(o.mesh);
   if (mesh == meshes_.end()) return false;
-  if ((o.coverage.map != nullptr || o.textured) && mesh->second.uvs == 0) return false;
+  if (needsUvs(o) && mesh->second.stored.uvs == 0) return false;
   return o.coverage.map == nullptr || maps_.contains(o.coverage.map);
 }
 
-GpuTask GpuOccluders::storeMesh(const MeshPtr& mesh, const TriangleBvh& bvh, bool withUvs, std::size_t& at,
-                                Place& place) {
-  const std::size_t triangles = at + bvh.nodes.size() * kTexelsOfNode;
-  place = {std::uint32_t(at), std::uint32_t(triangles), reachOf(*mesh), 0};
-  co_await send(texels_, at, gpu::bytesOf(std::span<const BvhNode>(bvh.nodes)));
-  co_await send(texels_, triangles, gpu::bytesOf(std::span<const BvhTriangle>(bvh.triangles)));
-  at += texelsOf(bvh);
-  if (!withUvs) co_return;
-  const std::vector<glm::vec2> uvs = uvsOf(*mesh, bvh);
-  co_await send(texels_, at, gpu::bytesOf(std::span<const glm::vec2>(uvs)));
-  place.uvs = std::uint32_t(at);
-  at += layout::kUvTexels * bvh.triangles.size();
+bool GpuOccluders::has(const Inputs& inputs, const CommonSpace& space) const {
+  return bool(texels_) && texelsOfTop(space) <= room_ && placed_.has(placedOf(inputs.occluders, space)) &&
+         std::ranges::all_of(space.others, [&](std::size_t i) { return hasMesh(inputs.occluders[i]); });
 }
 
 GpuTask GpuOccluders::store(Contents contents, std::size_t top) {
   meshes_.clear();
+  placed_.clear();
   maps_.clear();
   room_ = 0;
   view_ = {};
   texels_ = {};  // first the old memory, then the new
   const std::size_t room = std::bit_ceil(top);
-  std::size_t count = room;
-  for (const auto& [mesh, bvh] : contents.meshes) {
-    count += texelsOf(*bvh);
-    if (contents.withUvs.contains(mesh)) count += layout::kUvTexels * bvh->triangles.size();
-  }
+  std::size_t count = room + GpuPlacedTrees::texelsOf(contents.placed, contents.trees);
+  for (const auto& [mesh, bvh] : contents.meshes) count += texelsOf(*bvh, contents.withUvs.contains(mesh));
   for (const AlphaMapPtr& map : contents.maps) count += texelsOf(*map);
   texels_ = gpu::Buffer("occluders", count * sizeof(Texel), gpu::BufferUse::kDynamic, gpu::Undefined{});
   view_ = gpu::BufferTexture("occluders", texels_, gpu::BufferTexel::kUvec4);
   std::map<MeshPtr, Place> places;
   std::map<AlphaMapPtr, std::uint32_t> maps;
   std::size_t at = room;
-  for (const auto& [mesh, bvh] : contents.meshes)
-    co_await storeMesh(mesh, *bvh, contents.withUvs.contains(mesh), at, places[mesh]);
+  for (const auto& [mesh, bvh] : contents.meshes) {
+    Place& place = places[mesh];
+    place.reach = reachOf(*mesh);
+    co_await storeTree(texels_, bvh->nodes, bvh->triangles, at, place.stored);
+    if (contents.withUvs.contains(mesh)) co_await storeUvs(texels_, *mesh, *bvh, at, place.stored);
+  }
+  co_await placed_.store(texels_, std::move(contents.placed), std::move(contents.trees), at);
   for (const AlphaMapPtr& map : contents.maps) {
     co_await send(texels_, at, gpu::bytesOf(std::span<const std::uint8_t>(map->alphas)));
     maps[map] = std::uint32_t(at);
@@ -140,45 +145,51 @@ GpuTask GpuOccluders::store(Contents contents, std::size_t top) {
   room_ = room;
 }
 
-void GpuOccluders::storeTop(const Inputs& inputs) {
-  const Bvh bvh = bvhOf(inputs.occluders, inputs.grid.gridFromWorldMatrix());
-  const std::size_t nodes = layout::kOccluderHeader + kTexelsOfNode * bvh.nodes.size();
+void GpuOccluders::storeTop(const Inputs& inputs, const CommonSpace& space) {
+  const std::vector<Occluder> others = othersOf(inputs.occluders, space);
+  const glm::dmat4 gridFromWorld = inputs.grid.gridFromWorldMatrix(), worldFromGrid = glm::inverse(gridFromWorld);
+  const Bvh bvh = bvhOf(others, gridFromWorld);
+  const std::size_t above = layout::kOccluderHeader + kTexelsOfNode * bvh.nodes.size();
+  const std::size_t instances = above + placed_.texelsAbove();
   const Haze& haze = inputs.haze;
-  const Bounds box =
-      haze.any() ? haze.box.transformed(inputs.grid.gridFromWorldMatrix()) : Bounds{glm::dvec3(0.0), glm::dvec3(0.0)};
-  Texels texels = {{std::uint32_t(nodes), 0, 0, 0},
-                   std::bit_cast<Texel>(glm::vec4(glm::vec3(box.min), float(haze.extinction * inputs.grid.cell))),
-                   std::bit_cast<Texel>(glm::vec4(glm::vec3(box.max), 0.0F))};
+  const Bounds hazy = haze.any() ? haze.box.transformed(gridFromWorld) : Bounds{glm::dvec3(0.0), glm::dvec3(0.0)};
+  const Bounds all = boxAround(inputs.occluders, gridFromWorld);
+  Texels texels = {
+      {std::uint32_t(instances), std::uint32_t(above), std::uint32_t(above + kTexelsOfNode * placed_.nodesAbove()), 0},
+      texelOf(hazy.min, haze.extinction * inputs.grid.cell),
+      texelOf(hazy.max, 0.0),
+      texelOf(inputs.grid.origin - space.origin, inputs.grid.cell),
+      texelOf(all.min, 0.0),
+      texelOf(all.max, 0.0)};
   append(bvh.nodes, texels);
+  std::vector<std::uint32_t> ofPlaced;
+  for (std::size_t i = 0; i < space.members.size(); ++i)
+    ofPlaced.push_back(std::uint32_t(instances + layout::kInstanceTexels * (others.size() + i)));
+  placed_.appendAbove(above, ofPlaced, texels);
   for (const std::uint32_t i : bvh.order) {
-    const Occluder& o = inputs.occluders[i];
-    const glm::dmat4 objectFromGrid = glm::inverse(inputs.grid.gridFromWorldMatrix() * o.worldFromObject);
-    const glm::mat4 rows(glm::transpose(objectFromGrid));
-    for (int row = 0; row < 3; ++row) texels.push_back(std::bit_cast<Texel>(rows[row]));
+    const Occluder& o = others[i];
     const Place& place = meshes_.at(o.mesh);
-    texels.emplace_back(place.nodes, place.triangles, std::bit_cast<std::uint32_t>(place.reach),
-                        std::uint32_t(o.blocks));
-    const Coverage& c = o.coverage;
-    texels.push_back(std::bit_cast<Texel>(glm::vec4(glm::vec3(c.transmission), float(c.alpha))));
-    const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
-    texels.emplace_back(c.map == nullptr ? 0U : maps_.at(c.map), size.x, size.y, place.uvs);
-    texels.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), std::uint32_t(o.reflects), 0);
+    appendInstance(o, glm::inverse(gridFromWorld * o.worldFromObject), place.stored, place.reach,
+                   o.coverage.map == nullptr ? 0 : maps_.at(o.coverage.map), texels);
   }
+  const glm::dmat4 spaceFromGrid = glm::translate(glm::dmat4(1.0), -space.origin) * worldFromGrid;
+  for (std::size_t i = 0; i < space.members.size(); ++i)
+    appendInstance(inputs.occluders[space.members[i]], spaceFromGrid, placed_.tree(i), 0.0F, 0, texels);
   texels_.update(0, gpu::bytesOf(std::span<const Texel>(texels)));
 }
 
 GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid, Haze haze) {
   Inputs inputs = {std::move(occluders), haze, grid};
   if (made_.holds(inputs)) co_return;
-  const std::size_t top = texelsOfTop(inputs.occluders.size());
-  const bool known = bool(texels_) && top <= room_ &&
-                     std::ranges::all_of(inputs.occluders, [this](const Occluder& o) { return has(o); });
-  if (!known) {
-    auto contents = std::async(std::launch::async, contentsOf, inputs.occluders);
+  const CommonSpace space = commonSpaceOf(inputs.occluders, inputs.grid);
+  if (has(inputs, space)) {
+    co_await placed_.move(texels_, placedOf(inputs.occluders, space));
+  } else {
+    auto contents = std::async(std::launch::async, contentsOf, inputs, space);
     while (contents.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();
-    co_await store(contents.get(), top);
+    co_await store(contents.get(), texelsOfTop(space));
   }
-  storeTop(inputs);
+  storeTop(inputs, space);
   transparent_ =
       haze.any() || std::ranges::any_of(inputs.occluders, [](const Occluder& o) { return o.coverage != Coverage(); });
   boxOfLights_ = boxAroundLights(inputs.occluders, inputs.grid);

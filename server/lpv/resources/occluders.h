@@ -10,14 +10,16 @@
 #include "gpu/buffer_texture.h"
 #include "lpv/cached.h"
 #include "lpv/pacing/gpu_task.h"
+#include "lpv/resources/placed_trees.h"
 #include "scene/haze.h"
 #include "scene/occluders.h"
 
 namespace lpv {
 
-/// The BVH over BVHs as shaders/visibility/occluders.glsl reads it: the haze, the nodes over instances, the instances,
-/// then per mesh its nodes and triangles, with texture coordinates where alpha varies over an instance or reflections
-/// show its picture, then maps of alpha.
+/// The BVHs as shaders/visibility/occluders.glsl reads them: the haze, the nodes over instances and over subtrees of
+/// those that are placed in one space (scene/placed_trees.h), the instances, then per mesh or placed surface its nodes
+/// and triangles, with texture coordinates where alpha varies over an instance or reflections show its picture, then
+/// maps of alpha.
 class GpuOccluders {
  public:
   /// Makes what differs from the last scene; `haze` fills a part of it. Trees over new meshes are made on another
@@ -35,17 +37,17 @@ class GpuOccluders {
   std::size_t bytes() const { return texels_.size(); }
 
  private:
-  /// Where a mesh is in the buffer, in texels.
+  /// Of a mesh in its own space.
   struct Place {
-    std::uint32_t nodes = 0;
-    std::uint32_t triangles = 0;  ///< and one past the last node
-    float reach = 0.0F;           ///< the largest coordinate of the mesh's box
-    std::uint32_t uvs = 0;        ///< 0: none
+    StoredTree stored;
+    float reach = 0.0F;  ///< the largest coordinate of the mesh's box
   };
   /// What is kept while the scene's meshes and maps are among them.
   struct Contents {
-    std::map<MeshPtr, TriangleBvhPtr> meshes;
-    std::set<MeshPtr> withUvs;
+    std::map<MeshPtr, TriangleBvhPtr> meshes;  ///< in their own spaces
+    std::set<MeshPtr> withUvs;  ///< of these
+    PlacedObjects placed;
+    MadeTrees trees;  ///< of these
     std::set<AlphaMapPtr> maps;
   };
   struct Inputs {
@@ -56,13 +58,14 @@ class GpuOccluders {
     bool operator==(const Inputs&) const = default;
   };
 
-  static Contents contentsOf(const std::vector<Occluder>& occluders);
-  bool has(const Occluder& occluder) const;
+  static Contents contentsOf(const Inputs& inputs, const CommonSpace& space);
+  bool has(const Inputs& inputs, const CommonSpace& space) const;
+  bool hasMesh(const Occluder& occluder) const;
   GpuTask store(Contents contents, std::size_t top);
-  GpuTask storeMesh(const MeshPtr& mesh, const TriangleBvh& bvh, bool withUvs, std::size_t& at, Place& place);
-  void storeTop(const Inputs& inputs);
+  void storeTop(const Inputs& inputs, const CommonSpace& space);
 
   std::map<MeshPtr, Place> meshes_;
+  GpuPlacedTrees placed_;
   std::map<AlphaMapPtr, std::uint32_t> maps_;  ///< first texel
   std::size_t room_ = 0;  ///< texels before the first mesh, for what is above
   gpu::Buffer texels_;

@@ -7,6 +7,7 @@
 #include "gpu/support/stage_rig.h"
 #include "reference/meshes.h"
 #include "reference/occlusion.h"
+#include "scene/placed_trees.h"
 #include "scene/transform.h"
 
 namespace lpv {
@@ -192,6 +193,42 @@ TEST_F(OccludersTest, NothingBlocksInAnEmptyScene) {
   ASSERT_TRUE(finishMesh(line).ok());
   addSurface(scene, std::make_shared<Mesh>(line));
   for (const bool open : openOnGpu(scene, {{{1, 3, 2}, {3, 1, 2}}}, kAllLights)) EXPECT_TRUE(open);
+}
+
+// Where the grid is a small part of the scene, or far from the world's origin, some surfaces stay in their own spaces
+// (scene/placed_trees.h); where there are many, the tree above has as many leaves. Red where a subtree's end is its
+// tree's.
+TEST_F(OccludersTest, AreTheSameInOneSpaceAndInTheirOwn) {
+  Scene near = fullRoom();
+  near.grid = {near.grid.worldFromGrid(glm::dvec3(12)), 0.005, glm::ivec3(128)};
+  Scene far = fullRoom();
+  const glm::dvec3 away(1e5, -3e4, 2e5);
+  for (auto& [name, surface] : far.surfaces) {
+    auto moved = std::make_shared<Surface>(*surface);
+    moved->transform.translation += away;
+    surface = moved;
+  }
+  for (auto& [name, light] : far.lights) {
+    auto moved = std::make_shared<Light>(*light);
+    moved->transform.translation += away;
+    light = moved;
+  }
+  far.grid.origin += away;
+  Scene many = fullRoom();
+  const MeshPtr rock = reference::bumpySphere(200);
+  const glm::dvec3 middle = many.grid.worldFromGrid(glm::dvec3(16));
+  for (int i = 0; i < 400; ++i) {
+    const glm::dvec3 at = middle + 1.7 * glm::dvec3(std::sin(1.3 * i), std::sin(2.1 * i), std::cos(0.7 * i));
+    addSurface(many, rock, pose(at, glm::dvec3(0.05 + 0.001 * (i % 50)), i));
+  }
+  for (const Scene& scene : {near, far, many}) {
+    const CommonSpace space = commonSpaceOf(occludersOf(scene), scene.grid);
+    EXPECT_GE(space.members.size(), 4U);
+    EXPECT_GE(space.others.size(), 1U);
+    GpuOccluders occluders;
+    test::finish(occluders.update(occludersOf(scene), scene.grid));
+    compare(scene, occluders, 1, 2000);
+  }
 }
 
 // Red where two triangles that share an edge may both say that a ray passes beside them.
