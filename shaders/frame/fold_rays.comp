@@ -25,7 +25,7 @@ vec3 directionAbout(vec3 n, ivec2 pixel, int k) {
   return sqrt(at.x) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - at.x) * n;
 }
 
-/// From x in a direction, which is long enough to leave the scene.
+/// From x in a direction, as far as that is long.
 vec3 seenOfPieces(vec3 x, vec3 direction, inout int rounds) {
   const Sight sight = firstHit(x, x + direction, rounds);
   const vec3 place = x + sight.at * direction;
@@ -48,9 +48,10 @@ void main() {
   const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
   const vec3 lower = lowestOccluder(), upper = highestOccluder();
   const float beyond = length(max(abs(x - lower), abs(x - upper)));  // all that there is is nearer
+  const float reach = min(beyond, 1.001 * shadowPoints[point].asked.a);  // and all that counts
   vec3 sum = vec3(0.0);
   int rays = 0, rounds = 0;
   for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays)
-    sum += seenOfPieces(x, beyond * directionAbout(n, inPicture(pixel), shadow.turn * kFoldRays + rays), rounds);
+    sum += seenOfPieces(x, reach * directionAbout(n, inPicture(pixel), shadow.turn * kFoldRays + rays), rounds);
   shadowPoints[point].known.rgb += kPi / float(rays * shadow.foldTurns) * sum;
 }

@@ -11,6 +11,7 @@
 #include "common/random.glsl"
 #include "frame/position.glsl"
 #define LPV_FACING 0
+#define LPV_FROM_PATCHES 0
 #include "visibility/light_points.glsl"
 #include "visibility/occluders.glsl"
 #include "transport/polygons.glsl"

@@ -105,7 +105,7 @@ void main() {
 #if LPV_SHADOWED
   const FourIrradiances e = sentTo(r, four);
   for (int i = 0; i < 4; ++i) {
-    begin(4u * gl_GlobalInvocationID.x + uint(i), vec3(e.red[i], e.green[i], e.blue[i]), vec3(0.0), vec3(0.0), false);
+    begin(4u * gl_GlobalInvocationID.x + uint(i), vec3(e.red[i], e.green[i], e.blue[i]), vec3(0.0), vec3(0.0), 0.0);
   }
 #else
   int rounds = 0;

@@ -79,14 +79,14 @@ struct Arriving {
   vec3 light;   // of what is not asked
   vec3 asked;   // with nothing in between, of what is: near patches by a ray each, folds by rays all around
   vec3 known;   // what of that is known to arrive
-  bool folded;  // whether folds are among it
+  float foldsWithin;  // how far pieces of folds that are asked may be; 0: none are
 };
 
 /// What pieces of folds send is not known yet: as much is asked for as patches like these send to all sides, so that what
 /// they are found to send is smoothed like a share of it.
 void addFold(int i, vec3 d, inout Arriving arriving) {
   arriving.asked += patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
-  arriving.folded = true;
+  arriving.foldsWithin = max(arriving.foldsWithin, length(d) + sqrt(patches[i].corners[2].w));
 }
 
 void addNear(int i, vec3 d, vec3 x, vec3 n, ivec2 pixel, inout int rounds, inout Arriving arriving) {
@@ -100,7 +100,7 @@ void addNear(int i, vec3 d, vec3 x, vec3 n, ivec2 pixel, inout int rounds, inout
 
 /// Patches by 32: llvmpipe goes through what any of eight points needs, and for near patches that is much.
 Arriving arrivingAt(vec3 x, vec3 n, ivec2 pixel) {
-  Arriving arriving = Arriving(vec3(0.0), vec3(0.0), vec3(0.0), false);
+  Arriving arriving = Arriving(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
   int rounds = 0;
   for (int first = 0; first < shadow.pointCount; first += 32) {
     uint others;
@@ -124,5 +124,5 @@ void main() {
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel);
   const Arriving arriving = arrivingAt(rayStart(pixel, n), n, inPicture(pixel));
-  begin(point, arriving.light, arriving.asked, arriving.known, arriving.folded);
+  begin(point, arriving.light, arriving.asked, arriving.known, arriving.foldsWithin);
 }

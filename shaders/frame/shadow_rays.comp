@@ -62,6 +62,14 @@ bool agreed(uint four) {
   return most - least <= 4.0 * kSameShare;
 }
 
+/// agreed(), which is found once where darkness is believed at once: it does not change then, and asking costs as much as
+/// a ray.
+bool isDecided(uint point, uint four) {
+  if (shadow.darkTurns > 1) return agreed(four);
+  for (bool first = shadow.turn == 1; first; first = false) shadowPoints[point].seen.a = agreed(four) ? 1.0 : 0.0;
+  return shadowPoints[point].seen.a == 1.0;
+}
+
 /// A sequence over the picture whose neighbours differ much (Roberts 2018).
 float shiftAt(ivec2 pixel) { return fract(dot(vec2(pixel & 1023), vec2(0.7548776662, 0.5698402910))); }
 
@@ -138,6 +146,6 @@ void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
   const vec3 light = shadowPoints[point].light.rgb;
-  if (max(max(light.r, light.g), light.b) <= 0.0 || (shadow.turn > 0 && agreed(four))) return;
+  if (max(max(light.r, light.g), light.b) <= 0.0 || (shadow.turn > 0 && isDecided(point, four))) return;
   sendRays(point, unpackedPixel(points[four][point % 4u]));
 }

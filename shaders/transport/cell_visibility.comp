@@ -5,6 +5,7 @@
 #include "layout.h"
 #include "common/field.glsl"
 #define LPV_FACING 0
+#define LPV_FROM_PATCHES 0
 #include "visibility/light_points.glsl"
 #include "visibility/occluders.glsl"
 

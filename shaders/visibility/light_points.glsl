@@ -4,10 +4,11 @@
 //   (colour: radiance as a share of brightness; the light, or kFromSurfaces, or kFromFolds and less)
 // Every n-th point of a range is a sample of the whole range (server/scene/light_points.h).
 //
+// LPV_FROM_PATCHES: all points of a range are patches of surfaces, or none is.
 // LPV_FACING: receivers are on surfaces and have normals (and visibility/shadow_points.glsl); else they are points in
 // space.
-#ifndef LPV_FACING
-#error "LPV_FACING: 0 or 1"
+#if !defined LPV_FACING || !defined LPV_FROM_PATCHES
+#error "LPV_FACING, LPV_FROM_PATCHES: 0 or 1"
 #endif
 
 #include "visibility/patch_weight.glsl"
@@ -23,15 +24,19 @@ float pointWeight(int i, vec3 x, vec3 n) {
   const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
   const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
   const vec3 d = place.xyz - x;
+#if LPV_FROM_PATCHES
+  const float area = -emits.w;
+  const bool asked =
+      dot(d, d) < kAskedPatch * area || isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a);
+  return asked ? 0.0 : place.w * patchWeightPerArea(d, area, emits.xyz, n);
+#else
   const float along = -dot(emits.xyz, d), towards = emits.w > 1.5 ? abs(along) : max(along, 0.0);
   const float r2 = dot(d, d) + 1e-8;
 #if LPV_FACING
-  if (emits.w < 0.0 && (r2 < -kAskedPatch * emits.w || isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a)))
-    return 0.0;
-  if (emits.w < 0.0) return place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n);
   return place.w * towards * max(dot(n, d), 0.0) / (r2 * r2);
 #else
   return place.w * towards * inversesqrt(r2) / r2;
+#endif
 #endif
 }
 
@@ -51,11 +56,14 @@ LightPart partOf(int first, int count, int k, float shift, vec3 x) {
   const float spacing = float(count) / float(kCandidates);
   const int begin = first + int(float(k) * spacing), end = max(first + int(float(k + 1) * spacing), begin + 1);
   const int one = first + int((float(k) + shift) * spacing);
+#if LPV_FROM_PATCHES
+  return LightPart(begin, end, one, false);
+#else
   const vec3 middle = pointPosition((begin + end) / 2), d = middle - x;
   const vec3 before = pointPosition(begin) - middle, after = pointPosition(end - 1) - middle;
   const float size2 = max(dot(before, before), dot(after, after));
-  const bool patches = texelFetch(lightPoints, kLightPointTexels * one + 1).w < 0.0;
-  return LightPart(begin, end, one, !patches && dot(d, d) < kNearParts * size2);
+  return LightPart(begin, end, one, dot(d, d) < kNearParts * size2);
+#endif
 }
 
 /// Of a point of the part, on average.
@@ -90,25 +98,77 @@ ivec4 evenPoints(int first, int count, vec3 x, vec3 n, float place, out vec4 wei
   return chosen;
 }
 
+/// The weights of 32 candidates, two by two, so that a choice weighs two of them again and not all: in vectors, since
+/// llvmpipe is slow with arrays. add() in order, then summed().
+struct WeightSums {
+  vec4 a, b, c, d;
+};
+
+void add(inout WeightSums sums, int pair, float weight) {
+  const vec4 here = mix(vec4(0.0), vec4(weight), equal(ivec4(pair % 4), ivec4(0, 1, 2, 3)));
+  sums.a += pair / 4 == 0 ? here : vec4(0.0);
+  sums.b += pair / 4 == 1 ? here : vec4(0.0);
+  sums.c += pair / 4 == 2 ? here : vec4(0.0);
+  sums.d += pair / 4 == 3 ? here : vec4(0.0);
+}
+
+vec4 summed(vec4 v, float before) {
+  v.y += v.x;
+  v.w += v.z;
+  v.zw += v.y;
+  return before + v;
+}
+
+/// Of each pair, with all before it.
+WeightSums summed(WeightSums s) {
+  s.a = summed(s.a, 0.0);
+  s.b = summed(s.b, s.a.w);
+  s.c = summed(s.c, s.b.w);
+  s.d = summed(s.d, s.c.w);
+  return s;
+}
+
+/// What of `v` is no more than `place`: how many, and the most.
+void addUpTo(float place, vec4 v, inout int count, inout float most) {
+  const bvec4 up = lessThanEqual(v, vec4(place));
+  const ivec4 one = ivec4(up);
+  const vec4 kept = mix(vec4(0.0), v, up);
+  count += one.x + one.y + one.z + one.w;
+  most = max(most, max(max(kept.x, kept.y), max(kept.z, kept.w)));
+}
+
+/// The pair that `place` lies in, of what summed() gives, and the sum before it; kCandidates / 2 past the last.
+int pairAt(WeightSums s, float place, out float before) {
+  int pair = 0;
+  before = 0.0;
+  addUpTo(place, s.a, pair, before);
+  addUpTo(place, s.b, pair, before);
+  addUpTo(place, s.c, pair, before);
+  addUpTo(place, s.d, pair, before);
+  return pair;
+}
+
+/// The point where `place` lies among the weights, or -1.
+int pointAt(WeightSums sums, float place, int first, int count, vec3 x, vec3 n, float shift) {
+  float before, next;
+  const int pair = pairAt(sums, place, before);
+  if (pair >= kCandidates / 2) return -1;
+  const LightPart one = partOf(first, count, 2 * pair, shift, x), other = partOf(first, count, 2 * pair + 1, shift, x);
+  const float weight = partWeight(one, x, n), rest = partWeight(other, x, n);
+  const bool isOther = rest > 0.0 && place >= before + weight;
+  const float within = isOther ? (place - before - weight) / rest : (place - before) / max(weight, 1e-30);
+  return isOther ? pointOf(other, x, n, within) : pointOf(one, x, n, within);
+}
+
 /// Four points of [first, first + count) in proportion to their weights; -1 where all are 0. `place` in [0, 1): of each
 /// choice in its quarter of the weights; `shift` in [0, 1): which points are weighed; `all`: their weights' sum, which
 /// is what rays to the four stand for.
 ivec4 chosenPoints(int first, int count, vec3 x, vec3 n, float place, float shift, out float all) {
-  all = 0.0;
-  for (int k = 0; k < kCandidates; ++k) all += partWeight(partOf(first, count, k, shift, x), x, n);
-  const vec4 places = 0.25 * all * (vec4(0.0, 1.0, 2.0, 3.0) + place);
-  ivec4 parts = ivec4(-1), chosen = ivec4(-1);
-  vec4 within = vec4(0.0);
-  float sum = 0.0;
-  for (int k = 0; k < kCandidates; ++k) {
-    const float before = sum;
-    sum += partWeight(partOf(first, count, k, shift, x), x, n);
-    const bvec4 here = bvec4(ivec4(greaterThanEqual(places, vec4(before))) * ivec4(lessThan(places, vec4(sum))));
-    parts = mix(parts, ivec4(k), here);
-    within = mix(within, (places - before) / max(sum - before, 1e-30), here);
-  }
-  for (int i = 0; i < 4; ++i) {
-    if (parts[i] >= 0) chosen[i] = pointOf(partOf(first, count, parts[i], shift, x), x, n, within[i]);
-  }
+  WeightSums sums = WeightSums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  for (int k = 0; k < kCandidates; ++k) add(sums, k / 2, partWeight(partOf(first, count, k, shift, x), x, n));
+  sums = summed(sums);
+  all = sums.d.w;
+  ivec4 chosen = ivec4(-1);
+  for (int i = 0; i < 4; ++i) chosen[i] = pointAt(sums, 0.25 * all * (float(i) + place), first, count, x, n, shift);
   return chosen;
 }

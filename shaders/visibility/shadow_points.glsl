@@ -3,10 +3,12 @@
 struct ShadowPoint {
   vec4 light;  // rgb: E of the pool in W/m^2 as if nothing lay between; a: of the first four rays those that arrived,
                // or the sum of their shares; -1 where none were sent, less where they differ
-  vec4 asked;  // rgb: of it what was asked about when it was found; a: 1 where pieces of folds are near
+  vec4 asked;  // rgb: of it what was asked about when it was found; a: how far away
+               // pieces of folds may be that count, cells; 0: there are none
   vec4 known;  // rgb: of that what arrives; a: as seen.a, after odd turns
   vec4 all;    // rgb: colours of the points that rays were sent to, by what a turn's rays stand for; a: rays
-  vec4 seen;   // rgb: of those that arrived; a: how many did, or their shares' largest, after even turns
+  vec4 seen;   // rgb: of those that arrived; a: where darkness is believed later, how many
+               // did, or their shares' largest, after even turns; else 1 where first rays agreed
   vec4 sum;    // rgb: E of the pools before; a: of this one's light what haze leaves (shadow_rays.comp), 0: none is there
 };
 
@@ -32,9 +34,9 @@ ivec2 blockOf(uint four) {
 
 /// What the pool sends to a point, before any ray; besides, what it sends that was asked about already, and what of that
 /// arrives.
-void begin(uint point, vec3 light, vec3 asked, vec3 known, bool folded) {
+void begin(uint point, vec3 light, vec3 asked, vec3 known, float foldsWithin) {
   shadowPoints[point].light = vec4(light + asked, -1.0);
-  shadowPoints[point].asked = vec4(asked, folded ? 1.0 : 0.0);
+  shadowPoints[point].asked = vec4(asked, foldsWithin);
   shadowPoints[point].known = vec4(known, 0.0);
   shadowPoints[point].all = vec4(0.0);
   shadowPoints[point].seen = vec4(0.0);

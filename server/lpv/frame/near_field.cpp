@@ -158,7 +158,7 @@ std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, co
                      NearFieldWork{.evaluated = from.points}.units()});
   }
   for (int turn = 0; turn < params.turns; ++turn)
-    steps.push_back({rays_.get(rays), turn, NearFieldWork{.rays = 4.0 * from.points}.units()});
+    steps.push_back({rays_.get({rays, at.reflected}), turn, NearFieldWork{.rays = 4.0 * from.points}.units()});
   steps.push_back({sum_.get(receivers), params.turns, NearFieldWork{.weighed = from.points}.units()});
   return steps;
 }

@@ -166,8 +166,15 @@ class NearFieldPass {
     bool operator==(const RayVariant&) const = default;
     gpu::Defines defines() const { return with(receivers, gpu::define("LPV_TRANSPARENT", transparent)); }
   };
-  static gpu::Defines with(const ReceiverVariant& receivers, gpu::Defines::value_type more) {
-    gpu::Defines out = receivers.defines();
+  struct ToPoolVariant {
+    RayVariant rays;
+    bool patches = false;  ///< the pool has the patches, not lights
+    bool operator==(const ToPoolVariant&) const = default;
+    gpu::Defines defines() const { return with(rays, gpu::define("LPV_FROM_PATCHES", patches)); }
+  };
+  template <typename Variant>
+  static gpu::Defines with(const Variant& variant, gpu::Defines::value_type more) {
+    gpu::Defines out = variant.defines();
     out.insert(out.end(), std::move(more));
     return out;
   }
@@ -179,7 +186,7 @@ class NearFieldPass {
   gpu::Programs<Variant> choose_{{"frame/near_field.comp"}};
   gpu::Programs<EvaluateVariant> evaluate_{{"frame/near_field_evaluate.comp"}};
   gpu::Programs<RayVariant> reflected_{{"frame/patch_light.comp"}};
-  gpu::Programs<RayVariant> rays_{{"frame/shadow_rays.comp"}};
+  gpu::Programs<ToPoolVariant> rays_{{"frame/shadow_rays.comp"}};
   gpu::Programs<RayVariant> folds_{{"frame/fold_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};
