@@ -112,6 +112,10 @@ LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps o
 LPV_CONST int kSubpixelsOwn = 24;  // of a picture: mean albedo of samples (shaders/frame/subpixels.glsl)
 LPV_CONST int kSubpixelsFirst = 25;
 LPV_CONST int kSubpixelsSecond = 26;
+LPV_CONST int kSubpixelsApart = 28;
+LPV_CONST int kApartLight = 29;  // of a picture: E in W/m^2 of the places below
+LPV_CONST int kApartPlace = 30;  // of a picture: where rays begin of a sample that is lit as no pixel, grid space
+LPV_CONST int kApartNormal = 31;  // and its normal
 LPV_CONST int kSampleAlbedo = 27;  // of one sample of each pixel, as kAlbedo to kEmitterDepth
 LPV_CONST int kSampleNormal = 28;
 LPV_CONST int kSampleDepth = 29;
@@ -142,6 +146,9 @@ LPV_CONST int kSubpixelEmissionOut = 0;  // mean radiance of lights in front
 LPV_CONST int kSubpixelOwnOut = 1;  // as kSubpixelsOwn
 LPV_CONST int kSubpixelFirstOut = 2;
 LPV_CONST int kSubpixelSecondOut = 3;
+LPV_CONST int kSubpixelApartOut = 4;
+LPV_CONST int kApartPlaceOut = 5;
+LPV_CONST int kApartNormalOut = 6;
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each

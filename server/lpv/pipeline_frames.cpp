@@ -57,6 +57,19 @@ void keepSize(std::unique_ptr<Buffer>& buffer, const glm::ivec2& size) {
   buffer = std::make_unique<Buffer>(size);
 }
 
+/// Whether samples that are lit as no pixel's middle have a light of their own: in single frames whose pixels look at
+/// the lights. What lobes show is not known for them.
+bool looksApart(const SessionState& s, const FrameRequest& frame) {
+  return frame.samples > 1 && !frame.reduced && frame.quantity == FrameQuantity::kRadiance && s.looksAtLights &&
+         !s.glossy && (s.shadowed || s.bounces.turns > 0);
+}
+
+/// Samples apart are a part of their pixel: half of the rays tell as much of it.
+ShadowCasters castersForApart(ShadowCasters all) {
+  for (int* turns : {&all.turns, &all.reflectedTurns, &all.foldTurns}) *turns = (*turns + 1) / 2;
+  return all;
+}
+
 }  // namespace
 
 bool drawnInBands(const FrameRequest& frame) {
@@ -147,13 +160,16 @@ GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, con
     view.subpixels = nullptr;
     co_return;
   }
-  if (view.subpixels == nullptr || view.subpixels->size() != frame.size) {
+  const bool apart = looksApart(s, frame);
+  if (view.subpixels == nullptr || view.subpixels->size() != frame.size || view.subpixels->apart.has_value() != apart) {
     view.subpixels = nullptr;
-    view.subpixels = std::make_unique<SubpixelBuffer>(frame.size);
+    view.subpixels = std::make_unique<SubpixelBuffer>(frame.size, apart);
   }
   const GpuOccluders& occluders = s.products->occluders;
   const GpuOccluders* haze = scene.options.haze > 0.0 ? &occluders : nullptr;
-  SubpixelInputs inputs = {view.gbuffer->shown.stamp(), {}, frame.samples, haze != nullptr ? occluders.surfaces() : 0};
+  SubpixelInputs inputs = {
+      view.gbuffer->shown.stamp(), {}, frame.samples, haze != nullptr ? occluders.surfaces() : 0, {}};
+  if (apart) inputs.grid = s.field().grid;
   for (const auto& [name, light] : scene.lights) inputs.lights.push_back(light);
   if (view.subpixels->shown.holds(inputs)) co_return;
   co_await subpixelPass.run(*view.subpixels, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
@@ -192,6 +208,11 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   const bool sampled =
       s.shadowed || s.bounces.turns > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
+  if (view.subpixels != nullptr && view.subpixels->apart) {
+    const ApartPlaces places = {*view.subpixels->apart, targets.frameParams, frame.firstRow};
+    const ShadowCasters shadows = castersForApart(shadowCasters(s, scene, frame));
+    co_await nearFieldPass.lookFromApart(*view.nearField, places, s.products->emitters, shadows, pacing(s));
+  }
   co_await reflectLikeMirrors(s, scene, frame, view);
   co_await scatter(s, scene, frame, view);
   const IrradianceSources lit = {field.transport,

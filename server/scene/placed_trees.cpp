@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtx/component_wise.hpp>
-#include <set>
 #include <tuple>
+#include <utility>
 
 namespace lpv {
 
@@ -35,6 +35,17 @@ glm::dvec3 originFor(const Grid& grid) {
   return step * glm::round(box.centre() / step);
 }
 
+/// Those whose mesh one before them has.
+std::vector<bool> sharersOf(const std::vector<Occluder>& occluders) {
+  std::vector<std::pair<const Mesh*, std::size_t>> meshes;
+  meshes.reserve(occluders.size());
+  for (std::size_t i = 0; i < occluders.size(); ++i) meshes.emplace_back(occluders[i].mesh.get(), i);
+  std::ranges::sort(meshes);
+  std::vector<bool> out(occluders.size());
+  for (std::size_t k = 1; k < meshes.size(); ++k) out[meshes[k].second] = meshes[k].first == meshes[k - 1].first;
+  return out;
+}
+
 float areaOf(const BvhNode& node) {
   const glm::vec3 d = node.upper - node.lower;
   return d.x * d.y + d.y * d.z + d.z * d.x;
@@ -55,20 +66,20 @@ glm::dmat4 CommonSpace::spaceFromObject(const Occluder& occluder) const {
 
 CommonSpace commonSpaceOf(const std::vector<Occluder>& occluders, const Grid& grid) {
   CommonSpace out = {originFor(grid), {}, {}};
-  std::set<MeshPtr> known;
+  out.members.reserve(occluders.size());
+  out.others.reserve(occluders.size());
+  const std::vector<bool> isCopy = sharersOf(occluders);
   std::size_t copied = 0;
   for (std::size_t i = 0; i < occluders.size(); ++i) {
     const Occluder& o = occluders[i];
     const Bounds box = o.mesh->bounds.transformed(o.worldFromObject);
     const bool regular = std::isnormal(glm::determinant(glm::dmat3(o.worldFromObject))) && finite(box);
     const bool stopsAll = o.blocks == kAllLights && o.coverage == Coverage();
-    const std::size_t copies = known.contains(o.mesh) ? o.mesh->triangles.size() : 0;
+    const std::size_t copies = isCopy[i] ? o.mesh->triangles.size() : 0;
     const bool isMember =
         stopsAll && regular && fits(o, box, out.origin, grid) && copied + copies <= kMostCopiedTriangles;
     (isMember ? out.members : out.others).push_back(i);
-    if (!isMember) continue;
-    known.insert(o.mesh);
-    copied += copies;
+    if (isMember) copied += copies;
   }
   return out;
 }

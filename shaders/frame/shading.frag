@@ -1,7 +1,7 @@
 // Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
 // through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen. LPV_PANES: some of it
 // is seen through panes. LPV_GLOSS: surfaces have lobes (frame/gloss.glsl). LPV_SUBPIXELS: several samples of each pixel say
-// what is in it (frame/subpixels.glsl). LPV_HAZE: some of it is lost in haze, which shines itself (frame/haze.comp).
+// what is in it (frame/subpixels.glsl); LPV_APART: some of them have light of their own. LPV_HAZE: some of it is lost in haze, which shines itself (frame/haze.comp).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
@@ -38,6 +38,13 @@ layout(binding = kHaze) uniform sampler2D haze;
 layout(binding = kSubpixelsOwn) uniform sampler2D ownSubpixels;
 layout(binding = kSubpixelsFirst) uniform sampler2D firstSubpixels;
 layout(binding = kSubpixelsSecond) uniform sampler2D secondSubpixels;
+#endif
+#if !defined LPV_APART || (LPV_APART && !LPV_SUBPIXELS)
+#error "LPV_APART: 0 or 1, which are subpixels"
+#elif LPV_APART
+layout(binding = kSubpixelsApart) uniform sampler2D apartSubpixels;
+layout(binding = kApartLight) uniform sampler2D apartLight;
+layout(binding = kApartPlace) uniform sampler2D apartPlace;
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
@@ -136,9 +143,28 @@ vec3 seen(ivec2 pixel, vec4 subpixels) {
 #endif
 }
 
+#if LPV_APART
+/// The same of what is lit as no pixel.
+vec3 seenApart(ivec2 pixel) {
+  const vec4 subpixels = texelFetch(apartSubpixels, pixel, 0);
+  if (countOf(subpixels) == 0) return vec3(0.0);
+  const vec3 sent = subpixels.rgb * texelFetch(apartLight, pixel, 0).rgb / kPi;
+  const float share = float(countOf(subpixels)) / float(frame.samples);
+#if LPV_HAZE
+  return share * throughHaze(texelFetch(apartPlace, pixel, 0).xyz, frame.eye) * sent;
+#else
+  return share * sent;
+#endif
+}
+#endif
+
 vec3 radiance(ivec2 pixel) {
-  return texelFetch(emission, pixel, 0).rgb + seen(pixel, texelFetch(ownSubpixels, pixel, 0)) +
-         seen(pixel, texelFetch(firstSubpixels, pixel, 0)) + seen(pixel, texelFetch(secondSubpixels, pixel, 0));
+  vec3 sum = texelFetch(emission, pixel, 0).rgb + seen(pixel, texelFetch(ownSubpixels, pixel, 0)) +
+             seen(pixel, texelFetch(firstSubpixels, pixel, 0)) + seen(pixel, texelFetch(secondSubpixels, pixel, 0));
+#if LPV_APART
+  sum += seenApart(pixel);
+#endif
+  return sum;
 }
 #endif
 

@@ -1,7 +1,8 @@
 // What one sample of each pixel adds to the pixel's subpixels (frame/subpixels.glsl). The sample's surface is lit as the
 // pixel in the middle of the nine around it is whose surface is most nearly the sample's own: light is found once per
 // pixel, edges and textures as often as there are samples. A thread has a pixel. LPV_PANES: some are seen through panes; LPV_HAZE:
-// lights through haze, surfaces as the pixel that they are lit as (frame/shading.frag).
+// lights through haze, surfaces as the pixel that they are lit as (frame/shading.frag). LPV_APART: where none of the nine is like
+// a sample, what is thinner than a pixel, light is found at the sample's own place (frame/apart_list.comp).
 #include "layout.h"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
@@ -9,6 +10,9 @@
 
 #ifndef LPV_PANES
 #error "LPV_PANES: 0 or 1"
+#endif
+#ifndef LPV_APART
+#error "LPV_APART: 0 or 1"
 #endif
 #ifndef LPV_HAZE
 #error "LPV_HAZE: 0 or 1"
@@ -40,6 +44,13 @@ layout(binding = kSubpixelEmissionOut, rgba32f) uniform image2D emissionOut;
 layout(binding = kSubpixelOwnOut, rgba16f) uniform image2D ownOut;
 layout(binding = kSubpixelFirstOut, rgba16f) uniform image2D firstOut;
 layout(binding = kSubpixelSecondOut, rgba16f) uniform image2D secondOut;
+#if LPV_APART
+layout(binding = kSubpixelApartOut, rgba16f) uniform image2D apartOut;
+layout(binding = kApartPlaceOut, rgba32f) writeonly uniform image2D placeOut;
+layout(binding = kApartNormalOut, rg16) writeonly uniform image2D placeNormalOut;
+
+const float kApart = 0.35;        // beyond, a pixel's light is not the sample's
+#endif
 
 const float kSame = 0.25;        // up to here the pixel's own surface is the sample's, whatever is around it
 const float kNormalWeight = 4.0; // of 1 - cosine, beside pixels off the plane
@@ -56,10 +67,11 @@ float unlikeness(Surface a, Surface b, float pixel) {
   return offPlane / pixel + kNormalWeight * (1.0 - dot(a.normal, b.normal));
 }
 
-/// The code of the pixel, of those around `pixel` where light was found, that is most like `s`; none: kNoPixel.
-int pixelLike(ivec2 pixel, Surface s, float footprint) {
+/// The code of the pixel, of those around `pixel` where light was found, that is most like `s`, and how unlike it is;
+/// none: kNoPixel.
+int pixelLike(ivec2 pixel, Surface s, float footprint, out float least) {
   int best = kNoPixel;
-  float least = 1e30;
+  least = 1e30;
   for (int i = 0; i < kPixelsAround; ++i) {
     const ivec2 at = pixel + pixelAround(i);
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(surfaceDepth, 0)))) continue;
@@ -68,10 +80,10 @@ int pixelLike(ivec2 pixel, Surface s, float footprint) {
     const Surface there = Surface(gridPosition(frame, vec2(at) + 0.5, depth),
                                   unitFromOctahedral(texelFetch(normal, at, 0).xy));
     const float unlike = unlikeness(there, s, footprint);
-    if (i == kOwnPixel && unlike < kSame) return i;
     if (unlike >= least) continue;
     least = unlike;
     best = i;
+    if (i == kOwnPixel && unlike < kSame) return i;
   }
   return best;
 }
@@ -90,6 +102,9 @@ void main() {
   vec4 own = first ? vec4(0.0) : imageLoad(ownOut, pixel);
   vec4 one = first ? vec4(0.0) : imageLoad(firstOut, pixel);
   vec4 two = first ? vec4(0.0) : imageLoad(secondOut, pixel);
+#if LPV_APART
+  vec4 apart = first ? vec4(0.0) : imageLoad(apartOut, pixel);
+#endif
 
 #if LPV_PANES
   const vec3 kept = texelFetch(samplePanes, at, 0).rgb;
@@ -108,8 +123,18 @@ void main() {
     const vec2 where = vec2(pixel) + 0.5 + params.offset;
     const Surface s = Surface(gridPosition(frame, where, depth), unitFromOctahedral(texelFetch(sampleNormal, at, 0).xy));
     const float viewDepth = frame.depthScale / (depth + frame.depthOffset);
-    const int like = pixelLike(pixel, s, viewDepth * length(frame.rayDown) * frame.pixelSize.y);
+    float unlike;
+    const int like = pixelLike(pixel, s, viewDepth * length(frame.rayDown) * frame.pixelSize.y, unlike);
     const vec3 albedo = kept * texelFetch(sampleAlbedo, at, 0).rgb;
+#if LPV_APART
+    if (unlike > kApart) {
+      if (countOf(apart) == 0) {
+        imageStore(placeOut, pixel, vec4(rayStart(frame, s.position, s.normal, depth), 1.0));
+        imageStore(placeNormalOut, pixel, texelFetch(sampleNormal, at, 0));
+      }
+      apart = with(apart, albedo, kOwnPixel);
+    } else
+#endif
     if (like == kOwnPixel) {
       own = with(own, albedo, like);
     } else if (like != kNoPixel) {
@@ -124,4 +149,7 @@ void main() {
   imageStore(ownOut, pixel, own);
   imageStore(firstOut, pixel, one);
   imageStore(secondOut, pixel, two);
+#if LPV_APART
+  imageStore(apartOut, pixel, apart);
+#endif
 }

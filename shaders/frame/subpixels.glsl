@@ -1,5 +1,6 @@
-// A pixel whose edges and textures were looked at several times: samples that are lit as the pixel itself, and such as
-// are lit as up to two of the pixels around it. Of each rgb: their mean albedo; a: packedSubpixels().
+// A pixel whose edges and textures were looked at several times: samples that are lit as the pixel itself, such as
+// are lit as up to two of the pixels around it, and such as are like none of these and lit as the first of them is. Of each
+// rgb: their mean albedo; a: packedSubpixels().
 
 const int kPixelsAround = 9;
 const int kOwnPixel = 0;

@@ -1,11 +1,15 @@
 // Receivers that light is summed at: pixels of a picture, or, with LPV_PATCHES, patches of the surfaces, whose number
-// stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met. Rays begin at rayStart().
+// stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met; or, with LPV_APART, places
+// of samples that are lit as no pixel's middle (frame/subpixels.comp). Rays begin at rayStart().
 #include "frame/position.glsl"
 #ifndef LPV_PATCHES
 #error "LPV_PATCHES: 0 or 1"
 #endif
 #if !defined LPV_MET || (LPV_MET && LPV_PATCHES)
 #error "LPV_MET: 0 or 1, which are no patches"
+#endif
+#if !defined LPV_APART || (LPV_APART && (LPV_PATCHES || LPV_MET))
+#error "LPV_APART: 0 or 1, which are neither"
 #endif
 
 layout(std430, binding = kNearFieldPoints) readonly buffer Points {
@@ -29,6 +33,13 @@ layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 vec3 receiverNormal(ivec2 pixel) { return glossPoints[glossIndex(frame, pixel)].normal.xyz; }
 vec3 receiverPosition(ivec2 pixel) { return glossPoints[glossIndex(frame, pixel)].place.xyz; }
 vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel) + kShadowOffset * n; }
+#elif LPV_APART
+layout(binding = kApartPlace) uniform sampler2D apartPlace;
+layout(binding = kApartNormal) uniform sampler2D apartNormal;
+
+vec3 receiverNormal(ivec2 pixel) { return unitFromOctahedral(texelFetch(apartNormal, pixel, 0).xy); }
+vec3 receiverPosition(ivec2 pixel) { return texelFetch(apartPlace, pixel, 0).xyz; }
+vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel); }
 #else
 layout(binding = kNormal) uniform sampler2D normal;
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;

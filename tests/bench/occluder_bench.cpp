@@ -99,6 +99,21 @@ void moveSurface(benchmark::State& state) {
   }
 }
 
+/// A surface of many triangles moves: it is placed anew.
+void moveLargeSurface(benchmark::State& state) {
+  Scene scene = scenes()[0].second;
+  auto rock = std::make_shared<Surface>(*scene.surfaces.at("short"));
+  rock->mesh = reference::bumpySphere(std::size_t(state.range(0)));
+  GpuOccluders occluders;
+  for (auto _ : state) {
+    auto moved = std::make_shared<Surface>(*rock);
+    rock->transform.translation.x += 1e-3;
+    scene.surfaces["short"] = moved;
+    occluders.update(occludersOf(scene), scene.grid).runToEnd();
+    glFinish();
+  }
+}
+
 BENCHMARK(shadowRays)
     ->ArgsProduct({{0, 1, 2, 3}, {0, 1}})
     ->MeasureProcessCPUTime()
@@ -107,6 +122,7 @@ BENCHMARK(shadowRays)
 BENCHMARK(cpuRays)->ArgsProduct({{0, 1, 2, 3}, {0, 1}});
 BENCHMARK(makeTree)->Arg(1000)->Arg(33446)->Arg(180000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 BENCHMARK(moveSurface)->Arg(10)->Arg(4000)->UseRealTime()->Unit(benchmark::kMicrosecond);
+BENCHMARK(moveLargeSurface)->Arg(33446)->Arg(180000)->UseRealTime()->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 

@@ -19,6 +19,7 @@ constexpr std::size_t kShadowPointBytes = kShadowPointTexels * sizeof(glm::vec4)
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
+constexpr double kShareApart = 0.05;  // of a picture's pixels that have samples apart, about: for pacing
 constexpr int kMostLightsOfEvenPoints = 4;  // in a pool: each must be met by a turn's rays
 
 /// How many turns of rays go to a pool, and how many that see nothing say that it is dark.
@@ -261,6 +262,42 @@ GpuTask NearFieldPass::lookFromMet(const MetPlaces& places, const EmitterBufferL
                           places.list, places.count,         Receivers::kMet,
                           false,       places.firstRow,      bind};
   co_await look(receivers, pacing);
+}
+
+GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces& places,
+                                     const EmitterBufferList& emitters, const ShadowCasters& shadows, Pacing pacing) {
+  const auto bind = [&buffer, &places, &emitters] {
+    places.frameParams.bindUniform(layout::kParams);
+    emitters.view.bind(layout::kDirect);
+    places.apart.albedo.bind(layout::kSubpixelsApart);
+    places.apart.place.bind(layout::kApartPlace);
+    places.apart.normal.bind(layout::kApartNormal);
+    places.apart.light.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
+    buffer.points.bindStorage(layout::kNearFieldPoints);
+    buffer.shadows.bindStorage(layout::kShadowPoints);
+  };
+  const int blocks = int(count(partsOf(buffer.size, kBlock)));
+  constexpr int kMostBlocks = kMostShadowPoints / kPointsOfBlock;
+  for (int first = 0; first < blocks; first += kMostBlocks) {
+    const int wanted = std::min(kMostBlocks, blocks - first);
+    const layout::NearFieldParams params = {.stride = {0, 0}, .first = first, .spacing = 1};
+    params_.update(0, gpu::bytesOfValue(params));
+    params_.bindUniform(layout::kNearFieldParams);
+    buffer.points.update(0, gpu::bytesOfValue(layout::kEmptyListHeader));
+    bind();
+    listApart_.get({}).dispatch(std::uint32_t((wanted + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup));
+    gpu::memoryBarrier();
+    const Look receivers = {shadows,
+                            shadows.pools->pools,
+                            shadows.reflected != nullptr,
+                            buffer.points,
+                            kShareApart * wanted * kPointsOfBlock,
+                            Receivers::kApart,
+                            false,
+                            places.firstRow,
+                            bind};
+    co_await look(receivers, pacing);
+  }
 }
 
 GpuTask NearFieldPass::lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters,

@@ -8,6 +8,7 @@
 #include "lpv/cached.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
+#include "lpv/frame/subpixels.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
 #include "lpv/resources/incident_textures.h"
@@ -87,6 +88,13 @@ struct MetPlaces {
   int firstRow;  ///< of the pixels, in the picture that they are some rows of
 };
 
+/// Places of samples of a picture's pixels that are lit as no pixel's middle (lpv/frame/subpixels.h).
+struct ApartPlaces {
+  const ApartBuffer& apart;
+  const gpu::Buffer& frameParams;
+  int firstRow;  ///< of the pixels, in the picture that they are some rows of
+};
+
 /// Whether a picture of each of so many pools may be kept.
 bool keepsPools(const glm::ivec2& size, std::size_t pools);
 
@@ -113,6 +121,10 @@ class NearFieldPass {
   /// The same for what reflections have met.
   GpuTask lookFromMet(const MetPlaces& places, const EmitterBufferList& emitters, const ShadowCasters& shadows,
                       Pacing pacing);
+  /// The same for samples apart, some blocks of pixels at a time; after run() for the same picture, whose lists it
+  /// takes.
+  GpuTask lookFromApart(NearFieldBuffer& buffer, const ApartPlaces& places, const EmitterBufferList& emitters,
+                        const ShadowCasters& shadows, Pacing pacing);
   /// What pieces get from the lights; where `shadows` has the patches, and turns of rays to the pieces, of what is
   /// reflected.
   GpuTask lookFromPieces(PatchSet& patches, const EmitterBufferList& emitters, const ShadowCasters& shadows,
@@ -145,13 +157,14 @@ class NearFieldPass {
     }
   };
   /// What is on a list of receivers (shaders/visibility/receivers.glsl).
-  enum class Receivers { kPixels, kPatches, kMet };
+  enum class Receivers { kPixels, kPatches, kMet, kApart };
   struct ReceiverVariant {
     Receivers receivers = Receivers::kPixels;
     bool operator==(const ReceiverVariant&) const = default;
     gpu::Defines defines() const {
       return {gpu::define("LPV_PATCHES", receivers == Receivers::kPatches),
-              gpu::define("LPV_MET", receivers == Receivers::kMet)};
+              gpu::define("LPV_MET", receivers == Receivers::kMet),
+              gpu::define("LPV_APART", receivers == Receivers::kApart)};
     }
   };
   struct EvaluateVariant {
@@ -191,6 +204,7 @@ class NearFieldPass {
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};
   gpu::ProgramVariants addPool_{{"frame/near_field_sum.comp"}};
+  gpu::ProgramVariants listApart_{{"frame/apart_list.comp"}};
   gpu::Buffer params_, shadowParams_;
 };
 

@@ -46,6 +46,11 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
     lit->subpixels->own.bind(layout::kSubpixelsOwn);
     lit->subpixels->first.bind(layout::kSubpixelsFirst);
     lit->subpixels->second.bind(layout::kSubpixelsSecond);
+    if (lit->subpixels->apart) {
+      lit->subpixels->apart->albedo.bind(layout::kSubpixelsApart);
+      lit->subpixels->apart->light.bind(layout::kApartLight);
+      lit->subpixels->apart->place.bind(layout::kApartPlace);
+    }
   }
   if (lit->volume == nullptr) return;
   const int count = lit->volume->channels == 1 ? 1 : 3;
@@ -107,17 +112,12 @@ layout::ExposureParams exposureParams(const Exposure& exposure) {
 }
 
 gpu::Defines ShadingPass::Variant::defines() const {
-  return {gpu::define("LPV_CHANNELS", channels),
-          gpu::define("LPV_GROUPS", groups),
-          gpu::define("LPV_LOOKUP", int(lookup)),
-          gpu::define("LPV_NEAR_FIELD", nearField),
-          gpu::define("LPV_LOOKED_AT", lookedAt),
-          gpu::define("LPV_DISPLAY", display),
-          gpu::define("LPV_PANES", panes),
-          gpu::define("LPV_SUBPIXELS", subpixels),
-          gpu::define("LPV_IRRADIANCE", irradiance),
-          gpu::define("LPV_GLOSS", gloss),
-          gpu::define("LPV_HAZE", haze)};
+  return {gpu::define("LPV_CHANNELS", channels),  gpu::define("LPV_GROUPS", groups),
+          gpu::define("LPV_LOOKUP", int(lookup)), gpu::define("LPV_NEAR_FIELD", nearField),
+          gpu::define("LPV_LOOKED_AT", lookedAt), gpu::define("LPV_DISPLAY", display),
+          gpu::define("LPV_PANES", panes),        gpu::define("LPV_SUBPIXELS", subpixels),
+          gpu::define("LPV_APART", apart),        gpu::define("LPV_IRRADIANCE", irradiance),
+          gpu::define("LPV_GLOSS", gloss),        gpu::define("LPV_HAZE", haze)};
 }
 
 ShadingPass::ShadingPass() { glCreateVertexArrays(1, &noVertices_); }
@@ -183,6 +183,7 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
                                       .gloss = lit.gloss != nullptr,
                                       .haze = lit.haze != nullptr,
                                       .subpixels = lit.subpixels != nullptr,
+                                      .apart = lit.subpixels != nullptr && lit.subpixels->apart.has_value(),
                                       .irradiance = request.quantity == FrameQuantity::kIrradiance});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;

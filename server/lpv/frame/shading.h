@@ -79,6 +79,7 @@ class ShadingPass {
     bool gloss = false;
     bool haze = false;
     bool subpixels = false;
+    bool apart = false;
     bool irradiance = false;
     bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;

@@ -51,11 +51,19 @@ struct SubpixelPass::Rows {
   std::optional<PaneBuffer> panes;
 };
 
-SubpixelBuffer::SubpixelBuffer(const glm::ivec2& size)
+ApartBuffer::ApartBuffer(const glm::ivec2& size)
+    : albedo(texture("subpixels apart", size, GL_RGBA16F)),
+      place(texture("places of subpixels apart", size, GL_RGBA32F)),
+      normal(texture("normals of subpixels apart", size, GL_RG16)),
+      light(texture("light of subpixels apart", size, GL_RGBA32F)) {}
+
+SubpixelBuffer::SubpixelBuffer(const glm::ivec2& size, bool hasApart)
     : emission(texture("subpixel emission", size, GL_RGBA32F)),
       own(texture("own subpixels", size, GL_RGBA16F)),
       first(texture("first subpixels", size, GL_RGBA16F)),
-      second(texture("second subpixels", size, GL_RGBA16F)) {}
+      second(texture("second subpixels", size, GL_RGBA16F)) {
+  if (hasApart) apart.emplace(size);
+}
 
 GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const EmitterBuffer& seenLights,
                           const FrameRows& request, const Scene& scene, const SceneResources& resources,
@@ -67,7 +75,8 @@ GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const 
   const FrameView view(request);
   gpu::Buffer sampleParams("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic);
   gpu::Buffer subpixelParams("subpixel params", sizeof(layout::SubpixelParams), gpu::BufferUse::kDynamic);
-  gpu::Program& add = add_.get({.panes = rows.panes.has_value(), .haze = haze != nullptr});
+  gpu::Program& add =
+      add_.get({.panes = rows.panes.has_value(), .haze = haze != nullptr, .apart = buffer.apart.has_value()});
   const std::span<const Offset> offsets = offsetsOf(request.samples);
   for (int row = 0; row < size.y; row += height) {
     for (std::size_t i = 0; i < offsets.size(); ++i) {
@@ -105,6 +114,11 @@ GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const 
       buffer.own.bindImage(layout::kSubpixelOwnOut, GL_READ_WRITE);
       buffer.first.bindImage(layout::kSubpixelFirstOut, GL_READ_WRITE);
       buffer.second.bindImage(layout::kSubpixelSecondOut, GL_READ_WRITE);
+      if (buffer.apart) {
+        buffer.apart->albedo.bindImage(layout::kSubpixelApartOut, GL_READ_WRITE);
+        buffer.apart->place.bindImage(layout::kApartPlaceOut, GL_WRITE_ONLY);
+        buffer.apart->normal.bindImage(layout::kApartNormalOut, GL_WRITE_ONLY);
+      }
       const glm::ivec2 tiles = (glm::ivec2(size.x, height) + layout::kNearFieldTile - 1) / layout::kNearFieldTile;
       add.dispatch(std::uint32_t(tiles.x), std::uint32_t(tiles.y));
       co_yield submitted(Stage::kShade, double(size.x) * height);

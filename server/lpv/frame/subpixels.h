@@ -1,8 +1,10 @@
 #pragma once
 // Stage: edges and textures, from several samples of each pixel. Light is found once per pixel, in its middle; here is
-// found how much of the pixel shows which surface, of what albedo, and how much a light in front.
+// found how much of the pixel shows which surface, of what albedo, and how much a light in front. What is thinner than
+// a pixel, and the middle of none, may have a light of its own.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "gpu/buffer.h"
@@ -25,17 +27,29 @@ struct SubpixelInputs {
   std::vector<LightPtr> lights;
   int samples = 0;  ///< per pixel
   Stamp haze = 0;  ///< of what takes light on its way to the camera; 0: nothing does
+  std::optional<Grid> grid;  ///< that places of samples apart are in; none: there are none
 
   bool operator==(const SubpixelInputs&) const = default;
 };
 
+/// Samples of a picture's pixels that are lit as no pixel's middle: one place of each pixel, where light is found.
+struct ApartBuffer {
+  explicit ApartBuffer(const glm::ivec2& size);
+
+  gpu::Texture albedo;  ///< RGBA16F: their mean
+  gpu::Texture place;   ///< RGBA32F: where rays begin, grid space
+  gpu::Texture normal;  ///< RG16, octahedral
+  gpu::Texture light;   ///< RGBA32F: E there (NearFieldPass::lookFromApart)
+};
+
 /// Of a picture (shaders/frame/subpixels.glsl).
 struct SubpixelBuffer {
-  explicit SubpixelBuffer(const glm::ivec2& size);
+  SubpixelBuffer(const glm::ivec2& size, bool apart);
   glm::ivec2 size() const { return {own.size()}; }
 
   gpu::Texture emission;            ///< RGBA32F: mean radiance of lights in front, as seen
   gpu::Texture own, first, second;  ///< RGBA16F: mean albedo of samples that are lit as this pixel, or as one beside it
+  std::optional<ApartBuffer> apart;  ///< none: all are lit as the pixel around them that is most like them
   Cached<SubpixelInputs> shown;
 };
 
@@ -55,8 +69,11 @@ class SubpixelPass {
   struct Variant {
     bool panes = false;
     bool haze = false;
+    bool apart = false;
     bool operator==(const Variant&) const = default;
-    gpu::Defines defines() const { return {gpu::define("LPV_PANES", panes), gpu::define("LPV_HAZE", haze)}; }
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_PANES", panes), gpu::define("LPV_HAZE", haze), gpu::define("LPV_APART", apart)};
+    }
   };
   GbufferRenderer& gbuffer_;
   EmitterRenderer& emitters_;

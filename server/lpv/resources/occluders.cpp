@@ -44,6 +44,7 @@ bool needsUvs(const Occluder& o) { return o.coverage.map != nullptr || o.texture
 
 PlacedObjects placedOf(const std::vector<Occluder>& occluders, const CommonSpace& space) {
   PlacedObjects out;
+  out.reserve(space.members.size());
   for (const std::size_t i : space.members)
     out.push_back({occluders[i].mesh, space.spaceFromObject(occluders[i]), needsUvs(occluders[i])});
   return out;
@@ -107,8 +108,8 @@ bool GpuOccluders::hasMesh(const Occluder& o) const {
   return o.coverage.map == nullptr || maps_.contains(o.coverage.map);
 }
 
-bool GpuOccluders::has(const Inputs& inputs, const CommonSpace& space) const {
-  return bool(texels_) && texelsOfTop(space) <= room_ && placed_.has(placedOf(inputs.occluders, space)) &&
+bool GpuOccluders::has(const Inputs& inputs, const CommonSpace& space, const PlacedObjects& placed) const {
+  return bool(texels_) && texelsOfTop(space) <= room_ && placed_.has(placed) &&
          std::ranges::all_of(space.others, [&](std::size_t i) { return hasMesh(inputs.occluders[i]); });
 }
 
@@ -182,8 +183,9 @@ GpuTask GpuOccluders::update(std::vector<Occluder> occluders, const Grid& grid, 
   Inputs inputs = {std::move(occluders), haze, grid};
   if (made_.holds(inputs)) co_return;
   const CommonSpace space = commonSpaceOf(inputs.occluders, inputs.grid);
-  if (has(inputs, space)) {
-    co_await placed_.move(texels_, placedOf(inputs.occluders, space));
+  PlacedObjects placed = placedOf(inputs.occluders, space);
+  if (has(inputs, space, placed)) {
+    co_await placed_.move(texels_, std::move(placed));
   } else {
     auto contents = std::async(std::launch::async, contentsOf, inputs, space);
     while (contents.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();

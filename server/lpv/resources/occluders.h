@@ -59,7 +59,7 @@ class GpuOccluders {
   };
 
   static Contents contentsOf(const Inputs& inputs, const CommonSpace& space);
-  bool has(const Inputs& inputs, const CommonSpace& space) const;
+  bool has(const Inputs& inputs, const CommonSpace& space, const PlacedObjects& placed) const;
   bool hasMesh(const Occluder& occluder) const;
   GpuTask store(Contents contents, std::size_t top);
   void storeTop(const Inputs& inputs, const CommonSpace& space);

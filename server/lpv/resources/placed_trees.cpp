@@ -63,7 +63,9 @@ std::optional<std::vector<std::size_t>> GpuPlacedTrees::placesOf(const PlacedObj
   return out;
 }
 
-bool GpuPlacedTrees::has(const PlacedObjects& objects) const { return placesOf(objects).has_value(); }
+bool GpuPlacedTrees::has(const PlacedObjects& objects) const {
+  return objects_ == objects || placesOf(objects).has_value();
+}
 
 void GpuPlacedTrees::clear() { *this = {}; }
 
@@ -89,9 +91,12 @@ GpuTask GpuPlacedTrees::store(gpu::Buffer& buffer, PlacedObjects objects, MadeTr
     places_.push_back(std::move(place));
   }
   makeAbove();
+  objects_ = std::move(objects);
 }
 
 GpuTask GpuPlacedTrees::move(gpu::Buffer& buffer, PlacedObjects objects) {
+  if (objects_ == objects) co_return;
+  objects_.reset();
   const std::vector<std::size_t> members = placesOf(objects).value();
   PlacedObjects moved;
   std::vector<std::size_t> to;
@@ -100,14 +105,17 @@ GpuTask GpuPlacedTrees::move(gpu::Buffer& buffer, PlacedObjects objects) {
     moved.push_back(objects[i]);
     to.push_back(members[i]);
   }
-  if (moved.empty() && members == members_) co_return;
-  auto made = std::async(std::launch::async, make, moved);
-  while (made.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();
-  MadeTrees trees = made.get();
+  MadeTrees trees;
+  if (!moved.empty()) {
+    auto made = std::async(std::launch::async, make, moved);
+    while (made.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) co_yield yield();
+    trees = made.get();
+  }
   for (std::size_t i = 0; i < moved.size(); ++i)
     co_await put(buffer, std::move(trees[i].placed), moved[i].spaceFromObject, places_[to[i]]);
   members_ = members;
   makeAbove();
+  objects_ = std::move(objects);
 }
 
 void GpuPlacedTrees::makeAbove() {

@@ -70,6 +70,7 @@ class GpuPlacedTrees {
   GpuTask put(gpu::Buffer& buffer, PlacedTree tree, const glm::dmat4& spaceFromObject, Place& place);
   void makeAbove();
 
+  std::optional<PlacedObjects> objects_;  ///< those that are in the buffer; nothing while they are put there
   std::vector<Place> places_;
   std::map<MeshPtr, std::vector<std::size_t>> byMesh_;
   std::vector<std::size_t> members_;  ///< the objects' places

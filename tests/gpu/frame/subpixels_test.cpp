@@ -109,6 +109,49 @@ TEST_F(SubpixelsTest, WhatIsBehindAnEdgeHasItsOwnLight) {
   EXPECT_NEAR(pixel(*picture, 32, 32).x, 0.5 * (ofScreen + ofWall), 0.02 * ofScreen);
 }
 
+/// A wall half a metre behind a strip of a fence, which columns `from` to `to` show, lit from before both, and from the
+/// right by another wall.
+Scene fence(double from, double to, int bounces) {
+  Scene scene = halvedWall(1.0);
+  scene.options.transport = Transport::kGather;
+  scene.options.visibility = Visibility::kOn;
+  scene.options.bounces = bounces;
+  scene.surfaces.clear();
+  test::lightOf(scene).transform.translation.z = 0.8;
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());
+  wall.transform.scale = glm::dvec3(6.0);
+  wall.transform.translation.z = -0.5;
+  wall.albedo = glm::dvec3(0.5);
+  Surface& side = test::addSurface(scene, "side", reference::quad());
+  side.transform = {{1.6, 0, 0}, glm::angleAxis(-0.5 * std::acos(-1.0), glm::dvec3(0, 1, 0)), glm::dvec3(4.0)};
+  side.albedo = glm::dvec3(0.9);
+  Surface& strip = test::addSurface(scene, "strip", reference::quad());
+  strip.transform.scale = {(to - from) * kPixel, 4.0, 1.0};
+  strip.transform.translation.x = (0.5 * (from + to) - 32.0) * kPixel;
+  strip.albedo = glm::dvec3(0.9);
+  return scene;
+}
+
+// What is thinner than a pixel, between the middles of all, is nearer to the light than what is around it.
+// Broken by: samples that are lit as the pixel that is most like them, however unlike that is; light of another place;
+// no light of surfaces.
+TEST_F(SubpixelsTest, AStripThatNoMiddleShowsHasItsOwnLight) {
+  const auto shown = [this](double from, double to, int bounces, int samples) {
+    return frame(fence(from, to, bounces), sampled(samples));
+  };
+  const FramePtr lit = shown(40.6, 40.95, 0, 16), all = shown(40.6, 40.95, 2, 16);
+  const FramePtr litWide = shown(38.0, 43.0, 0, 1), allWide = shown(38.0, 43.0, 2, 1);
+  for (const int y : {20, 31, 45}) {
+    const auto beside = [y](const Frame& f) { return 0.5 * (pixel(f, 38, y).x + pixel(f, 43, y).x); };
+    const double strip = pixel(*litWide, 40, y).x, wall = beside(*lit);
+    ASSERT_GT(strip, 2.0 * wall) << y;
+    EXPECT_NEAR((pixel(*lit, 40, y).x - wall) / (strip - wall), 0.35, 0.06) << y;
+    const double reflected = 0.35 * (pixel(*allWide, 40, y).x - strip) + 0.65 * (beside(*all) - wall);
+    ASSERT_GT(reflected, 0.05 * wall) << y;
+    EXPECT_NEAR(pixel(*all, 40, y).x - pixel(*lit, 40, y).x, reflected, 0.2 * reflected) << y;
+  }
+}
+
 // Every transport and lookup: away from edges a sampled picture is the other.
 // Broken by: light looked up elsewhere than in the pixel's middle.
 TEST_F(SubpixelsTest, FlatPlacesStay) {
