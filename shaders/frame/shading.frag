@@ -45,6 +45,7 @@ layout(binding = kSubpixelsSecond) uniform sampler2D secondSubpixels;
 layout(binding = kSubpixelsApart) uniform sampler2D apartSubpixels;
 layout(binding = kApartLight) uniform sampler2D apartLight;
 layout(binding = kApartPlace) uniform sampler2D apartPlace;
+layout(binding = kApartNormal) uniform sampler2D apartNormal;
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
@@ -144,11 +145,36 @@ vec3 seen(ivec2 pixel, vec4 subpixels) {
 }
 
 #if LPV_APART
+const int kApartReach = 3;           // pixels
+const float kApartOffPlane = 0.5;    // pixels
+const float kApartCosine = 0.9;
+
+/// E of what is lit as no pixel, found by few rays: the mean with that of such places around it on the same plane.
+vec3 lightApart(ivec2 pixel) {
+  const vec3 place = texelFetch(apartPlace, pixel, 0).xyz;
+  const vec3 n = unitFromOctahedral(texelFetch(apartNormal, pixel, 0).xy);
+  const float footprint = distance(place, frame.eye) * length(frame.rayDown) * frame.pixelSize.y;
+  const ivec2 low = max(pixel - kApartReach, ivec2(0)), high = min(pixel + kApartReach, textureSize(apartSubpixels, 0) - 1);
+  vec4 sum = vec4(0.0);
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      const ivec2 at = ivec2(x, y);
+      if (countOf(texelFetch(apartSubpixels, at, 0)) == 0) continue;
+      const vec3 apart = texelFetch(apartPlace, at, 0).xyz - place;
+      const float cosine = dot(unitFromOctahedral(texelFetch(apartNormal, at, 0).xy), n);
+      const bool alike = cosine >= kApartCosine && abs(dot(apart, n)) <= kApartOffPlane * footprint &&
+                         length(apart) <= 2.0 * float(kApartReach) * footprint;
+      if (alike) sum += vec4(texelFetch(apartLight, at, 0).rgb, 1.0);
+    }
+  }
+  return sum.rgb / max(sum.a, 1.0);
+}
+
 /// The same of what is lit as no pixel.
 vec3 seenApart(ivec2 pixel) {
   const vec4 subpixels = texelFetch(apartSubpixels, pixel, 0);
   if (countOf(subpixels) == 0) return vec3(0.0);
-  const vec3 sent = subpixels.rgb * texelFetch(apartLight, pixel, 0).rgb / kPi;
+  const vec3 sent = subpixels.rgb * lightApart(pixel) / kPi;
   const float share = float(countOf(subpixels)) / float(frame.samples);
 #if LPV_HAZE
   return share * throughHaze(texelFetch(apartPlace, pixel, 0).xyz, frame.eye) * sent;

@@ -50,6 +50,7 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
       lit->subpixels->apart->albedo.bind(layout::kSubpixelsApart);
       lit->subpixels->apart->light.bind(layout::kApartLight);
       lit->subpixels->apart->place.bind(layout::kApartPlace);
+      lit->subpixels->apart->normal.bind(layout::kApartNormal);
     }
   }
   if (lit->volume == nullptr) return;

@@ -152,6 +152,25 @@ TEST_F(SubpixelsTest, AStripThatNoMiddleShowsHasItsOwnLight) {
   }
 }
 
+// Half of the light is hidden from the strip, which few rays of each place know.
+// Broken by: places whose light is not the mean with those beside them.
+TEST_F(SubpixelsTest, AStripInAPenumbraIsEven) {
+  Scene scene = fence(40.6, 40.95, 0);
+  Surface& blind = test::addSurface(scene, "blind", reference::quad());
+  blind.transform.translation = {-0.5, 0.0, 0.5};
+  blind.transform.scale = {1.5, 6.0, 1.0};
+  blind.visibleToCamera = false;
+  const FramePtr picture = frame(scene, sampled(16));
+  double sum = 0.0, steps = 0.0;
+  for (int y = 16; y < 48; ++y) {
+    const double here = pixel(*picture, 40, y).x;
+    sum += here;
+    steps += std::abs(pixel(*picture, 40, y + 1).x - here);
+  }
+  RecordProperty("step", std::to_string(steps / sum));
+  EXPECT_LT(steps, 0.1 * sum) << steps / sum;  // .07; without means .18
+}
+
 // Every transport and lookup: away from edges a sampled picture is the other.
 // Broken by: light looked up elsewhere than in the pixel's middle.
 TEST_F(SubpixelsTest, FlatPlacesStay) {
