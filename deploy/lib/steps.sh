@@ -10,10 +10,13 @@ readonly EXIT_USAGE=2 EXIT_NEEDS_ROOT=3
 DRY_RUN=no             # yes: print what would be run, without running it
 LOG_DIR=               # where steps put their output; set by start_logs
 STEP_TABLE=()          # "name<TAB>time<TAB>result" of every step so far
+FAILED_STEPS=()        # "name<TAB>log" of every step that failed
 CLEANUPS=()            # functions to run on exit, the newest first
 RESULT_OF=             # function that makes a step's result from its log; empty: "ok"
 CHILD=                 # process group of the running step
 PROGRESS_SECONDS=60    # how often a long step reports progress if stdout is not a terminal
+# What compilers, GoogleTest, Node and Python's unittest write where something is wrong.
+REASONS='error:|Error:|: Failure|^\[  FAILED|^not ok|^FAIL|AssertionError|not within|Timeout|Sanitizer:'
 
 say() { printf '%s\n' "$*"; }
 complain() { printf '%s: %s\n' "$0" "$*" >&2; }
@@ -145,9 +148,21 @@ finish_step() {
   [ -z "$RESULT_OF" ] || result=$("$RESULT_OF" "$log")
   note_step "$name" "$took" "$result"
   [ "$status" -ne 0 ] || return 0
+  FAILED_STEPS+=("$name"$'\t'"$log")
   complain "$name failed with status $status; the end of its log:"
   tail -n 30 "$log" | sed 's/^/    /' >&2
   complain "the whole log: $log"
+}
+
+# say_why: of every step that failed, the lines of its log that look like a reason: what many steps later are far above.
+say_why() {
+  local row name log
+  for row in "${FAILED_STEPS[@]}"; do
+    IFS=$'\t' read -r name log <<<"$row"
+    printf '\n%s failed:\n' "$name"
+    grep -E "$REASONS" "$log" | cut -c 1-200 | head -n 20 | sed 's/^/    /' || true
+    printf '    the whole log: %s\n' "$log"
+  done
 }
 
 # note_step NAME MILLISECONDS RESULT: a line on the way and in the final table.
