@@ -80,13 +80,13 @@ constexpr std::size_t kSpreadForPower = 32 * kMostLightPoints;  // points that t
 
 }  // namespace
 
-LightPoints lightPoints(const Mesh& mesh, const Texture* texture) {
+LightPoints lightPoints(const Mesh& mesh, const Texture* texture, std::size_t times) {
   const bool textured = texture != nullptr && !mesh.uvs.empty();
   const bool varies = textured || !mesh.directions.empty();
   const bool few = !varies && mesh.evenTriangles().size() <= kFewPolygons;
   const std::optional<CoarseTexture> coarse = textured ? std::optional<CoarseTexture>(*texture) : std::nullopt;
   return evenlySpread(mesh, varies ? mesh.triangles : mesh.evenTriangles(),
-                      few ? kPointsOfFewPolygons : kMostLightPoints, coarse ? &*coarse : nullptr);
+                      times * (few ? kPointsOfFewPolygons : kMostLightPoints), coarse ? &*coarse : nullptr);
 }
 
 LightPoints lightPointsByPower(const Mesh& mesh, const CoarseTexture* picture) {

@@ -30,8 +30,8 @@ inline constexpr std::size_t kMostLightPoints = 1024;
 
 /// Of one mesh, object space, m^2: each stands for the same area, and neighbours in the list are neighbours in space,
 /// so that every n-th one is a sample of the whole. Empty for a mesh without area. `texture` may be null; it is not
-/// read where the mesh has no texture coordinates.
-LightPoints lightPoints(const Mesh& mesh, const Texture* texture);
+/// read where the mesh has no texture coordinates. `times` as many as usual.
+LightPoints lightPoints(const Mesh& mesh, const Texture* texture, std::size_t times = 1);
 /// The same of a light of which some of it may be far brighter than the rest, a picture of the sky: half of the points
 /// are spread by area and half by what is sent, and each stands for the area that is left to it. `picture` may be null.
 LightPoints lightPointsByPower(const Mesh& mesh, const CoarseTexture* picture);

@@ -9,6 +9,9 @@ namespace lpv {
 
 namespace {
 
+/// Of a light that is seen in fewer points than these, the share is too coarse; it is found with kFiner times as many.
+constexpr std::size_t kFewArriving = 24, kFiner = 16;
+
 /// What the receiver gets from a point as if nothing lay between.
 double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const glm::dvec3& n) {
   const glm::dvec3 d = glm::dvec3(p.position) - at;
@@ -31,9 +34,36 @@ void LightVisibility::prepare() const {
   }
   for (const auto& [name, light] : scene_->lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
-    const LightPointsPtr points = pointsOf(*light);
-    emitters_.push_back({transformed(*points, light->transform.worldFromObject()), light->twoSided});
+    Emitter& emitter = emitters_.emplace_back();
+    emitter.light = light;
+    emitter.points = transformed(*pointsOf(*light), light->transform.worldFromObject());
   }
+}
+
+const LightPoints& LightVisibility::finerPoints(const Emitter& emitter) const {
+  std::call_once(emitter.once, [&emitter] {
+    const Light& light = *emitter.light;
+    emitter.finer =
+        transformed(lightPoints(*light.mesh, light.texture.get(), kFiner), light.transform.worldFromObject());
+  });
+  return emitter.finer;
+}
+
+LightVisibility::Arrived LightVisibility::arrived(const glm::dvec3& from, const glm::dvec3& n, std::size_t light,
+                                                  const LightPoints& points) const {
+  Arrived out;
+  for (const LightPoint& p : points) {
+    const double weight = weightOf(p, emitters_[light].light->twoSided, from, n);
+    if (!(weight > 0.0)) continue;
+    const glm::dvec3 light3 = weight * glm::dvec3(p.factor);
+    const glm::dvec3 to = glm::mix(from, glm::dvec3(p.position), double(layout::kShadowEnd));
+    const glm::dvec3 through = haze_.transmittance(from, to) * occluders_->transmitted(from, to, int(light));
+    out.all += light3;
+    out.seen += light3 * through;
+    ++out.sending;
+    if (through != glm::dvec3(0.0)) ++out.arriving;
+  }
+  return out;
 }
 
 glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std::size_t light) const {
@@ -41,18 +71,13 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
   std::call_once(once_, [this] { prepare(); });
   const Emitter& emitter = emitters_[light];
   const glm::dvec3 from = at + offset_ * n;
-  glm::dvec3 all(0.0), seen(0.0);
-  for (const LightPoint& p : emitter.points) {
-    const double weight = weightOf(p, emitter.twoSided, from, n);
-    if (!(weight > 0.0)) continue;
-    const glm::dvec3 light3 = weight * glm::dvec3(p.factor);
-    const glm::dvec3 to = glm::mix(from, glm::dvec3(p.position), double(layout::kShadowEnd));
-    all += light3;
-    seen += light3 * haze_.transmittance(from, to) * occluders_->transmitted(from, to, int(light));
-  }
+  Arrived got = arrived(from, n, light, emitter.points);
+  const bool isChosen = emitter.light->points != nullptr;  // by what they send: there are no more of them
+  if (got.arriving > 0 && got.arriving < std::min(kFewArriving, got.sending) && !isChosen)
+    got = arrived(from, n, light, finerPoints(emitter));
   glm::dvec3 out(1.0);
   for (int c = 0; c < 3; ++c) {
-    if (all[c] > 0.0 && seen[c] < all[c]) out[c] = seen[c] / all[c];
+    if (got.all[c] > 0.0 && got.seen[c] < got.all[c]) out[c] = got.seen[c] / got.all[c];
   }
   return out;
 }
@@ -65,7 +90,7 @@ std::vector<LightVisibility::PointSeen> LightVisibility::pointsSeen(const glm::d
   for (const LightPoint& p : emitter.points) {
     const glm::dvec3 d = glm::dvec3(p.position) - at;
     const double r = glm::length(d), along = -glm::dot(glm::dvec3(p.direction), d);
-    const double towards = emitter.twoSided ? std::abs(along) : along;
+    const double towards = emitter.light->twoSided ? std::abs(along) : along;
     if (!(r > 0.0 && towards > 0.0)) continue;
     const glm::dvec3 to = glm::mix(at, glm::dvec3(p.position), double(layout::kShadowEnd));
     out.push_back({d / r, double(p.area) * towards / (r * r * r) * glm::dvec3(p.factor),

@@ -3,6 +3,7 @@
 // shaders/frame/shadow_rays.comp.
 
 #include <cstddef>
+#include <deque>
 #include <glm/glm.hpp>
 #include <memory>
 #include <mutex>
@@ -48,16 +49,25 @@ class LightVisibility {
 
  private:
   struct Emitter {
+    LightPtr light;
     LightPoints points;  ///< world space
-    bool twoSided = false;
+    mutable std::once_flag once;
+    mutable LightPoints finer;  ///< more of them, made where the light is nearly hidden
+  };
+  /// What a point would get of some points of a light, what it gets, and from how many of them.
+  struct Arrived {
+    glm::dvec3 all{0.0}, seen{0.0};
+    std::size_t sending = 0, arriving = 0;
   };
   void prepare() const;
+  Arrived arrived(const glm::dvec3& from, const glm::dvec3& n, std::size_t light, const LightPoints& points) const;
+  const LightPoints& finerPoints(const Emitter& emitter) const;
 
   ScenePtr scene_;
   bool ofLights_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<const Occluders> occluders_;
-  mutable std::vector<Emitter> emitters_;
+  mutable std::deque<Emitter> emitters_;
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
   mutable Bounds bounds_;  ///< of the surfaces
   mutable Haze haze_;

@@ -1,4 +1,5 @@
 // Random scenes from a seed, LPV_STABILITY_SCENES of them (12, as with LPV_SHORT): properties that hold for every one.
+// LPV_STABILITY_FIRST: the first seed (1).
 // What fails is made smaller, light by light, before it is shown.
 
 #include <gtest/gtest.h>
@@ -59,15 +60,24 @@ Scene shrunk(Scene scene, const Property& property) {
   return scene;
 }
 
+std::string describe(const std::string& name, const Mesh& mesh, const Transform& transform) {
+  const glm::dvec3 &p = transform.translation, &s = transform.scale;
+  const glm::dquat& q = transform.rotation;
+  std::ostringstream out;
+  out << "  " << name << ": " << mesh.triangles.size() << " triangles at " << p.x << ' ' << p.y << ' ' << p.z
+      << ", turned (w x y z) " << q.w << ' ' << q.x << ' ' << q.y << ' ' << q.z << ", scale " << s.x << ' ' << s.y
+      << ' ' << s.z;
+  return out.str();
+}
+
 std::string describe(const Scene& scene) {
   std::ostringstream out;
   for (const auto& [name, light] : scene.lights) {
-    const glm::dvec3 &p = light->transform.translation, &s = light->transform.scale, &r = light->radiance;
-    const glm::dquat& q = light->transform.rotation;
-    out << "  " << name << ": " << light->mesh->triangles.size() << " triangles at " << p.x << ' ' << p.y << ' ' << p.z
-        << ", turned (w x y z) " << q.w << ' ' << q.x << ' ' << q.y << ' ' << q.z << ", scale " << s.x << ' ' << s.y
-        << ' ' << s.z << ", radiance " << r.x << ' ' << r.y << ' ' << r.z << (light->twoSided ? ", two-sided\n" : "\n");
+    const glm::dvec3& r = light->radiance;
+    out << describe(name, *light->mesh, light->transform) << ", radiance " << r.x << ' ' << r.y << ' ' << r.z
+        << (light->twoSided ? ", two-sided\n" : "\n");
   }
+  for (const auto& [name, surface] : scene.surfaces) out << describe(name, *surface->mesh, surface->transform) << '\n';
   return out.str();
 }
 
@@ -139,8 +149,10 @@ class RandomScenes : public test::EngineTest {
 
   void expect(Transport transport, const Property& property, const Change& change = asItIs) {
     const char* given = std::getenv("LPV_SHORT") == nullptr ? std::getenv("LPV_STABILITY_SCENES") : nullptr;
+    const char* begin = std::getenv("LPV_STABILITY_FIRST");
     const std::uint32_t count = given != nullptr ? std::uint32_t(std::atoi(given)) : 12;
-    for (std::uint32_t seed = 1; seed <= count; ++seed) {
+    const std::uint32_t first = begin != nullptr ? std::uint32_t(std::atoi(begin)) : 1;
+    for (std::uint32_t seed = first; seed < first + count; ++seed) {
       const Scene scene = change(randomScene(transport, seed), seed);
       if (!property(scene)) continue;
       const Scene least = shrunk(scene, property);

@@ -72,6 +72,29 @@ TEST(LightVisibility, SharesFollowThePenumbra) {
   EXPECT_GT(inBetween, 100);
 }
 
+// A strip of the lamp beside a plate right below it. Broken by: no more points than of a light that is seen as a whole.
+TEST(LightVisibility, ALightThatIsNearlyHiddenSendsWhatIsLeft) {
+  for (const double width : {0.01, 0.02, 0.03, 0.05}) {
+    Scene scene;
+    scene.grid = {glm::dvec3(-2.0), 0.125, glm::ivec3(32)};
+    const auto down = rotationFromEulerDegrees({180.0, 0.0, 0.0});
+    const Light& lamp = placeLight(scene, "lamp", reference::quad(), {{0.0, 0.0, 2.0}, down});
+    placeSurface(scene, "plate", reference::quad(),
+                 {{0.5, 0.0, 1.99}, {1.0, 0.0, 0.0, 0.0}, {2.0 - 2.0 * width, 3.0, 1.0}});
+    const LightVisibility visibility(asShared(scene));
+    for (const double x : {-0.7, -0.2, 0.4}) {
+      const double edge = x + (-0.5 + width - x) * 2.0 / 1.99;  // of the plate, as it is seen on the lamp
+      Light strip = lamp;
+      strip.transform = {{0.5 * (edge - 0.5), 0.0, 2.0}, down, {edge + 0.5, 1.0, 1.0}};
+      const auto at = [&](const Light& light) {
+        return reference::irradianceOf(reference::emittersOf(scene.grid, light).triangles, {x, 0.1, 0.0}, {0, 0, 1}).x;
+      };
+      const double want = at(strip) / at(lamp);
+      EXPECT_NEAR(visibility.share({x, 0.1, 0.0}, {0, 0, 1}, 0).x, want, 0.1 * want) << width << ' ' << x;
+    }
+  }
+}
+
 // Light with nothing in its way stays as it is, to the last bit.
 TEST(LightVisibility, NothingInTheWayIsExactlyOne) {
   const LightVisibility visibility(asShared(plate()));
