@@ -191,28 +191,6 @@ bool isWithin(double side, const glm::dvec2& edge) {
 
 Bvh makeBvh(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf) { return Builder(boxes, itemsOfLeaf).take(); }
 
-std::vector<BvhNode> nearerFirst(std::span<const BvhNode> nodes, const glm::vec3& direction) {
-  std::vector<BvhNode> out;
-  out.reserve(nodes.size());
-  std::vector<std::uint32_t> next;
-  if (!nodes.empty()) next.push_back(0);
-  while (!next.empty()) {
-    const std::uint32_t i = next.back();
-    next.pop_back();
-    BvhNode node = nodes[i];
-    node.skip = std::uint32_t(out.size()) + node.skip - i;
-    out.push_back(node);
-    if (node.items() > 0) continue;
-    std::uint32_t first = i + 1, second = nodes[first].skip;
-    const glm::vec3 apart = nodes[second].lower + nodes[second].upper - nodes[first].lower - nodes[first].upper;
-    const glm::vec3 far = glm::abs(apart);
-    const int axis = far.x > far.y ? (far.x > far.z ? 0 : 2) : (far.y > far.z ? 1 : 2);
-    if (apart[axis] * direction[axis] < 0.0F) std::swap(first, second);
-    next.insert(next.end(), {second, first});
-  }
-  return out;
-}
-
 TriangleBvh::TriangleBvh(const Mesh& mesh) {
   constexpr std::uint32_t kTrianglesOfLeaf = 3;
   std::vector<BvhBox> boxes;

@@ -42,10 +42,6 @@ struct Bvh {
 /// With at most `itemsOfLeaf` boxes in a leaf, 1..kLeafItems - 1. No nodes without boxes.
 Bvh makeBvh(std::span<const BvhBox> boxes, std::uint32_t itemsOfLeaf);
 
-/// The same tree, in which of two children the one comes first whose middle lies first along `direction`, on the axis
-/// on which they are farthest apart: where the nearest of all is looked for, what lies behind it is not.
-std::vector<BvhNode> nearerFirst(std::span<const BvhNode> nodes, const glm::vec3& direction);
-
 /// A triangle as a segment meets it. The corners as the mesh has them, so that triangles which share an edge agree
 /// about the side on which a segment passes it; the normal, since that of a long, thin one is lost in floats.
 struct BvhTriangle {

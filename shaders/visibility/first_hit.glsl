@@ -26,7 +26,7 @@ void lookAtPlaced(vec3 from, vec3 to, inout Sight sight, inout int rounds) {
   const vec3 origin = placedFromGrid(from), direction = uintBitsToFloat(texelFetch(occluders, 3).w) * (to - from);
   const SegmentBox box = placedBox(origin, direction);
   const Segment segment = segmentOf(origin, direction);
-  PlacedWalk walk = placedWalkAlong(direction);
+  PlacedWalk walk = placedWalk();
   const int begin = walk.at;
   int owner = 0, nearest = 0;  // texels
   while (walk.at != walk.stop && rounds < kMostRayRounds) {

@@ -1,16 +1,15 @@
 // Shadow rays against triangles. Surfaces that stop all light have theirs in one space, below a BVH over subtrees of theirs
 // (server/scene/placed_trees.h); all else is a BVH over instances, below each the BVH of its mesh, in its own space
 // (occluders.h). All are walked depth first without a stack (triangle_bvh.h). Texels:
-//   header    (texel of the first instance, first of the nodes over subtrees, one past the last, texels from there to the
-//             same in the order of the first octant, and from one octant to the next, or 0), (lower corner of the haze, its
-//             extinction per cell), (its upper corner, -), (where grid space begins in the common space, cell), (lower
-//             corner of all that is there, -), (its upper corner, -)
+//   header    (texel of the first instance, first of the nodes over subtrees, one past the last, -), (lower corner of the
+//             haze, its extinction per cell), (its upper corner, -), (where grid space begins in the common space, cell),
+//             (lower corner of all that is there, -), (its upper corner, -)
 //   nodes over instances
 //             (lower corner, the node after it and all below) (upper corner, first item x kLeafItems + items)
 //   nodes over subtrees
 //             as those that are placed (below), but of leaves (lower corner, texel where the subtree ends) (upper corner,
 //             texel where it begins x kLeafItems); then for each node (texel of the instance, first texel of its
-//             triangles, -, -), which leaves have; then all this again for each octant of directions, nearer ones first
+//             triangles, -, -), which leaves have
 //   instance  three rows of the matrix from grid to object space, or to the common space, then (first texel of the mesh's
 //             nodes, first of its triangles, which follow them, largest coordinate of its box, what it blocks:
 //             Occluder::blocks), then (transmission, alpha), (first texel of a map of alpha or 0, its boxes across and
@@ -134,14 +133,6 @@ struct PlacedWalk {
 PlacedWalk placedWalk() {
   const uvec4 header = texelFetch(occluders, 0);
   return PlacedWalk(int(header.y), int(header.z), 0, int(header.z));
-}
-
-/// Through nearer subtrees first.
-PlacedWalk placedWalkAlong(vec3 direction) {
-  const uvec4 header = texelFetch(occluders, 0);
-  const ivec3 back = ivec3(lessThan(direction, vec3(0.0)));
-  const int past = int(header.w) * (1 + back.x + 2 * back.y + 4 * back.z), stop = int(header.z) + past;
-  return PlacedWalk(int(header.y) + past, stop, 0, stop);
 }
 
 vec3 placedFromGrid(vec3 grid) {

@@ -156,8 +156,7 @@ void GpuOccluders::storeTop(const Inputs& inputs, const CommonSpace& space) {
   const Bounds hazy = haze.any() ? haze.box.transformed(gridFromWorld) : Bounds{glm::dvec3(0.0), glm::dvec3(0.0)};
   const Bounds all = boxAround(inputs.occluders, gridFromWorld);
   Texels texels = {
-      {std::uint32_t(instances), std::uint32_t(above), std::uint32_t(above + kTexelsOfNode * placed_.nodesAbove()),
-       std::uint32_t(placed_.texelsBetweenOrders())},
+      {std::uint32_t(instances), std::uint32_t(above), std::uint32_t(above + kTexelsOfNode * placed_.nodesAbove()), 0},
       texelOf(hazy.min, haze.extinction * inputs.grid.cell),
       texelOf(hazy.max, 0.0),
       texelOf(inputs.grid.origin - space.origin, inputs.grid.cell),

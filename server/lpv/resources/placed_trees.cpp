@@ -1,6 +1,5 @@
 #include "lpv/resources/placed_trees.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
@@ -15,9 +14,6 @@ namespace {
 /// triangles, meets 53 nodes with none, 38 with 256 and again more with 1,024.
 constexpr std::size_t kOpened = 256;
 constexpr std::size_t kTexelsAbove = kTexelsOfNode + 1;  // of a node: itself, and whose triangles it has
-/// Of the tree above, which is sent anew when a surface moves: larger ones have no orders of their own for octants.
-constexpr std::size_t kMostOrderedNodes = 2048;
-constexpr std::size_t kOctants = 8;
 
 static_assert(kPlacedBoxMargin == layout::kBoxMargin);
 
@@ -50,9 +46,7 @@ std::size_t GpuPlacedTrees::texelsOf(const PlacedObjects& objects, const MadeTre
 }
 
 std::size_t GpuPlacedTrees::texelsAbove(std::size_t objects) {
-  if (objects == 0) return 0;
-  const std::size_t nodes = 2 * (objects + kOpened);
-  return kTexelsAbove * (nodes + kOctants * std::min(nodes, kMostOrderedNodes));
+  return objects == 0 ? 0 : 2 * kTexelsAbove * (objects + kOpened);
 }
 
 std::optional<std::vector<std::size_t>> GpuPlacedTrees::placesOf(const PlacedObjects& objects) const {
@@ -131,25 +125,14 @@ void GpuPlacedTrees::makeAbove() {
   std::vector<BvhBox> boxes;
   for (const Subtree& s : subtrees_) boxes.push_back({trees[s.tree][s.node].lower, trees[s.tree][s.node].upper});
   above_ = makeBvh(boxes, 1);
-  orders_ = above_.nodes.size() <= kMostOrderedNodes ? kOctants : 0;
 }
 
-std::size_t GpuPlacedTrees::texelsOfOrder() const { return kTexelsAbove * above_.nodes.size(); }
+std::size_t GpuPlacedTrees::texelsAbove() const { return kTexelsAbove * above_.nodes.size(); }
 
 void GpuPlacedTrees::appendAbove(std::size_t at, std::span<const std::uint32_t> instances,
                                  std::vector<OccluderTexel>& out) const {
-  appendOrder(at, above_.nodes, instances, out);
-  for (std::size_t octant = 0; octant < orders_; ++octant) {
-    const glm::vec3 direction((octant & 1U) != 0 ? -1.0F : 1.0F, (octant & 2U) != 0 ? -1.0F : 1.0F,
-                              (octant & 4U) != 0 ? -1.0F : 1.0F);
-    appendOrder(at + (1 + octant) * texelsOfOrder(), nearerFirst(above_.nodes, direction), instances, out);
-  }
-}
-
-void GpuPlacedTrees::appendOrder(std::size_t at, std::span<const BvhNode> nodes,
-                                 std::span<const std::uint32_t> instances, std::vector<OccluderTexel>& out) const {
   std::vector<OccluderTexel> owners;
-  for (BvhNode node : nodes) {
+  for (BvhNode node : above_.nodes) {
     if (node.items() == 0) {
       node.skip = std::uint32_t(at + kTexelsOfNode * node.skip);
       owners.emplace_back(0);

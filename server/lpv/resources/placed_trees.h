@@ -52,11 +52,8 @@ class GpuPlacedTrees {
   /// Of the objects last stored or moved.
   const StoredTree& tree(std::size_t object) const { return places_[members_[object]].stored; }
   std::size_t nodesAbove() const { return above_.nodes.size(); }
-  std::size_t texelsAbove() const { return (1 + orders_) * texelsOfOrder(); }
-  /// Of the tree in one order; 0 where it has one only.
-  std::size_t texelsBetweenOrders() const { return orders_ == 0 ? 0 : texelsOfOrder(); }
-  /// Appends the tree over their subtrees, which will be at texel `at`: as it is, then in the order of each octant of
-  /// directions. `instances`: the texel of each object's.
+  std::size_t texelsAbove() const;
+  /// Appends the tree over their subtrees, which will be at texel `at`; `instances`: the texel of each object's.
   void appendAbove(std::size_t at, std::span<const std::uint32_t> instances, std::vector<OccluderTexel>& out) const;
 
  private:
@@ -72,16 +69,12 @@ class GpuPlacedTrees {
   std::optional<std::vector<std::size_t>> placesOf(const PlacedObjects& objects) const;
   GpuTask put(gpu::Buffer& buffer, PlacedTree tree, const glm::dmat4& spaceFromObject, Place& place);
   void makeAbove();
-  std::size_t texelsOfOrder() const;
-  void appendOrder(std::size_t at, std::span<const BvhNode> nodes, std::span<const std::uint32_t> instances,
-                   std::vector<OccluderTexel>& out) const;
 
   std::optional<PlacedObjects> objects_;  ///< those that are in the buffer; nothing while they are put there
   std::vector<Place> places_;
   std::map<MeshPtr, std::vector<std::size_t>> byMesh_;
   std::vector<std::size_t> members_;  ///< the objects' places
   Bvh above_;  ///< over subtrees_
-  std::size_t orders_ = 0;  ///< besides its own: one for each octant, or none
   std::vector<Subtree> subtrees_;  ///< of members_
 };
 

@@ -108,44 +108,6 @@ TEST(OpenedTrees, OpenWhatIsLargest) {
   EXPECT_EQ(subtrees[1].tree, 1U);
 }
 
-/// One past all below node `i`, by what is there.
-std::size_t endOf(const std::vector<BvhNode>& nodes, std::size_t i) {
-  return nodes[i].items() > 0 ? i + 1 : endOf(nodes, endOf(nodes, i + 1));
-}
-
-// Red where skips are those of the tree before, and where the farther child comes first.
-TEST(NearerFirst, IsTheSameTreeInAnotherOrder) {
-  const std::vector<BvhNode> tree = bvhOf(reference::bumpySphere(500))->nodes;
-  const auto middle = [](const BvhNode& n, int axis) { return n.lower[axis] + n.upper[axis]; };
-  const auto leaves = [](const std::vector<BvhNode>& nodes) {
-    std::vector<std::uint32_t> out;
-    for (const BvhNode& n : nodes) out.push_back(n.leaf);
-    std::ranges::sort(out);
-    return out;
-  };
-  for (const glm::vec3 along : {glm::vec3(1, 1, 1), glm::vec3(-1, 1, 1), glm::vec3(1, -1, -1), glm::vec3(-1, -1, -1)}) {
-    const std::vector<BvhNode> nodes = nearerFirst(tree, along);
-    EXPECT_EQ(leaves(nodes), leaves(tree));
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      ASSERT_EQ(nodes[i].skip, endOf(nodes, i));
-      if (nodes[i].items() > 0) continue;
-      const BvhNode &first = nodes[i + 1], &second = nodes[first.skip];
-      for (const BvhNode& child : {first, second}) {
-        ASSERT_TRUE(glm::all(glm::lessThanEqual(nodes[i].lower, child.lower)));
-        ASSERT_TRUE(glm::all(glm::greaterThanEqual(nodes[i].upper, child.upper)));
-      }
-      int axis = 0;
-      for (const int other : {1, 2}) {
-        if (std::abs(middle(second, other) - middle(first, other)) >
-            std::abs(middle(second, axis) - middle(first, axis)))
-          axis = other;
-      }
-      EXPECT_GE((middle(second, axis) - middle(first, axis)) * along[axis], 0.0F) << i;
-    }
-  }
-  EXPECT_TRUE(nearerFirst({}, glm::vec3(1)).empty());
-}
-
 TEST(CommonSpace, HasWhatStopsAllLightNearTheGrid) {
   const MeshPtr box = reference::box(glm::dvec3(-1), glm::dvec3(1)), statue = reference::bumpySphere(20000);
   std::vector<Occluder> all;
