@@ -11,6 +11,8 @@ namespace {
 
 /// Of a light that is seen in fewer points than these, the share is too coarse; it is found with kFiner times as many.
 constexpr std::size_t kFewArriving = 24, kFiner = 16;
+/// Of all lights together, 54 MB; scenes with more do without.
+constexpr std::size_t kMostFinerPoints = 1 << 20;
 
 /// What the receiver gets from a point as if nothing lay between.
 double weightOf(const LightPoint& p, bool twoSided, const glm::dvec3& at, const glm::dvec3& n) {
@@ -32,12 +34,15 @@ void LightVisibility::prepare() const {
     bounds_.add(box.max);
     panes_ = panes_ || !coverageOf(*surface).isOpaque();
   }
+  std::size_t points = 0;
   for (const auto& [name, light] : scene_->lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
     Emitter& emitter = emitters_.emplace_back();
     emitter.light = light;
     emitter.points = transformed(*pointsOf(*light), light->transform.worldFromObject());
+    points += emitter.points.size();
   }
+  refines_ = kFiner * points <= kMostFinerPoints;
 }
 
 const LightPoints& LightVisibility::finerPoints(const Emitter& emitter) const {
@@ -72,8 +77,8 @@ glm::dvec3 LightVisibility::share(const glm::dvec3& at, const glm::dvec3& n, std
   const Emitter& emitter = emitters_[light];
   const glm::dvec3 from = at + offset_ * n;
   Arrived got = arrived(from, n, light, emitter.points);
-  const bool isChosen = emitter.light->points != nullptr;  // by what they send: there are no more of them
-  if (got.arriving > 0 && got.arriving < std::min(kFewArriving, got.sending) && !isChosen)
+  const bool hasFiner = refines_ && emitter.light->points == nullptr;  // a sky's are chosen by what they send
+  if (hasFiner && got.arriving > 0 && got.arriving < std::min(kFewArriving, got.sending))
     got = arrived(from, n, light, finerPoints(emitter));
   glm::dvec3 out(1.0);
   for (int c = 0; c < 3; ++c) {

@@ -68,6 +68,7 @@ class LightVisibility {
   mutable std::once_flag once_;
   mutable std::unique_ptr<const Occluders> occluders_;
   mutable std::deque<Emitter> emitters_;
+  mutable bool refines_ = false;  ///< there is room for finer points of every light
   mutable double offset_ = 0.0;  ///< metres, along a receiver's normal to where rays begin
   mutable Bounds bounds_;  ///< of the surfaces
   mutable Haze haze_;
