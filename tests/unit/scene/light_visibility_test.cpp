@@ -72,7 +72,8 @@ TEST(LightVisibility, SharesFollowThePenumbra) {
   EXPECT_GT(inBetween, 100);
 }
 
-// A strip of the lamp beside a plate right below it. Broken by: no more points than of a light that is seen as a whole.
+// A strip of the lamp beside a plate right below it, within a tenth: of the narrowest, 4,096 points have forty. Broken
+// by: no more points than of a light that is seen as a whole.
 TEST(LightVisibility, ALightThatIsNearlyHiddenSendsWhatIsLeft) {
   for (const double width : {0.01, 0.02, 0.03, 0.05}) {
     Scene scene;
