@@ -62,6 +62,7 @@ LPV_CONST int kNearFieldTiles = 25;  // uint per tile of a picture: 1 where a pi
 LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points that are to be evaluated
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
+LPV_CONST int kPatchSums = 28;  // float, kPatchSumsOfPoint per point of kShadowPoints (shaders/visibility/patch_sums.glsl)
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
 LPV_CONST int kPatchExchange = 30;  // float per two patches, PatchParams.stride to what one sends: E that another gets
                                     // from it of unit radiance x its area; negative: a light is between
@@ -163,6 +164,9 @@ LPV_CONST int kBlockX = 8;  // a block of receivers: cells along x, y and z; a w
 LPV_CONST int kBlockY = 4;
 LPV_CONST int kBlockZ = 4;  // all of a column by one thread: what it reads of the tree serves them all
 LPV_CONST int kNearFieldGroup = 32;  // tiles of a picture, blocks of points, or points in fours: a thread each
+LPV_CONST float kNoShare = -2.0;  // in the place of what a share says: the pixel has none
+LPV_CONST int kPatchSumsOfPoint = 64;
+LPV_CONST int kLeastPatchBatch = 16;
 LPV_CONST int kNearFieldTile = 8;  // pixels across and down
 LPV_CONST int kNearFieldBlockX = 8;  // points that a thread decides about: a bit each of a uint
 LPV_CONST int kNearFieldBlockY = 4;
@@ -545,8 +549,8 @@ struct ShadowParams {
   int foldTurns;  // of rays all around to the pieces of folds; 0: none
   int firstRow;  // of the pixels, in the picture that they are some rows of
   int darkTurns;  // that see nothing before a point is taken for dark, at least 1
-  int pad1;
-  int pad2;
+  int patchBatch;  // patches to one of kPatchSums, a power of two, kLeastPatchBatch at least
+  int smoothedBy;  // pixels between receivers whose rays go to different places, since their shares are smoothed; 0: the same
 };
 
 struct DrawParams {

@@ -101,6 +101,8 @@ void Texture::uploadRows(int row, int rows, GLenum layout, GLenum type, const vo
 
 void Texture::generateMipmaps() { glGenerateTextureMipmap(id_); }
 
+void Texture::fill(const glm::vec4& texel) const { glClearTexImage(id_, 0, GL_RGBA, GL_FLOAT, &texel); }
+
 void Texture::bind(std::uint32_t unit) const { glBindTextureUnit(unit, id_); }
 
 void Texture::bindImage(std::uint32_t unit, GLenum access) const {

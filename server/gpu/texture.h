@@ -36,6 +36,8 @@ class Texture {
   /// Rows [row, row + rows) of one level of a 2D texture from tightly packed client memory.
   void uploadRows(int row, int rows, GLenum layout, GLenum type, const void* texels, int level = 0) const;
   void generateMipmaps();
+  /// Sets every texel of level 0, of a format of floats.
+  void fill(const glm::vec4& texel) const;
 
   void bind(std::uint32_t unit) const;
   /// Whole level 0, all layers, as an image of the texture's own format.

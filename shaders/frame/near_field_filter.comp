@@ -4,8 +4,6 @@
 // by more than chance: edges of shadows stay where they are, the grain of penumbrae goes. A thread has a pixel.
 // LPV_REFLECTED: light of all surfaces has no such edges, and fewer rays: all shares on the plane count.
 #include "layout.h"
-#include "common/octahedral.glsl"
-#include "frame/position.glsl"
 
 #ifndef LPV_REFLECTED
 #error "LPV_REFLECTED: 0 or 1"
@@ -15,18 +13,11 @@ layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 layout(std140, binding = kNearFieldParams) uniform NearFieldBlock { NearFieldParams params; };
-layout(binding = kNormal) uniform sampler2D normal;
-layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
+#include "frame/plane_shares.glsl"
 layout(binding = kPoolLight) uniform sampler2D poolLight;
-layout(binding = kPoolShare) uniform sampler2D poolShare;
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
 
 const int kReach = 3;                // pixels on each side
-const float kLeastCosine = 0.9;      // between normals
-const float kOffPlane = 0.05;        // as a share of the distance
-
-vec3 positionAt(ivec2 pixel) { return gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x); }
-vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
 
 float mean(vec3 v) { return dot(v, vec3(1.0 / 3.0)); }
 
@@ -55,14 +46,6 @@ bool stays(ivec2 pixel, ivec2 size, vec4 share) {
     same = same && texelFetch(poolShare, corner, 0) == share;
   }
   return same;
-}
-
-/// A pixel's share, its rays 0 where it is not on the plane through x.
-vec4 shareOnPlane(ivec2 pixel, ivec2 size, vec3 x, vec3 n) {
-  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return vec4(0.0);
-  const vec3 d = positionAt(pixel) - x;
-  const bool same = dot(normalAt(pixel), n) >= kLeastCosine && abs(dot(d, n)) <= kOffPlane * length(d) + 1e-6;
-  return same ? texelFetch(poolShare, pixel, 0) : vec4(0.0);
 }
 
 /// Pixels opposite each other are taken together, so that a slope stays as steep as it is.

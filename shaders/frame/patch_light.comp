@@ -9,6 +9,7 @@
 #include "visibility/patches.glsl"
 #include "visibility/receivers.glsl"
 #include "visibility/shadow_points.glsl"
+#include "visibility/patch_sums.glsl"
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
@@ -24,9 +25,9 @@ vec3 radianceOf(int i) {
          texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
 }
 
-/// Of the patches from `first` to `end`, at most 32, the far ones' light, and a bit for each of the others: near ones, and
-/// folds whose pieces are looked for instead (fold_rays.comp).
-vec3 farLight(int first, int end, vec3 x, vec3 n, out uint others) {
+/// Of the patches from `first` to `end`, the far ones' light, and a bit for each of the others: near ones, and
+/// folds whose pieces are looked for instead (fold_rays.comp). `sent`: with what all before send, to be added up for rays.
+vec3 farLight(int first, int end, vec3 x, vec3 n, inout float sent, out uint others) {
   vec3 sum = vec3(0.0);
   others = 0u;
   for (int i = first; i < end; ++i) {
@@ -34,10 +35,13 @@ vec3 farLight(int first, int end, vec3 x, vec3 n, out uint others) {
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;
-    const bool folded = isFolded(dot(d, d), colour.a), far = dot(d, d) >= -kNearPatch * emits.w && !folded;
+    const bool folded = isFolded(dot(d, d), colour.a);
+    const bool far = dot(d, d) >= -kNearPatch * emits.w && !folded;
     const bool beside = dot(emits.xyz, n) > kBesideCosine && !folded;
     others |= far || beside ? 0u : 1u << (i - first);
-    sum += far ? place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n) * colour.rgb : vec3(0.0);
+    const float weight = place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n);
+    sum += far ? weight * colour.rgb : vec3(0.0);
+    sent += isAsked(dot(d, d), -emits.w, colour.a) ? 0.0 : weight;
   }
   return sum;
 }
@@ -99,12 +103,19 @@ void addNear(int i, vec3 d, vec3 x, vec3 n, ivec2 pixel, inout int rounds, inout
 }
 
 /// Patches by 32: llvmpipe goes through what any of eight points needs, and for near patches that is much.
-Arriving arrivingAt(vec3 x, vec3 n, ivec2 pixel) {
+Arriving arrivingAt(uint point, vec3 x, vec3 n, ivec2 pixel) {
   Arriving arriving = Arriving(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
   int rounds = 0;
+  float sent = 0.0;
   for (int first = 0; first < shadow.pointCount; first += 32) {
-    uint others;
-    arriving.light += farLight(first, min(first + 32, shadow.pointCount), x, n, others);
+    uint others = 0u;
+    for (int before = 0; before < 32; before += kLeastPatchBatch) {
+      uint here;
+      const int begin = min(first + before, shadow.pointCount), end = min(begin + kLeastPatchBatch, shadow.pointCount);
+      arriving.light += farLight(begin, end, x, n, sent, here);
+      others |= here << before;
+      keepPatchSum(point, batchOf(max(end - 1, 0)), sent);
+    }
     for (; others != 0u; others &= others - 1u) {
       const int i = first + findLSB(others);
       const vec3 d = patches[i].place.xyz - x;
@@ -123,6 +134,6 @@ void main() {
   if (four >= list.count) return;
   const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel);
-  const Arriving arriving = arrivingAt(rayStart(pixel, n), n, inPicture(pixel));
+  const Arriving arriving = arrivingAt(point, rayStart(pixel, n), n, inPicture(pixel));
   begin(point, arriving.light, arriving.asked, arriving.known, arriving.foldsWithin);
 }

@@ -5,6 +5,7 @@
 #include "visibility/patch_weight.glsl"
 #include "visibility/receivers.glsl"
 #include "visibility/shadow_points.glsl"
+#include "visibility/patch_sums.glsl"
 #define LPV_FACING 1
 #include "visibility/light_points.glsl"
 #include "visibility/occluders.glsl"
@@ -70,14 +71,17 @@ bool isDecided(uint point, uint four) {
   return shadowPoints[point].seen.a == 1.0;
 }
 
-/// A sequence over the picture whose neighbours differ much (Roberts 2018).
-float shiftAt(ivec2 pixel) { return fract(dot(vec2(pixel & 1023), vec2(0.7548776662, 0.5698402910))); }
+/// A sequence over the picture whose neighbours, so many pixels apart, differ much (Roberts 2018).
+float shiftAt(ivec2 pixel, int apart) {
+  return fract(dot(vec2(pixel & 1023) / float(apart), vec2(0.7548776662, 0.5698402910)));
+}
+float shiftAt(ivec2 pixel) { return shiftAt(pixel, 1); }
 
 /// Where in a quarter of the weights this turn's rays go. All turns together cover it evenly; which comes first differs
 /// from pixel to pixel, so that the first rays of four neighbours see much of the light.
 float placeAt(ivec2 pixel) {
   const int turn = (shadow.turn + int(shiftAt(pixel.yx + 255) * float(shadow.turns))) % shadow.turns;
-  return (float(turn) + (shadow.jitter == 0 ? 0.5 : shiftAt(pixel))) / float(shadow.turns);
+  return (float(turn) + (shadow.smoothedBy == 0 ? 0.5 : shiftAt(pixel, shadow.smoothedBy))) / float(shadow.turns);
 }
 
 /// Which points are weighed.
@@ -85,8 +89,35 @@ float candidatesAt(ivec2 pixel) {
   return fract(0.6180339887 * float(shadow.turn) + (shadow.jitter == 0 ? 0.5 : shiftAt(pixel.yx + 511)));
 }
 
-/// The points that a turn's rays go to, -1 for none, and what each ray is worth.
-ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
+#if LPV_FROM_PATCHES
+/// The patch where `place` lies, in [0, 1) of what all send, or -1.
+int patchAt(uint point, float place, vec3 x, vec3 n) {
+  const int last = batchOf(shadow.pointCount - 1);
+  const float wanted = place * patchSum(point, last);
+  int batch = 0;
+  for (int stride = kPatchSumsOfPoint / 2; stride > 0; stride /= 2) {
+    if (batch + stride <= last && patchSum(point, batch + stride - 1) <= wanted) batch += stride;
+  }
+  const int begin = batch * shadow.patchBatch;
+  float sum = batch > 0 ? patchSum(point, batch - 1) : 0.0;
+  int chosen = -1;
+  for (int i = begin; i < min(begin + shadow.patchBatch, shadow.pointCount); ++i) {
+    const float weight = pointWeight(i, x, n);
+    if (weight > 0.0 && sum <= wanted) chosen = i;
+    sum += weight;
+  }
+  return chosen;
+}
+
+ivec4 raysTo(uint point, vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
+  ivec4 chosen;
+  for (int i = 0; i < 4; ++i) chosen[i] = patchAt(point, 0.25 * (float(i) + placeAt(pixel)), x, n);
+  weights = vec4(1.0);
+  return chosen;
+}
+#else
+/// The points that a turn's rays go to, -1 for none, and what each ray is worth beside others.
+ivec4 raysTo(uint point, vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
   ivec4 chosen = ivec4(-1);
   if (shadow.even == 1) chosen = evenPoints(shadow.firstPoint, shadow.pointCount, x, n, placeAt(pixel), weights);
   if (chosen != ivec4(-1)) return chosen;  // else only other points than these four send light here
@@ -95,6 +126,7 @@ ivec4 raysTo(vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
   weights = vec4(all);
   return chosen;
 }
+#endif
 
 #if LPV_TRANSPARENT
 /// What haze leaves of what the pool sends, over as many points as are weighed. It belongs to what is sent, not to the share
@@ -117,7 +149,7 @@ float keptInHaze(vec3 x, vec3 n, ivec2 pixel) {
 void sendRays(uint point, ivec2 pixel) {
   const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
   vec4 weights;
-  const ivec4 chosen = raysTo(x, n, inPicture(pixel), weights);
+  const ivec4 chosen = raysTo(point, x, n, inPicture(pixel), weights);
   vec4 all = vec4(0.0), shares = vec4(-1.0);
   vec3 seen = vec3(0.0);
   float seenRays = 0.0;

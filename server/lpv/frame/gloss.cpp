@@ -48,8 +48,7 @@ GlossBuffer::GlossBuffer(const glm::ivec2& s)
           deviceBuffer("reflections", layout::kGlossPlaces * std::size_t(s.x) * std::size_t(rows) * kGlossPointBytes)),
       list("places that reflections met", sizeof(layout::ListHeader) + kMostGlossPlaces / 4 * sizeof(glm::uvec4),
            gpu::BufferUse::kDynamic, gpu::Undefined{}),
-      shadows(deviceBuffer("shadow points of reflections", kMostGlossPlaces * kShadowPointTexels * sizeof(glm::vec4))) {
-}
+      shadows("shadow points of reflections", kMostGlossPlaces) {}
 
 struct GlossPass::Inputs {
   GlossBuffer& buffer;

@@ -24,7 +24,7 @@ struct GlossBuffer {
   gpu::Texture met;    ///< RGBA32F, of a band: E where rays met a surface, pictures beside each other
   gpu::Buffer points;  ///< of a band: layout::kGlossPoints
   gpu::Buffer list;    ///< layout::kNearFieldPoints
-  gpu::Buffer shadows; ///< layout::kShadowPoints of the list
+  ShadowPoints shadows; ///< of the list
 };
 
 /// What reflections show, and how long they look.

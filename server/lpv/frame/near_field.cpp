@@ -15,7 +15,6 @@ namespace {
 
 std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::size_t(parts.y); }
 
-constexpr std::size_t kShadowPointBytes = kShadowPointTexels * sizeof(glm::vec4);
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
@@ -36,6 +35,13 @@ PoolTurns turnsFor(const LightPool& pool, int turns, bool patches, bool reduced)
   if (patches) return {turns, turns};
   if (reduced) return {2 * turns, 2 * turns};
   return {3 * turns / 2, std::max(turns / 4, 1)};
+}
+
+/// Patches whose light to a point is one sum (shaders/visibility/patch_sums.glsl).
+int batchOf(int patches) {
+  int batch = layout::kLeastPatchBatch;
+  while (batch * layout::kPatchSumsOfPoint < patches) batch *= 2;
+  return batch;
 }
 
 /// The finest pass between points has half of the pixels; each block's last four may be incomplete.
@@ -73,9 +79,8 @@ struct NearFieldPass::Inputs {
     (poolPicture != nullptr ? *poolPicture : buffer.irradiance).bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.tiles.bindStorage(layout::kNearFieldTiles);
     buffer.points.bindStorage(layout::kNearFieldPoints);
-    if (sources.shadows != nullptr) buffer.shadows.bindStorage(layout::kShadowPoints);
-    if (!filtered()) return;
-    buffer.poolLight.bindImage(layout::kPoolLightOut, GL_WRITE_ONLY);
+    if (!filtered() && !smoothed()) return;
+    (filtered() ? buffer.poolLight : *poolPicture).bindImage(layout::kPoolLightOut, GL_WRITE_ONLY);
     buffer.poolShare.bindImage(layout::kPoolShareOut, GL_WRITE_ONLY);
   }
   /// Of lights, and one more if surfaces reflect.
@@ -92,6 +97,10 @@ struct NearFieldPass::Inputs {
   }
   /// Whether shares are smoothed over pixels: where each sends rays of its own.
   bool filtered() const { return sources.shadows != nullptr && !sources.reduced; }
+  /// The same over points of a picture of what surfaces reflect, where rays are sent to some of its pixels.
+  bool smoothed() const {
+    return poolPicture != nullptr && looksAtReflections() && sources.shadows->reflectedTurns > 0;
+  }
 };
 
 /// Receivers on a list that look at the lights through what may stand in the way.
@@ -103,7 +112,9 @@ struct NearFieldPass::Look {
   double points;  ///< on it, at most
   Receivers receivers;  ///< what they are
   bool reduced;  ///< rays go to the same places from every pixel, which are spread evenly
+  bool smoothed;  ///< but for what surfaces reflect
   int firstRow;  ///< of the pixels, in their picture
+  ShadowPoints& known;
   std::function<void()> bind;
 };
 
@@ -173,6 +184,7 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
     shadowParams_.update(0, gpu::bytesOfValue(params));
     shadowParams_.bindUniform(layout::kShadowParams);
     from.bind();
+    from.known.bind();
     at.points.bind(layout::kLightPoints);
     if (from.shadows.reflected != nullptr) from.shadows.reflected->bind();
     if (params.turns > 0) from.shadows.occluders->bind();
@@ -201,6 +213,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     const PoolTurns turns = turnsFor(pool, shadows.turns, patches, from.reduced);
     params.turns = turns.most;
     params.darkTurns = turns.dark;
+    params.smoothedBy = params.jitter;
     const bool few = pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints;
     params.even = (from.reduced && few) || pool.distant ? 1 : 0;  // distant points are spread by what they send
     params.firstLight = pool.firstLight;
@@ -215,9 +228,12 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
   params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;
   params.even = 0;
-  params.apart *= 2;
+  params.apart = from.smoothed ? 2 : 2 * params.apart;
+  params.smoothedBy = from.smoothed ? layout::kNearFieldSpacing : params.jitter;
   params.firstPoint = 0;
   params.pointCount = shadows.reflected->count;
+  params.patchBatch = batchOf(params.pointCount);
+  from.known.keepPatchSums();
   co_await look(from, {params, shadows.reflected->lightTexels, true}, pacing);
 }
 
@@ -227,7 +243,6 @@ GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const 
     emitters.view.bind(layout::kDirect);
     patches.bind();
     list.points.bindStorage(layout::kNearFieldPoints);
-    patches.shadows.bindStorage(layout::kShadowPoints);
   };
   const bool reflected = shadows.reflected != nullptr;
   // Not a temporary: GCC 12 destroys it twice in co_await.
@@ -238,7 +253,9 @@ GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const 
                           double(list.count),
                           Receivers::kPatches,
                           false,
+                          false,
                           0,
+                          patches.shadows,
                           bind};
   co_await look(receivers, pacing);
 }
@@ -255,12 +272,19 @@ GpuTask NearFieldPass::lookFromMet(const MetPlaces& places, const EmitterBufferL
     emitters.view.bind(layout::kDirect);
     places.points.bindStorage(layout::kGlossPoints);
     places.list.bindStorage(layout::kNearFieldPoints);
-    places.shadows.bindStorage(layout::kShadowPoints);
     places.irradiance.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
   };
-  const Look receivers = {shadows,     shadows.pools->pools, shadows.reflected != nullptr,
-                          places.list, places.count,         Receivers::kMet,
-                          false,       places.firstRow,      bind};
+  const Look receivers = {shadows,
+                          shadows.pools->pools,
+                          shadows.reflected != nullptr,
+                          places.list,
+                          places.count,
+                          Receivers::kMet,
+                          false,
+                          false,
+                          places.firstRow,
+                          places.shadows,
+                          bind};
   co_await look(receivers, pacing);
 }
 
@@ -274,7 +298,6 @@ GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces&
     places.apart.normal.bind(layout::kApartNormal);
     places.apart.light.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.points.bindStorage(layout::kNearFieldPoints);
-    buffer.shadows.bindStorage(layout::kShadowPoints);
   };
   const int blocks = int(count(partsOf(buffer.size, kBlock)));
   constexpr int kMostBlocks = kMostShadowPoints / kPointsOfBlock;
@@ -294,7 +317,9 @@ GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces&
                             kShareApart * wanted * kPointsOfBlock,
                             Receivers::kApart,
                             false,
+                            false,
                             places.firstRow,
+                            buffer.shadows,
                             bind};
     co_await look(receivers, pacing);
   }
@@ -321,6 +346,24 @@ GpuTask NearFieldPass::filter(const Inputs& inputs, Pacing pacing) {
     first += wanted;
     co_yield submitted(Stage::kShade, wanted * kUnits);
   }
+}
+
+/// What the points of a pass get, from what they would get and the share that arrives at those around.
+GpuTask NearFieldPass::smooth(const Inputs& inputs, const Pass& pass) {
+  const int s = pass.stride.x + pass.stride.y;
+  const glm::ivec2 apart = s == 0              ? glm::ivec2(inputs.spacing())
+                           : pass.stride.x > 0 ? glm::ivec2(2 * s)
+                                               : glm::ivec2(s, 2 * s);
+  const glm::ivec2 groups = partsOf(partsOf(inputs.buffer.size, apart), kTile);
+  const layout::NearFieldParams params = {.stride = pass.stride, .first = 0, .spacing = inputs.spacing()};
+  params_.update(0, gpu::bytesOfValue(params));
+  params_.bindUniform(layout::kNearFieldParams);
+  inputs.bind();
+  inputs.buffer.poolShare.bind(layout::kPoolShare);
+  smooth_.get({}).dispatch(std::uint32_t(groups.x), std::uint32_t(groups.y));
+  gpu::memoryBarrier();
+  co_yield submitted(Stage::kShade,
+                     NearFieldWork{.weighed = double(count(inputs.buffer.size)) / (apart.x * apart.y)}.units());
 }
 
 /// Some parts at a time: what is to be evaluated in them, and its evaluation.
@@ -351,7 +394,9 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
                               points,
                               Receivers::kPixels,
                               inputs.sources.reduced,
+                              inputs.smoothed(),
                               inputs.sources.firstRow,
+                              inputs.buffer.shadows,
                               [&inputs] { inputs.bind(); }};
       co_await look(receivers, pacing);
       continue;
@@ -368,16 +413,13 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
 GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
                            const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, sources, frameParams};
-  if (sources.shadows != nullptr && !buffer.shadows)
-    buffer.shadows =
-        gpu::Buffer("shadow points", kMostShadowPoints * kShadowPointBytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-  if (inputs.filtered() && !buffer.poolLight) {
-    const auto picture = [&buffer](const char* label) {
-      return gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
-    };
-    buffer.poolLight = picture("light of a pool");
-    buffer.poolShare = picture("share of a pool");
-  }
+  if (sources.shadows != nullptr && !buffer.shadows) buffer.shadows = ShadowPoints("shadow points", kMostShadowPoints);
+  const auto keep = [&buffer](gpu::Texture& picture, const char* label) {
+    if (!picture) picture = gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
+  };
+  if (inputs.filtered()) keep(buffer.poolLight, "light of a pool");
+  if (inputs.filtered() || (!sources.pools.empty() && inputs.looksAtReflections()))
+    keep(buffer.poolShare, "share of a pool");
   if (sources.pools.empty()) buffer.pools.clear();
   if (inputs.filtered()) {
     co_await runFiltered(inputs, pacing);
@@ -427,14 +469,20 @@ GpuTask NearFieldPass::runPools(const Inputs& inputs, Pacing pacing) {
   }
 }
 
+GpuTask NearFieldPass::runSmoothed(const Inputs& inputs, const Pass& pass, Pacing pacing) {
+  co_await run(inputs, pass, pacing);
+  if (inputs.smoothed()) co_await smooth(inputs, pass);
+}
+
 GpuTask NearFieldPass::runPasses(const Inputs& inputs, Pacing pacing) {
   constexpr double kPoints = kPointsOfBlock;
+  if (inputs.smoothed()) inputs.buffer.poolShare.fill({0.0F, 0.0F, 0.0F, layout::kNoShare});
   co_await run(inputs, Pass::weights(), pacing);
-  co_await run(inputs, Pass::first(inputs.spacing()), pacing);
+  co_await runSmoothed(inputs, Pass::first(inputs.spacing()), pacing);
   for (int stride = inputs.spacing() / 2; stride > 0; stride /= 2) {
-    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * 2 * stride, {stride, 0}, {.between = kPoints}}, pacing);
-    co_await run(inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, {.between = kPoints}},
-                 pacing);
+    co_await runSmoothed(inputs, {LPV_PASS_BETWEEN, kBlock * 2 * stride, {stride, 0}, {.between = kPoints}}, pacing);
+    co_await runSmoothed(
+        inputs, {LPV_PASS_BETWEEN, kBlock * glm::ivec2(stride, 2 * stride), {0, stride}, {.between = kPoints}}, pacing);
   }
 }
 

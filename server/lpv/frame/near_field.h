@@ -44,9 +44,9 @@ struct NearFieldBuffer {
   gpu::Texture irradiance;  ///< RGBA32F: E in W/m^2, and its weight beside the volume's: 0 far from lights
   gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
   gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
-  gpu::Buffer shadows;      ///< what is known of each point while rays are sent; made where they are
+  ShadowPoints shadows;     ///< made where rays are sent
   gpu::Texture poolLight, poolShare;  ///< RGBA32F: what one pool sends, unless something is in the way, and which share
-                                      ///< of it arrives; made where every pixel looks through what may be
+                                      ///< of it arrives; made where shares are smoothed
   std::vector<PoolPicture> pools;  ///< of a reduced picture: each keeps its own while it stands
 };
 
@@ -82,7 +82,7 @@ struct MetPlaces {
   const gpu::Buffer& points;  ///< layout::kGlossPoints
   const gpu::Buffer& list;  ///< layout::kNearFieldPoints
   double count;  ///< on it, at most
-  const gpu::Buffer& shadows;  ///< layout::kShadowPoints, as many
+  ShadowPoints& shadows;  ///< as many
   const gpu::Texture& irradiance;  ///< RGBA32F: where E goes
   const gpu::Buffer& frameParams;
   int firstRow;  ///< of the pixels, in the picture that they are some rows of
@@ -144,6 +144,8 @@ class NearFieldPass {
   GpuTask runPools(const Inputs& inputs, Pacing pacing);
   GpuTask runFiltered(const Inputs& inputs, Pacing pacing);
   GpuTask filter(const Inputs& inputs, Pacing pacing);
+  GpuTask smooth(const Inputs& inputs, const Pass& pass);
+  GpuTask runSmoothed(const Inputs& inputs, const Pass& pass, Pacing pacing);
   GpuTask look(const Look& from, Pacing pacing);
   GpuTask look(const Look& from, const LookAt& at, Pacing pacing);
 
@@ -203,6 +205,7 @@ class NearFieldPass {
   gpu::Programs<RayVariant> folds_{{"frame/fold_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};
+  gpu::ProgramVariants smooth_{{"frame/near_field_smooth.comp"}};
   gpu::ProgramVariants addPool_{{"frame/near_field_sum.comp"}};
   gpu::ProgramVariants listApart_{{"frame/apart_list.comp"}};
   gpu::Buffer params_, shadowParams_;

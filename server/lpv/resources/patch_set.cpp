@@ -102,7 +102,7 @@ PatchSet::PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid
                           : gpu::Buffer()),
       points(listsOf(0, count)),
       piecePoints(listsOf(count, pieces)),
-      shadows("patch shadows", bytesOfVec4(std::size_t(kMostOfList) * kShadowPointTexels)),
+      shadows("patch shadows", std::size_t(kMostOfList)),
       lights("patch lights", bytesOfVec4(source->patches.size() * layout::kLightPointTexels)),
       lightTexels("patch lights", lights) {
   if (pieces == 0) return;

@@ -6,15 +6,13 @@
 
 #include "gpu/buffer.h"
 #include "gpu/buffer_texture.h"
+#include "lpv/resources/shadow_points.h"
 #include "scene/grid.h"
 #include "scene/patches.h"
 #include "scene/scene.h"
 #include "shaders/layout.h"
 
 namespace lpv {
-
-/// Vectors of four of each point of layout::kShadowPoints (shaders/visibility/shadow_points.glsl).
-inline constexpr int kShadowPointTexels = 6;
 
 /// Some of the patches and pieces, as many as a dispatch should have.
 struct PatchList {
@@ -44,7 +42,7 @@ struct PatchSet {
   gpu::Buffer shares;  ///< layout::kPatchShares; empty without panes
   std::vector<PatchList> points;  ///< all patches
   std::vector<PatchList> piecePoints;  ///< the pieces; empty without
-  gpu::Buffer shadows;  ///< layout::kShadowPoints of one list
+  ShadowPoints shadows;  ///< of one list
   gpu::Buffer lights;  ///< what they send, as shaders/visibility/light_points.glsl has points
   gpu::BufferTexture lightTexels;
   gpu::Buffer pieceLights;  ///< layout::kPieceLights; empty without pieces
