@@ -70,6 +70,7 @@ LPV_CONST int kPatchSent = 4;  // vec4 per patch and parity of bounces: radiance
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (shaders/frame/fold_rays.comp)
 LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders/visibility/folds.glsl)
+LPV_CONST int kFoldHits = 22;  // int per piece and ray from it: the piece that it meets, or what visibility/folds.glsl says
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
 LPV_CONST int kHazeLights = 2;  // a HazeLight each: which points of lights are looked at through haze, and how often
@@ -346,6 +347,8 @@ struct PatchParams {
   float weight;  // of this turn (server/scene/patches.h: BouncePlan)
   int stride;  // of kPatchExchange: patches, and up to three more
   vec4 lightsLow, lightsHigh;  // the box of all lights, cells
+  int foldTurns;  // of kFoldRays rays from each piece
+  int pad0, pad1, pad2;
 };
 
 struct Counters {
@@ -601,7 +604,7 @@ static_assert(offsetof(FrameParams, pixels) == 156 && offsetof(FrameParams, eye)
 static_assert(offsetof(FrameParams, palette) == 128 && offsetof(FrameParams, dims) == 144);
 static_assert(offsetof(FrameParams, pixelSize) == 160 && offsetof(FrameParams, exposure) == 176);
 static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
-static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 64 && sizeof(CellVisibility) == 32 &&
+static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 80 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&

@@ -12,6 +12,10 @@
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
+#if LPV_PATCHES
+layout(std430, binding = kFoldHits) writeonly buffer FoldHits { int foldHits[]; };  // filled with kNoRay
+#endif
+
 // Steps of sequences whose points are spread evenly (Roberts 2018): from ray to ray, and from pixel to pixel, of other
 // numbers, or a pixel would send the rays of its neighbour.
 const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
@@ -25,15 +29,19 @@ vec3 directionAbout(vec3 n, ivec2 pixel, int k) {
   return sqrt(at.x) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - at.x) * n;
 }
 
-/// From x in a direction, as far as that is long.
-vec3 seenOfPieces(vec3 x, vec3 direction, inout int rounds) {
+/// What is seen from x in a direction, as far as that is long, if it counts.
+int pieceSeen(vec3 x, vec3 direction, inout int rounds, out vec3 place) {
   const Sight sight = firstHit(x, x + direction, rounds);
-  const vec3 place = x + sight.at * direction;
+  place = x + sight.at * direction;
   const int piece = pieceAt(sight, place, shadow.pointCount);
-  if (piece == kNoPiece) return vec3(0.0);
+  if (piece == kNoPiece) return kNoPiece;
   const int of = int(patches[shadow.pointCount + piece].of);
   const vec3 d = patches[of].place.xyz - x;
-  if (dot(d, d) >= patches[of].corners[2].w) return vec3(0.0);
+  return dot(d, d) < patches[of].corners[2].w ? piece : kNoPiece;
+}
+
+vec3 arrivesOf(int piece, vec3 x, vec3 place, inout int rounds) {
+  if (piece == kNoPiece) return vec3(0.0);
 #if LPV_TRANSPARENT
   return pieceLights[piece].rgb * throughHaze(x, place) * transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
 #else
@@ -51,7 +59,14 @@ void main() {
   const float reach = min(beyond, 1.001 * shadowPoints[point].asked.a);  // and all that counts
   vec3 sum = vec3(0.0);
   int rays = 0, rounds = 0;
-  for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays)
-    sum += seenOfPieces(x, reach * directionAbout(n, inPicture(pixel), shadow.turn * kFoldRays + rays), rounds);
+  for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays) {
+    vec3 place;
+    const int k = shadow.turn * kFoldRays + rays;
+    const int piece = pieceSeen(x, reach * directionAbout(n, inPicture(pixel), k), rounds, place);
+    sum += arrivesOf(piece, x, place, rounds);
+#if LPV_PATCHES
+    foldHits[(pixel.x - shadow.pointCount) * shadow.foldTurns * kFoldRays + k] = piece;
+#endif
+  }
   shadowPoints[point].known.rgb += kPi / float(rays * shadow.foldTurns) * sum;
 }

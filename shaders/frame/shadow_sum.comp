@@ -71,6 +71,7 @@ void main() {
 #if LPV_PATCHES
   if (shadow.foldTurns > 0) {  // of a piece: what others reflect to it
     patches[pixel.x].arriving[0] = vec4(sum, 0.0);
+    patches[pixel.x].arriving[1] = vec4(0.0);
   } else {
     patches[pixel.x].direct = vec4(sum, 0.0);
   }

@@ -3,13 +3,14 @@
 //      before a window is bright where it sends nothing into the room
 //   1: what pieces send, as long as nobody has looked from them: what comes to their patch from others comes to each
 //   2: the same once they have been looked from
+//   4: what comes to them from others, of these, again: what pieces send is better known now than when they were looked from
 //   3: what a patch sends is what these of its pieces send in the mean
-// A thread has a patch in steps 0 and 3, a piece in 1 and 2.
+// A thread has a patch in steps 0 and 3, a piece in 1, 2 and 4.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/patches.glsl"
 #ifndef LPV_STEP
-#error "LPV_STEP: 0 to 3"
+#error "LPV_STEP: 0 to 4"
 #endif
 
 layout(local_size_x = kPatchGroup) in;
@@ -18,7 +19,28 @@ layout(std140, binding = kParams) uniform Block { PatchParams params; };
 layout(std430, binding = kPieceLights) buffer PieceLights { vec4 pieceLights[]; };
 layout(std430, binding = kPatchLights) buffer Lights { vec4 lights[]; };
 
-#if LPV_STEP == 1 || LPV_STEP == 2
+#if LPV_STEP == 4
+layout(std430, binding = kFoldHits) readonly buffer FoldHits { int foldHits[]; };
+const int kNoRay = -2;
+
+void main() {
+  const int i = params.first + int(gl_GlobalInvocationID.x), piece = params.count + i;
+  if (i >= params.pieces) return;
+  vec3 all = vec3(0.0);
+  for (int turn = 0; turn < params.foldTurns; ++turn) {
+    vec3 sum = vec3(0.0);
+    int rays = 0;
+    for (int k = 0; k < kFoldRays; ++k) {
+      const int hit = foldHits[(i * params.foldTurns + turn) * kFoldRays + k];
+      rays += hit == kNoRay ? 0 : 1;
+      sum += hit >= 0 ? pieceLights[max(hit, 0)].rgb : vec3(0.0);
+    }
+    all += kPi / float(max(rays, 1) * params.foldTurns) * sum;
+  }
+  if (params.bounce == 0) patches[piece].arriving[0].rgb = max(patches[piece].arriving[0].rgb - all, vec3(0.0));
+  patches[piece].arriving[1].rgb = all;
+}
+#elif LPV_STEP == 1 || LPV_STEP == 2
 void main() {
   const int i = params.first + int(gl_GlobalInvocationID.x), piece = params.count + i;
   if (i >= params.pieces) return;
@@ -26,7 +48,7 @@ void main() {
   const int of = int(patches[piece].of);
   const vec3 reflected = max(patches[of].arriving[params.lastBounce & 1].rgb - patches[of].direct.rgb, vec3(0.0));
 #else
-  const vec3 reflected = patches[piece].arriving[0].rgb;
+  const vec3 reflected = patches[piece].arriving[0].rgb + patches[piece].arriving[1].rgb;
 #endif
   pieceLights[i] = vec4(patches[piece].albedo.rgb * (patches[piece].direct.rgb + reflected) / kPi, 0.0);
 }

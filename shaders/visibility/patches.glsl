@@ -6,8 +6,8 @@ struct Patch {
   vec4 normal;  // of the side that it is on; w: of a patch with pieces the first of these
   vec4 albedo;  // w: how many
   vec4 direct;  // E in W/m^2 from the lights
-  vec4 arriving[2];  // the same with what patches reflect, by the parity of bounces; of a piece the first: what others
-                     // reflect to it
+  vec4 arriving[2];  // the same with what patches reflect, by the parity of bounces; of a piece: what others
+                     // reflect to it; the second: what of that pieces do, where they are asked again
   vec4 corners[3];  // counter-clockwise seen from the side that it is on; w: 1 where it is a triangle, 0 where it stands
                     // for several; of the second -1 where these have pieces of their own (Folds), of the third then the
                     // square of how far it is from where they are looked for

@@ -224,8 +224,8 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     params.pool++;
   }
   if (!from.reflected) co_return;
-  params.darkTurns = 1;
   params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
+  params.darkTurns = from.receivers == Receivers::kPatches ? params.turns : 1;
   params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;
   params.even = 0;
   params.apart = from.smoothed ? 2 : 2 * params.apart;

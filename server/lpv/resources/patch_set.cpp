@@ -116,6 +116,14 @@ void PatchSet::bind() const {
   if (!folded()) return;
   pieceLights.bindStorage(layout::kPieceLights);
   foldTriangles.bindStorage(layout::kFoldTriangles);
+  if (foldHits) foldHits.bindStorage(layout::kFoldHits);
+}
+
+void PatchSet::forgetFoldHits(int foldTurns) {
+  const std::size_t bytes = std::size_t(pieces) * std::size_t(foldTurns * layout::kFoldRays) * sizeof(std::int32_t);
+  if (foldHits.size() != bytes) foldHits = gpu::Buffer("fold hits", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
+  constexpr std::uint32_t kNoRay = std::uint32_t(-2);  // of shaders/visibility/folds.glsl
+  foldHits.fill(kNoRay);
 }
 
 layout::PatchParams PatchSet::params() const {

@@ -30,6 +30,8 @@ struct PatchSet {
   void bind() const;
   /// Whether receivers near them may look for their pieces.
   bool folded() const { return pieces > 0; }
+  /// Before pieces look for each other by so many turns of rays.
+  void forgetFoldHits(int foldTurns);
 
   PatchedScenePtr source;
   int count;
@@ -46,6 +48,7 @@ struct PatchSet {
   gpu::Buffer lights;  ///< what they send, as shaders/visibility/light_points.glsl has points
   gpu::BufferTexture lightTexels;
   gpu::Buffer pieceLights;  ///< layout::kPieceLights; empty without pieces
+  gpu::Buffer foldHits;  ///< layout::kFoldHits; empty until pieces look for each other
   gpu::Buffer foldTriangles;  ///< layout::kFoldTriangles; empty without pieces
 };
 

@@ -32,6 +32,7 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
     set.lights.bindStorage(layout::kPatchLights);
     if (set.shares) set.shares.bindStorage(layout::kPatchShares);
     if (set.folded()) set.pieceLights.bindStorage(layout::kPieceLights);
+    if (set.foldHits) set.foldHits.bindStorage(layout::kFoldHits);
     if (occluders != nullptr) occluders->bind();
     step.program.dispatch(groupsFor(count));
     gpu::memoryBarrier();
@@ -79,7 +80,7 @@ GpuTask BouncePass::run(PatchSet& set, const BouncePlan& plan, int done, int tur
     params.weight = float(plan.weight(params.bounce));
     co_await dispatch(step, set, params, nullptr, pacing);
   }
-  if (!set.folded()) co_return;
+  if (!set.folded() || done > 0) co_return;  // pieces send what they sent when they were looked from
   const Step pieces = {pieces_.get({1}), Stage::kReflect, set.pieces, 1.0};
   co_await dispatch(pieces, set, params, nullptr, pacing);
 }
@@ -89,9 +90,15 @@ GpuTask BouncePass::takeMeans(PatchSet& set, Pacing pacing) {
   co_await dispatch(means, set, set.params(), nullptr, pacing);
 }
 
-GpuTask BouncePass::finishPieces(PatchSet& set, Pacing pacing) {
+GpuTask BouncePass::finishPieces(PatchSet& set, int foldTurns, int again, Pacing pacing) {
+  layout::PatchParams params = set.params();
+  params.foldTurns = foldTurns;
+  const Step gather = {pieces_.get({4}), Stage::kReflect, set.pieces, double(foldTurns * layout::kFoldRays)};
   const Step pieces = {pieces_.get({2}), Stage::kReflect, set.pieces, 1.0};
-  co_await dispatch(pieces, set, set.params(), nullptr, pacing);
+  for (; params.bounce <= again; ++params.bounce) {
+    if (again > 0) co_await dispatch(gather, set, params, nullptr, pacing);
+    co_await dispatch(pieces, set, params, nullptr, pacing);
+  }
   const Step means = {pieces_.get({3}), Stage::kReflect, set.count, double(set.pieces) / set.count};
   co_await dispatch(means, set, set.params(), nullptr, pacing);
 }

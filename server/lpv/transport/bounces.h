@@ -26,12 +26,13 @@ class BouncePass {
   GpuTask findLights(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
   /// From what came to the patches from the lights to what they send after `turns` - 1 turns of the plan among them;
   /// receivers see the last one themselves. `turns` is at least 1; `done`: how many the last run had, which this one
-  /// goes on from.
+  /// goes on from; 0: pieces send what their patches do.
   GpuTask run(PatchSet& set, const BouncePlan& plan, int done, int turns, Pacing pacing);
   /// Before it: what comes from the lights to patches whose folds have pieces, by these.
   GpuTask takeMeans(PatchSet& set, Pacing pacing);
-  /// After it, once pieces have been looked from: what they send, and the patches that stand for them.
-  GpuTask finishPieces(PatchSet& set, Pacing pacing);
+  /// After it, once pieces have been looked from, by so many turns of rays: what they send, and the patches that stand for
+  /// them. `again`: how often they get from each other what that makes of it.
+  GpuTask finishPieces(PatchSet& set, int foldTurns, int again, Pacing pacing);
 
  private:
   struct Step {
