@@ -62,7 +62,7 @@ LPV_CONST int kNearFieldTiles = 25;  // uint per tile of a picture: 1 where a pi
 LPV_CONST int kNearFieldPoints = 26;  // ListHeader, then uvec4 per four points that are to be evaluated
 LPV_CONST int kShadowPoints = 27;  // four per kNearFieldPoints entry (shaders/visibility/shadow_points.glsl)
 LPV_CONST int kCellVisibility = 28;  // CellVisibility per cell: what it sees of one light
-LPV_CONST int kPatchSums = 28;  // float, kPatchSumsOfPoint per point of kShadowPoints (shaders/visibility/patch_sums.glsl)
+LPV_CONST int kPatchSums = 28;  // float, kPatchSumsOfPoint per shadow point (shaders/visibility/patch_sums.glsl)
 LPV_CONST int kPatches = 29;  // a Patch each (shaders/visibility/patches.glsl)
 LPV_CONST int kPatchExchange = 30;  // float per two patches, PatchParams.stride to what one sends: E that another gets
                                     // from it of unit radiance x its area; negative: a light is between
@@ -70,7 +70,7 @@ LPV_CONST int kPatchSent = 4;  // vec4 per patch and parity of bounces: radiance
 LPV_CONST int kPatchLights = 31;  // as kLightPoints: what patches send
 LPV_CONST int kPieceLights = 2;  // vec4 per piece of the folds: its radiance (shaders/frame/fold_rays.comp)
 LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders/visibility/folds.glsl)
-LPV_CONST int kFoldHits = 22;  // int per piece and ray from it: the piece that it meets, or what visibility/folds.glsl says
+LPV_CONST int kFoldHits = 22;  // int per piece and ray from it: the piece it meets (shaders/visibility/folds.glsl)
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
 LPV_CONST int kHazeLights = 2;  // a HazeLight each: which points of lights are looked at through haze, and how often
@@ -553,7 +553,7 @@ struct ShadowParams {
   int firstRow;  // of the pixels, in the picture that they are some rows of
   int darkTurns;  // that see nothing before a point is taken for dark, at least 1
   int patchBatch;  // patches to one of kPatchSums, a power of two, kLeastPatchBatch at least
-  int smoothedBy;  // pixels between receivers whose rays go to different places, since their shares are smoothed; 0: the same
+  int smoothedBy;  // pixels between receivers whose rays go to different places, to be smoothed; 0: to the same
 };
 
 struct DrawParams {

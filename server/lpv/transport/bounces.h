@@ -30,8 +30,8 @@ class BouncePass {
   GpuTask run(PatchSet& set, const BouncePlan& plan, int done, int turns, Pacing pacing);
   /// Before it: what comes from the lights to patches whose folds have pieces, by these.
   GpuTask takeMeans(PatchSet& set, Pacing pacing);
-  /// After it, once pieces have been looked from, by so many turns of rays: what they send, and the patches that stand for
-  /// them. `again`: how often they get from each other what that makes of it.
+  /// After it, once pieces have been looked from, by so many turns of rays: what they send, and the patches that stand
+  /// for them. `again`: how often they get from each other what that makes of it.
   GpuTask finishPieces(PatchSet& set, int foldTurns, int again, Pacing pacing);
 
  private:
