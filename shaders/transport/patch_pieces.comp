@@ -21,7 +21,6 @@ layout(std430, binding = kPatchLights) buffer Lights { vec4 lights[]; };
 
 #if LPV_STEP == 4
 layout(std430, binding = kFoldHits) readonly buffer FoldHits { int foldHits[]; };
-const int kNoRay = -2;
 
 void main() {
   const int i = params.first + int(gl_GlobalInvocationID.x), piece = params.count + i;

@@ -6,7 +6,6 @@ layout(std430, binding = kFoldTriangles) readonly buffer FoldTriangles { uint fo
 layout(std430, binding = kPieceLights) readonly buffer PieceLights { vec4 pieceLights[]; };
 
 const int kNoPiece = -1;
-const int kNoRay = -2;  // of kFoldHits: none was sent
 
 /// The nearest piece to a place of what is seen; `patchCount`: of patches, which come before the pieces.
 int pieceAt(Sight sight, vec3 place, int patchCount) {

@@ -111,9 +111,9 @@ struct NearFieldPass::Look {
   const gpu::Buffer& list;
   double points;  ///< on it, at most
   Receivers receivers;  ///< what they are
-  bool reduced;  ///< rays go to the same places from every pixel, which are spread evenly
-  bool smoothed;  ///< but for what surfaces reflect
-  int firstRow;  ///< of the pixels, in their picture
+  bool reduced = false;  ///< rays go to the same places from every pixel, which are spread evenly
+  bool smoothed = false;  ///< but for what surfaces reflect
+  int firstRow = 0;  ///< of the pixels, in their picture
   ShadowPoints& known;
   std::function<void()> bind;
 };
@@ -246,17 +246,14 @@ GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const 
   };
   const bool reflected = shadows.reflected != nullptr;
   // Not a temporary: GCC 12 destroys it twice in co_await.
-  const Look receivers = {shadows,
-                          reflected ? std::span<const LightPool>() : shadows.pools->pools,
-                          reflected,
-                          list.points,
-                          double(list.count),
-                          Receivers::kPatches,
-                          false,
-                          false,
-                          0,
-                          patches.shadows,
-                          bind};
+  const Look receivers = {.shadows = shadows,
+                          .pools = reflected ? std::span<const LightPool>() : shadows.pools->pools,
+                          .reflected = reflected,
+                          .list = list.points,
+                          .points = double(list.count),
+                          .receivers = Receivers::kPatches,
+                          .known = patches.shadows,
+                          .bind = bind};
   co_await look(receivers, pacing);
 }
 
@@ -274,17 +271,15 @@ GpuTask NearFieldPass::lookFromMet(const MetPlaces& places, const EmitterBufferL
     places.list.bindStorage(layout::kNearFieldPoints);
     places.irradiance.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
   };
-  const Look receivers = {shadows,
-                          shadows.pools->pools,
-                          shadows.reflected != nullptr,
-                          places.list,
-                          places.count,
-                          Receivers::kMet,
-                          false,
-                          false,
-                          places.firstRow,
-                          places.shadows,
-                          bind};
+  const Look receivers = {.shadows = shadows,
+                          .pools = shadows.pools->pools,
+                          .reflected = shadows.reflected != nullptr,
+                          .list = places.list,
+                          .points = places.count,
+                          .receivers = Receivers::kMet,
+                          .firstRow = places.firstRow,
+                          .known = places.shadows,
+                          .bind = bind};
   co_await look(receivers, pacing);
 }
 
@@ -310,17 +305,15 @@ GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces&
     bind();
     listApart_.get({}).dispatch(std::uint32_t((wanted + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup));
     gpu::memoryBarrier();
-    const Look receivers = {shadows,
-                            shadows.pools->pools,
-                            shadows.reflected != nullptr,
-                            buffer.points,
-                            kShareApart * wanted * kPointsOfBlock,
-                            Receivers::kApart,
-                            false,
-                            false,
-                            places.firstRow,
-                            buffer.shadows,
-                            bind};
+    const Look receivers = {.shadows = shadows,
+                            .pools = shadows.pools->pools,
+                            .reflected = shadows.reflected != nullptr,
+                            .list = buffer.points,
+                            .points = kShareApart * wanted * kPointsOfBlock,
+                            .receivers = Receivers::kApart,
+                            .firstRow = places.firstRow,
+                            .known = buffer.shadows,
+                            .bind = bind};
     co_await look(receivers, pacing);
   }
 }
@@ -387,17 +380,17 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
       const double points = double(groups) * layout::kNearFieldGroup * kPointsOfBlock;
-      const Look receivers = {*inputs.sources.shadows,
-                              inputs.lookedAt(),
-                              inputs.looksAtReflections(),
-                              inputs.buffer.points,
-                              points,
-                              Receivers::kPixels,
-                              inputs.sources.reduced,
-                              inputs.smoothed(),
-                              inputs.sources.firstRow,
-                              inputs.buffer.shadows,
-                              [&inputs] { inputs.bind(); }};
+      const Look receivers = {.shadows = *inputs.sources.shadows,
+                              .pools = inputs.lookedAt(),
+                              .reflected = inputs.looksAtReflections(),
+                              .list = inputs.buffer.points,
+                              .points = points,
+                              .receivers = Receivers::kPixels,
+                              .reduced = inputs.sources.reduced,
+                              .smoothed = inputs.smoothed(),
+                              .firstRow = inputs.sources.firstRow,
+                              .known = inputs.buffer.shadows,
+                              .bind = [&inputs] { inputs.bind(); }};
       co_await look(receivers, pacing);
       continue;
     }

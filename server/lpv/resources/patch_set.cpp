@@ -122,8 +122,7 @@ void PatchSet::bind() const {
 void PatchSet::forgetFoldHits(int foldTurns) {
   const std::size_t bytes = std::size_t(pieces) * std::size_t(foldTurns * layout::kFoldRays) * sizeof(std::int32_t);
   if (foldHits.size() != bytes) foldHits = gpu::Buffer("fold hits", bytes, gpu::BufferUse::kDevice, gpu::Undefined{});
-  constexpr std::uint32_t kNoRay = std::uint32_t(-2);  // of shaders/visibility/folds.glsl
-  foldHits.fill(kNoRay);
+  foldHits.fill(std::uint32_t(layout::kNoRay));
 }
 
 layout::PatchParams PatchSet::params() const {
