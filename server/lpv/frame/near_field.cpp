@@ -16,7 +16,7 @@ namespace {
 std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::size_t(parts.y); }
 
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
-constexpr int kMostShadowPoints = 1 << 16;  // at a time: their memory
+constexpr int kMostShadowPoints = 1 << 15;  // at a time: 352 bytes each
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
 constexpr double kShareApart = 0.05;  // of a picture's pixels that have samples apart, about: for pacing
 constexpr int kMostLightsOfEvenPoints = 4;  // in a pool: each must be met by a turn's rays
@@ -406,7 +406,9 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
 GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
                            const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, sources, frameParams};
-  if (sources.shadows != nullptr && !buffer.shadows) buffer.shadows = ShadowPoints("shadow points", kMostShadowPoints);
+  const std::size_t points =
+      std::min<std::size_t>(count(partsOf(buffer.size, kBlock)) * kPointsOfBlock, kMostShadowPoints);
+  if (sources.shadows != nullptr && !buffer.shadows) buffer.shadows = ShadowPoints("shadow points", points);
   const auto keep = [&buffer](gpu::Texture& picture, const char* label) {
     if (!picture) picture = gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
   };
