@@ -109,6 +109,8 @@ int patchAt(uint point, float place, vec3 x, vec3 n) {
   return chosen;
 }
 
+/// The patches that a turn's rays go to, -1 for none: as many are chosen of each as its light is worth, so all rays are worth the
+/// same.
 ivec4 raysTo(uint point, vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
   ivec4 chosen;
   for (int i = 0; i < 4; ++i) chosen[i] = patchAt(point, 0.25 * (float(i) + placeAt(pixel)), x, n);

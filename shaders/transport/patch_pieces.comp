@@ -3,8 +3,8 @@
 //      before a window is bright where it sends nothing into the room
 //   1: what pieces send, as long as nobody has looked from them: what comes to their patch from others comes to each
 //   2: the same once they have been looked from
-//   4: what comes to them from others, of these, again: what pieces send is better known now than when they were looked from
 //   3: what a patch sends is what these of its pieces send in the mean
+//   4: what comes to pieces from each other, again: what they send is better known than when they were looked from
 // A thread has a patch in steps 0 and 3, a piece in 1, 2 and 4.
 #include "layout.h"
 #include "common/sh.glsl"

@@ -37,8 +37,8 @@ PoolTurns turnsFor(const LightPool& pool, int turns, bool patches, bool reduced)
   return {3 * turns / 2, std::max(turns / 4, 1)};
 }
 
-/// Patches whose light to a point is one sum (shaders/visibility/patch_sums.glsl).
-int batchOf(int patches) {
+/// How many of so many patches send a point one sum (shaders/visibility/patch_sums.glsl).
+int patchesOfBatch(int patches) {
   int batch = layout::kLeastPatchBatch;
   while (batch * layout::kPatchSumsOfPoint < patches) batch *= 2;
   return batch;
@@ -232,7 +232,7 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   params.smoothedBy = from.smoothed ? layout::kNearFieldSpacing : params.jitter;
   params.firstPoint = 0;
   params.pointCount = shadows.reflected->count;
-  params.patchBatch = batchOf(params.pointCount);
+  params.patchBatch = patchesOfBatch(params.pointCount);
   from.known.keepPatchSums();
   co_await look(from, {params, shadows.reflected->lightTexels, true}, pacing);
 }
