@@ -212,10 +212,11 @@ void Calls::receive(std::string_view bytes) {
 void Calls::hello(const std::string& token) {
   token_ = token;
   helloCame_ = true;
+  // First: whoever reads the welcome no longer has a place among strangers, whose next socket may need it.
+  socket_->greeted(!server_.access->required() || server_.access->verify(token).ok());
   ToClient welcome;
   welcome.mutable_welcome()->set_version(server_.version);
   say(welcome);
-  socket_->greeted(!server_.access->required() || server_.access->verify(token).ok());
 }
 
 void Calls::begin(std::uint32_t id, const web::v1::Begin& begin) {
