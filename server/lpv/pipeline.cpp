@@ -30,6 +30,28 @@ bool looksForPieces(const TickRequest& request) {
   return std::ranges::any_of(request.frames, full) || (request.transported && request.probed);
 }
 
+constexpr std::size_t kPointsOfNearLight = 256;
+
+/// Those that may be near to something.
+std::vector<LightInPoints> lightsInPoints(const std::vector<EmittingLight>& lights, const Grid& grid,
+                                          LightPointCache& cache) {
+  const glm::dmat4 worldFromGrid = glm::inverse(grid.gridFromWorldMatrix());
+  std::vector<LightInPoints> out;
+  for (const EmittingLight& light : lights) {
+    if (light.source != nullptr && light.source->distant) continue;
+    const LightPointsPtr all = cache.get(light);
+    LightPoints some;
+    const std::size_t step = (all->size() + kPointsOfNearLight - 1) / kPointsOfNearLight;
+    for (std::size_t i = 0; i < all->size(); i += step) {
+      some.push_back((*all)[i]);
+      some.back().area *= float(step);
+    }
+    out.push_back({transformed(some, worldFromGrid * light.gridFromObject),
+                   (light.radiance.r + light.radiance.g + light.radiance.b) / 3.0, light.twoSided});
+  }
+  return out;
+}
+
 /// Volumes alone hold direct light.
 bool readsReflections(const TickRequest& request) {
   return !request.frames.empty() || (request.transported && request.probed);
@@ -230,22 +252,38 @@ GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene)
 }
 
 /// Those with pieces serve ticks that do not look for them, too.
+void Pipeline::Stages::patchSurfaces(SessionState& s, const TickRequest& request) {
+  StageProducts& made = *s.products;
+  const Scene& scene = *request.scene;
+  PatchedInputs inputs = {
+      {}, litSpace(scene), patchesWanted(scene.options), s.reflectionsBlocked ? piecesWanted(scene.options) : 0};
+  for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  if (made.patched.madeFrom(inputs)) return;
+  if (!looksForPieces(request)) inputs.pieces = 0;
+  if (made.patched.holds(inputs)) return;
+  auto patched = std::make_shared<const PatchedScene>(patchedScene(scene, inputs.count, inputs.pieces));
+  made.patched.set(std::move(inputs), std::move(patched));
+}
+
+/// Finer where lights are near: these, and with them what patches exchange, may change with the lights.
 GpuTask Pipeline::Stages::findPatches(SessionState& s, const TickRequest& request) {
   StageProducts& made = *s.products;
   const Scene& scene = *request.scene;
-  PatchInputs inputs = {{},
-                        s.field().grid,
-                        patchesWanted(scene.options),
-                        s.reflectionsBlocked ? piecesWanted(scene.options) : 0,
-                        made.occluders.surfaces()};
-  for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
-  if (made.patches.madeFrom(inputs)) co_return;
-  if (!looksForPieces(request)) inputs.pieces = 0;
+  patchSurfaces(s, request);
+  const PatchedScene& patched = *made.patched.product();
+  const HalvingInputs near = {made.patched.stamp(), made.pooled.stamp()};
+  if (!made.halvings.holds(near)) {
+    const std::vector<LightInPoints> lights = lightsInPoints(s.lights, s.field().grid, made.lightPoints);
+    made.halvings.set(near, halvingsNearLights(patched.patches, lights, patchesWanted(scene.options) / 4));
+  }
+  PatchInputs inputs = {made.patched.stamp(), made.halvings.product(), s.field().grid, made.occluders.surfaces()};
   if (made.patches.holds(inputs)) co_return;
-  auto patched = std::make_shared<const PatchedScene>(patchedScene(scene, inputs.count, inputs.pieces));
-  auto set = patched->patches.empty()
+  const PatchedScenePtr fine = inputs.halvings.empty()
+                                   ? made.patched.product()
+                                   : std::make_shared<const PatchedScene>(halved(patched, inputs.halvings));
+  auto set = fine->patches.empty()
                  ? nullptr
-                 : std::make_unique<PatchSet>(std::move(patched), scene, s.field().grid, made.occluders.transparent());
+                 : std::make_unique<PatchSet>(fine, scene, s.field().grid, made.occluders.transparent());
   if (set != nullptr) co_await bouncePass.findExchange(*set, made.occluders, pacing(s));
   made.patches.set(std::move(inputs), std::move(set));
 }

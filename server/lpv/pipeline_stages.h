@@ -26,6 +26,8 @@
 #include "lpv/transport/propagate.h"
 #include "lpv/transport/volume.h"
 #include "lpv/voxelize/voxelize.h"
+#include "scene/patches.h"
+#include "scene/patches_near_lights.h"
 
 namespace lpv {
 
@@ -63,11 +65,28 @@ struct CountInputs {
 };
 
 /// What the patches, and what they exchange, are made from.
-struct PatchInputs {
+struct PatchedInputs {
   std::vector<SurfacePtr> surfaces;
-  Grid grid;
+  LitSpace space;
   std::size_t count = 0;
   std::size_t pieces = 0;  ///< of folds
+
+  bool operator==(const PatchedInputs&) const = default;
+};
+
+/// Where lights are near to them.
+struct HalvingInputs {
+  Stamp patched = 0;
+  Stamp lights = 0;
+
+  bool operator==(const HalvingInputs&) const = default;
+};
+
+/// With what they exchange.
+struct PatchInputs {
+  Stamp patched = 0;
+  std::vector<std::uint32_t> halvings;
+  Grid grid;
   Stamp blockers = 0;
 
   bool operator==(const PatchInputs&) const = default;
@@ -137,7 +156,9 @@ struct StageProducts {
   GpuOccluders occluders;
   GlossScene glossScene;
   CellVisibilities cellVisibilities;
-  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;  ///< with what they exchange
+  Cached<PatchedInputs, PatchedScenePtr> patched;  ///< the surfaces
+  Cached<HalvingInputs, std::vector<std::uint32_t>> halvings;
+  Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;
   Cached<ReflectInputs> reflected;
   /// Patches that send light, or null.
   const PatchSet* reflecting() const { return reflected.stamp() != 0 ? patches.product().get() : nullptr; }
@@ -178,6 +199,7 @@ struct Pipeline::Stages {
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   GpuTask listEmitters(SessionState& s, double openingRatio);
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
+  void patchSurfaces(SessionState& s, const TickRequest& request);
   GpuTask findPatches(SessionState& s, const TickRequest& request);
   GpuTask reflect(SessionState& s, const TickRequest& request);
   GpuTask bounce(SessionState& s, const Scene& scene, PatchSet& patches, bool pieces);

@@ -36,6 +36,21 @@ std::vector<float> alphaFactors(const Surface& surface) {
   return out;
 }
 
+constexpr double kBefore = 1e-5;  // of the surfaces' diagonal: what is no further before a side is on its plane
+
+/// Whether all surfaces and lights are behind a side, so that no light comes there or goes from there: the outside of a
+/// room's walls.
+bool isBehind(const LitSpace& space, const glm::dvec3& at, const glm::dvec3& n) {
+  double farthest = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(n[axis]) < kBefore) continue;
+    const bool up = n[axis] > 0.0;
+    if (space.open[up][std::size_t(axis)]) return false;
+    farthest += n[axis] * ((up ? space.surfaces.max : space.surfaces.min)[axis] - at[axis]);
+  }
+  return farthest <= kBefore * glm::length(space.surfaces.extent());
+}
+
 /// A piece of a triangle: places in its plane by the weights of its second and third corner.
 struct Piece {
   glm::dvec2 corners[3] = {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
@@ -62,6 +77,18 @@ class Triangles {
     return varies_ ? surface_.mesh->triangles : surface_.mesh->evenTriangles();
   }
   double area(const glm::uvec3& t) const { return 0.5 * glm::length(cross(t)); }
+  /// Of all sides that light may come to.
+  double area(const LitSpace& space) const {
+    double sum = 0.0;
+    for (const glm::uvec3& t : all()) {
+      const double area = this->area(t);
+      if (!(area > 0.0)) continue;
+      const glm::dvec3 n = normal(t), at = positions_[t.x];
+      sum += isBehind(space, at, n) ? 0.0 : area;
+      sum += surface_.twoSided && !isBehind(space, at, -n) ? area : 0.0;
+    }
+    return sum;
+  }
   /// How far the corners of a triangle are from a place at the most.
   float farthest(const glm::uvec3& t, const glm::vec3& from) const {
     double out = 0.0;
@@ -96,17 +123,19 @@ class Triangles {
     }
   }
   Patch patch(const glm::uvec3& t, const glm::dvec2& w, double area) const {
-    const glm::dvec3 normal = (surface_.transform.mirrors() ? -1.0 : 1.0) * glm::normalize(cross(t));
     glm::vec3 albedo(albedo_);
     if (texture_ != nullptr) {
       const std::vector<glm::vec2>& uv = surface_.mesh->uvs;
       albedo *= texture_->at(glm::mix(glm::dvec2(uv[t.x]), glm::dvec2(uv[t.y]), w.x) +
                              w.y * (glm::dvec2(uv[t.z]) - glm::dvec2(uv[t.x])));
     }
-    return {glm::vec3(at(t, w)), float(area), glm::vec3(normal), albedo, std::nullopt};
+    return {glm::vec3(at(t, w)), float(area), glm::vec3(normal(t)), albedo, std::nullopt};
   }
 
  private:
+  glm::dvec3 normal(const glm::uvec3& t) const {
+    return (surface_.transform.mirrors() ? -1.0 : 1.0) * glm::normalize(cross(t));
+  }
   std::array<glm::vec3, 3> corners(const glm::uvec3& t, const Piece& piece) const {
     std::array<glm::vec3, 3> out;
     for (std::size_t i = 0; i < 3; ++i) out[i] = glm::vec3(at(t, piece.corners[i]));
@@ -286,16 +315,15 @@ struct Sides {
   int sides = 1;
   std::deque<Triangles> surfaces;  // where they are they stay
   std::vector<SmallTriangle> small;  ///< of folded patches
-  std::uint32_t fronts = 0;  ///< patches of the front
+  std::map<std::uint32_t, std::uint32_t> backs;  ///< by folded patch of the front
 };
 
-using NumberedSurfaces = std::vector<std::pair<const Surface*, std::size_t>>;
-
-/// Appends the patches of surfaces; of small triangles those are folded that stand for what stops rays alone.
-void addPatches(const NumberedSurfaces& surfaces, bool apart, double most, Sides& of, std::vector<Patch>& out) {
+/// Appends the patches of surfaces to which light may come; of small triangles those are folded that stand for what
+/// stops rays alone.
+void addPatches(const LitSpace& space, bool apart, double most, Sides& of, std::vector<Patch>& out) {
   Patches patches(most);
-  for (const auto& [surface, number] : surfaces) {
-    patches.add(of.surfaces.emplace_back(*surface, number));
+  for (const Triangles& surface : of.surfaces) {
+    patches.add(surface);
     if (apart) patches.flush();
   }
   patches.flush();
@@ -308,14 +336,19 @@ void addPatches(const NumberedSurfaces& surfaces, bool apart, double most, Sides
   for (const SmallTriangle& t : patches.small()) {
     if (!stopsRays(t.of->surface())) patches.all()[t.patch].reach = 0.0F;
   }
-  const auto before = std::uint32_t(out.size());
-  for (const SmallTriangle& t : patches.small()) {
-    if (patches.all()[t.patch].reach > 0.0F) of.small.push_back({t.of, t.index, before + t.patch});
-  }
-  of.fronts = std::uint32_t(patches.all().size());
-  out.insert(out.end(), patches.all().begin(), patches.all().end());
+  const auto isLit = [&](const Patch& p) { return !p.triangle || !isBehind(space, p.position, p.normal); };
+  std::vector<std::uint32_t> fronts;
   for (const Patch& p : patches.all()) {
-    if (of.sides == 2) out.push_back(turned(p));
+    fronts.push_back(std::uint32_t(out.size()));
+    if (isLit(p)) out.push_back(p);
+  }
+  for (const SmallTriangle& t : patches.small()) {
+    if (patches.all()[t.patch].reach > 0.0F) of.small.push_back({t.of, t.index, fronts[t.patch]});
+  }
+  for (std::size_t i = 0; of.sides == 2 && i < fronts.size(); ++i) {
+    const Patch back = turned(patches.all()[i]);
+    if (back.reach > 0.0F) of.backs[fronts[i]] = std::uint32_t(out.size());
+    if (isLit(back)) out.push_back(back);
   }
 }
 
@@ -333,7 +366,7 @@ void addPieces(const Sides& of, double most, Folds& out) {
   out.patchOf.insert(out.patchOf.end(), pieces.patchOf().begin(), pieces.patchOf().end());
   for (std::uint32_t i = 0; of.sides == 2 && i < count; ++i) {
     out.pieces.push_back(turned(pieces.all()[i]));
-    out.patchOf.push_back(pieces.patchOf()[i] + of.fronts);
+    out.patchOf.push_back(of.backs.at(pieces.patchOf()[i]));
   }
   for (const auto& [triangles, ranges] : pieces.ranges()) {
     Folds::OfSurface& surface = out.surfaces[triangles->number()];
@@ -366,19 +399,40 @@ double mayBeLeft(const LightingSettings& options) {
 
 }  // namespace
 
+LitSpace litSpace(const Scene& scene) {
+  LitSpace out;
+  Bounds lights;
+  bool bounded = false;
+  for (const auto& [name, surface] : scene.surfaces)
+    out.surfaces.add(surface->mesh->bounds.transformed(surface->transform.worldFromObject()));
+  for (const auto& [name, light] : scene.lights) {
+    if (!light->enabled) continue;
+    if (light->distant) return {out.surfaces};
+    lights.add(light->mesh->bounds.transformed(light->transform.worldFromObject()));
+    bounded = true;
+  }
+  for (std::size_t axis = 0; bounded && axis < 3; ++axis) {
+    out.open[0][axis] = lights.min[int(axis)] < out.surfaces.min[int(axis)];
+    out.open[1][axis] = lights.max[int(axis)] > out.surfaces.max[int(axis)];
+  }
+  return out;
+}
+
 PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces) {
+  const LitSpace space = litSpace(scene);
   double area = 0.0;
-  NumberedSurfaces reflecting[2];  // by sides - 1
+  Sides kinds[2] = {{.sides = 1, .surfaces = {}, .small = {}, .backs = {}},
+                    {.sides = 2, .surfaces = {}, .small = {}, .backs = {}}};
   std::size_t number = 0;
   for (const auto& [name, surface] : scene.surfaces) {
-    area += areaOf(*surface);
-    if (highestAlbedo(*surface) > 0.0) reflecting[sidesOf(*surface) - 1].emplace_back(surface.get(), number);
+    Sides& of = kinds[sidesOf(*surface) - 1];
+    const bool reflects = highestAlbedo(*surface) > 0.0;
+    area += reflects ? of.surfaces.emplace_back(*surface, number).area(space) : areaOf(*surface);
     ++number;
   }
-  const bool apart = 2 * (reflecting[0].size() + reflecting[1].size()) <= count;
+  const bool apart = 2 * (kinds[0].surfaces.size() + kinds[1].surfaces.size()) <= count;
   PatchedScene out;
-  Sides kinds[2] = {{.sides = 1, .surfaces = {}, .small = {}}, {.sides = 2, .surfaces = {}, .small = {}}};
-  for (Sides& of : kinds) addPatches(reflecting[of.sides - 1], apart, kPieces * area / double(count), of, out.patches);
+  for (Sides& of : kinds) addPatches(space, apart, kPieces * area / double(count), of, out.patches);
   const double folded = areaOfSmall(kinds[0]) + areaOfSmall(kinds[1]);
   if (pieces == 0 || !(folded > 0.0)) return out;
   out.folds.surfaces.resize(scene.surfaces.size());

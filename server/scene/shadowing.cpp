@@ -17,6 +17,9 @@ constexpr std::size_t kMostPlanes = 64;         ///< of a mesh; more can curve, 
 constexpr std::size_t kMostVertices = 256;  ///< of a mesh that are looked at one by one; else the corners of its box
 constexpr std::size_t kMostComparisons = 4'000'000;
 constexpr double kLeastSwallowed = 0.01;  ///< of what surfaces exchange: a third of the error that is wanted
+constexpr double kClose =
+    0.25;  ///< of a light's diagonal: surfaces so near send back to it much of what they get from it
+constexpr double kTowards = 0.1;  ///< least cosine of a light's front to a surface that it shines at
 constexpr double kFlat = 1e-6;  ///< of the extent of all: as far from a plane vertices may be and lie in it
 
 constexpr double kMostUneven =
@@ -73,6 +76,42 @@ bool canStandBetween(const Surface& surface, const Points& points, double within
   });
 }
 
+/// Whether a light sends to the side of a plane that it is on the way to, from near.
+bool shinesClosely(const Light& light, const glm::dvec3& at, const glm::dvec3& n) {
+  const glm::dmat4 worldFromObject = light.transform.worldFromObject();
+  Points points;
+  addPoints(*light.mesh, worldFromObject, points);
+  double height = std::numeric_limits<double>::infinity(), side = 0.0;
+  for (const glm::dvec3& p : points) {
+    height = std::min(height, std::abs(glm::dot(p - at, n)));
+    side += glm::dot(p - at, n);
+  }
+  const glm::dvec3 extent = light.mesh->bounds.transformed(worldFromObject).extent();
+  if (height > kClose * glm::length(extent)) return false;
+  if (light.twoSided || light.mesh->evenTriangles().size() > kMostPlanes) return true;
+  const glm::dmat3 linear(worldFromObject);
+  return std::ranges::any_of(light.mesh->evenTriangles(), [&](const glm::uvec3& t) {
+    const std::vector<glm::vec3>& p = light.mesh->positions;
+    const glm::dvec3 a = linear * glm::dvec3(p[t.y] - p[t.x]), b = linear * glm::dvec3(p[t.z] - p[t.x]);
+    const glm::dvec3 front = (light.transform.mirrors() ? -1.0 : 1.0) * glm::cross(a, b);
+    return glm::dot(front, n) * side < -kTowards * glm::length(front) * std::abs(side);
+  });
+}
+
+/// Whether a light is so near to a surface of few planes that it is in the way of what comes back.
+bool swallowsItsOwn(const Light& light, const Surface& surface) {
+  const std::vector<glm::uvec3>& triangles = surface.mesh->evenTriangles();
+  if (triangles.size() > kMostPlanes) return true;
+  const glm::dmat4 worldFromObject = surface.transform.worldFromObject();
+  const auto place = [&](std::uint32_t i) {
+    return glm::dvec3(worldFromObject * glm::dvec4(surface.mesh->positions[i], 1.0));
+  };
+  return std::ranges::any_of(triangles, [&](const glm::uvec3& t) {
+    const glm::dvec3 cross = glm::cross(place(t.y) - place(t.x), place(t.z) - place(t.x));
+    return glm::length(cross) > 0.0 && shinesClosely(light, place(t.x), glm::normalize(cross));
+  });
+}
+
 }  // namespace
 
 bool isConvex(const Mesh& mesh) {
@@ -110,7 +149,12 @@ bool lightsSwallow(const Scene& scene) {
     if (light->enabled && light->castsShadow) lights += worldArea(*light->mesh, light->transform);
   }
   for (const auto& [name, surface] : scene.surfaces) surfaces += worldArea(*surface->mesh, surface->transform);
-  return lights > kLeastSwallowed * surfaces;
+  if (lights > kLeastSwallowed * surfaces) return true;
+  return std::ranges::any_of(scene.lights, [&scene](const auto& light) {
+    if (!light.second->enabled || !light.second->castsShadow) return false;
+    return std::ranges::any_of(scene.surfaces,
+                               [&](const auto& surface) { return swallowsItsOwn(*light.second, *surface.second); });
+  });
 }
 
 bool isShadowed(const Scene& scene) {

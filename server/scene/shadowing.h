@@ -15,7 +15,7 @@ bool isShadowed(const Scene& scene);
 bool shadowsPossible(const Scene& scene);
 
 /// Whether lights, which reflect nothing, are in the way of much of what surfaces reflect: where their area is more
-/// than a hundredth of the surfaces'.
+/// than a hundredth of the surfaces', or one shines at a surface that is nearer than a quarter of its own size.
 bool lightsSwallow(const Scene& scene);
 
 /// Whether something may stand in the way of what surfaces reflect: where isShadowed, and with AUTO where

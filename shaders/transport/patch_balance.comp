@@ -54,7 +54,8 @@ void main() {
 #else
   const float scale = patches[a].scale[before], own = scale * scale * exchange[a * params.stride + a];
   const float others = scale * sumTo(a, before) - own;
-  patches[a].of = others > 0.0 ? clamp((patches[a].of - own) / others, 1.0, kMostGain) : 1.0;
+  const float all = max(kPi * patches[a].place.w - own, 0.0);  // that others can be: it sees no more than its half space
+  patches[a].of = others > 0.0 ? min(clamp((patches[a].of - own) / others, 1.0, kMostGain), all / others) : 1.0;
 #endif
 }
 #endif

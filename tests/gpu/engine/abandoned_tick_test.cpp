@@ -98,13 +98,13 @@ TEST_P(AbandonedTickTest, TheNextTickMakesWhatAFreshOneDoes) {
   SessionState fresh, freshBefore, state;
   const TickResult want = run(fresh, wanted), wantBefore = run(freshBefore, before);
   int resumptions = 1;
+  run(state, before);
   for (;; ++resumptions) {
-    run(state, before);
     if (!abandon(state, wanted, resumptions)) break;
     expectSame(run(state, wanted), want, resumptions);
     run(state, before);
     abandon(state, wanted, resumptions);
-    expectSame(run(state, before), wantBefore, resumptions);
+    expectSame(run(state, before), wantBefore, resumptions);  // which the next round begins with
     if (HasFailure()) break;
   }
   EXPECT_GT(resumptions, 20) << "the tick was cut into few pieces";

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <random>
 #include <utility>
 
 #include "gpu/frame/light_views.h"
@@ -215,6 +217,114 @@ TEST_F(BouncesTest, AMovedLampHidesWhatIsBehindItNow) {
   probed(scene, walls(2.0, 4), 1);
   test::lightOf(scene).transform.translation = {-0.6, 0.9, 0.1};
   EXPECT_EQ(probed(scene, walls(2.0, 4), 1), probed(scene, walls(2.0, 4), 2));
+}
+
+/// E of a closed room's floor (closedRoom(), z up) in the mean, by photons of a square lamp of `edge` m that is `gap`
+/// below the ceiling and shines at it: each goes to where it is swallowed, by a wall or by the lamp.
+double floorBelowUplight(double half, double albedo, double edge, double gap, double power) {
+  constexpr int kPhotons = 400'000;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit;
+  const auto about = [&](int axis, double sign) {  // by the cosine (Malley)
+    const double r = std::sqrt(unit(random)), turn = 2.0 * sh::kPi * unit(random);
+    glm::dvec3 out;
+    out[axis] = sign * std::sqrt(1.0 - r * r);
+    out[(axis + 1) % 3] = r * std::cos(turn);
+    out[(axis + 2) % 3] = r * std::sin(turn);
+    return out;
+  };
+  const double lampZ = half - gap;
+  double arrived = 0.0;
+  for (int i = 0; i < kPhotons; ++i) {
+    glm::dvec3 at(edge * (unit(random) - 0.5), edge * (unit(random) - 0.5), lampZ), d = about(2, 1.0);
+    for (bool first = true;; first = false) {
+      double way = std::numeric_limits<double>::infinity();
+      int axis = 0;
+      for (int k = 0; k < 3; ++k) {
+        const double to = ((d[k] > 0.0 ? half : -half) - at[k]) / d[k];
+        if (d[k] != 0.0 && to < way) {
+          way = to;
+          axis = k;
+        }
+      }
+      const double toLamp = (lampZ - at.z) / d.z;
+      const glm::dvec3 there = at + toLamp * d;
+      const bool met =
+          !first && toLamp > 0.0 && toLamp < way && std::max(std::abs(there.x), std::abs(there.y)) < 0.5 * edge;
+      if (met) break;
+      at += way * d;
+      if (axis == 2 && d.z < 0.0) arrived += power / kPhotons;
+      if (unit(random) >= albedo) break;
+      d = about(axis, d[axis] > 0.0 ? -1.0 : 1.0);
+    }
+  }
+  return arrived / (4.0 * half * half);
+}
+
+// A lamp close to what it shines at gets most of it back, and a room is lit by what leaves at its edges: 5 cm below a
+// ceiling whose patches are a quarter of a metre large. Broken by: patches that are as large there (4.2), AUTO that
+// asks for lights of a hundredth of the walls alone (4.4).
+TEST_F(BouncesTest, ALampCloseToACeilingGetsItsLightBack) {
+  constexpr double kHalf = 2.0, kAlbedo = 0.8, kEdge = 0.5, kGap = 0.05;
+  Scene scene = closedRoom(kHalf, kAlbedo, kAutoBounces);
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quad();
+  light.transform.scale = glm::dvec3(kEdge);
+  light.transform.translation.z = kHalf - kGap;
+  const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
+  const double want = floorBelowUplight(kHalf, kAlbedo, kEdge, kGap, power);
+  std::vector<reference::Receiver> floor;
+  for (const reference::Receiver& each : walls(kHalf, 8)) {
+    if (each.normal.z > 0.5) floor.push_back(each);
+  }
+  EXPECT_NEAR(meanOf(probed(scene, floor)), want, 0.05 * want);
+}
+
+/// A plate of small triangles that faces down, 1.5 m on each side, not quite flat.
+MeshPtr roughPlate() {
+  constexpr int kCells = 64;
+  Mesh mesh;
+  for (int y = 0; y <= kCells; ++y) {
+    for (int x = 0; x <= kCells; ++x)
+      mesh.positions.emplace_back(1.5F * (float(x) / kCells - 0.5F), 1.5F * (float(y) / kCells - 0.5F),
+                                  0.002F * float((x * 7 + y * 5) % 3));
+  }
+  for (int y = 0; y < kCells; ++y) {
+    for (int x = 0; x < kCells; ++x) {
+      const auto a = std::uint32_t(y * (kCells + 1) + x), b = a + 1, c = a + kCells + 1, d = c + 1;
+      mesh.triangles.insert(mesh.triangles.end(), {{a, c, b}, {b, c, d}});
+    }
+  }
+  EXPECT_TRUE(finishMesh(mesh).ok());
+  return std::make_shared<const Mesh>(std::move(mesh));
+}
+
+// Patches of different sizes that all but touch give each other no more than there is, in whatever way sizes fall: a
+// black sheet outside makes those of the floor half as large as those of a plate 2 cm above it. Light would grow from
+// turn to turn. Broken by: rows that add up to more than a half space.
+TEST_F(BouncesTest, WhatAllButTouchesDoesNotGlow) {
+  constexpr double kAlbedo = 0.95;
+  for (const double outside : {0.0, 6.0, 9.0}) {
+    Scene scene = closedRoom(2.0, kAlbedo, kAutoBounces);
+    test::lightOf(scene).mesh = reference::quad();
+    test::lightOf(scene).transform.rotation = rotationFromEulerDegrees({180.0, 0.0, 0.0});
+    test::lightOf(scene).transform.translation.z = 1.9;
+    Surface& plate = test::addSurface(scene, "plate", roughPlate());
+    plate.transform.translation.z = -1.98;
+    plate.albedo = glm::dvec3(kAlbedo);
+    if (outside > 0.0) {
+      Surface& sheet = test::addSurface(scene, "sheet", reference::quad());
+      sheet.transform.scale = glm::dvec3(outside);
+      sheet.transform.translation.z = -5.0;
+      sheet.albedo = glm::dvec3(0.0);
+      sheet.twoSided = false;
+    }
+    const double power = reference::powerOf(reference::emittersOf(scene).triangles).x;
+    const double most = power / 96.0 / (1.0 - kAlbedo);
+    const double mean = meanOf(probed(scene, walls(2.0, 6)));
+    EXPECT_LT(mean, most) << outside;
+    EXPECT_GT(mean, 0.7 * most) << outside;  // the lamp swallows some, too
+  }
 }
 
 /// A lamp that faces down to a floor of 2 x 2 m, which sees nothing else.

@@ -86,6 +86,28 @@ TEST(ShadowsPossible, NotWithoutLight) {
   EXPECT_FALSE(shadowsPossible(Scene()));
 }
 
+/// A panel of .4 m, `height` above the floor of the empty room, turned about x by so many degrees: 0 faces up.
+Scene withPanel(double height, double degrees, bool twoSided) {
+  Scene scene = withLamp([&](Light& lamp) {
+    lamp.mesh = reference::quad();
+    lamp.transform.scale = glm::dvec3(0.4);
+    lamp.transform.rotation = rotationFromEulerDegrees({degrees, 0.0, 0.0});
+    lamp.transform.translation = {0.0, 0.0, height - 2.0};
+    lamp.twoSided = twoSided;
+  });
+  scene.options = {};
+  scene.options.bounces = kAutoBounces;
+  return scene;
+}
+
+// Broken by: lights that send to both sides where they have one; distances to a light's middle.
+TEST(LightsSwallow, WhatTheyShineAtFromNear) {
+  EXPECT_TRUE(lightsSwallow(withPanel(0.05, 180.0, false))) << "faces the floor";
+  EXPECT_FALSE(lightsSwallow(withPanel(0.05, 0.0, false))) << "its back to the floor";
+  EXPECT_TRUE(lightsSwallow(withPanel(0.05, 0.0, true)));
+  EXPECT_FALSE(lightsSwallow(withPanel(1.0, 180.0, true))) << "far away";
+}
+
 TEST(IsShadowed, AsTheSettingsSay) {
   Scene empty = emptyRoom(), furnished = reference::smallRoom();
   for (Scene* scene : {&empty, &furnished}) scene->options = {};

@@ -1,0 +1,31 @@
+#pragma once
+// Finer patches where lights are nearer to a surface than its patches are large (MATHS.md 3d.4): what a lamp sends to a
+// ceiling close behind it is a spot, of which much is seen by the lamp alone.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/light_points.h"
+#include "scene/patches.h"
+
+namespace lpv {
+
+/// A light in some of its points, world space.
+struct LightInPoints {
+  LightPoints points;
+  double brightness = 0.0;  ///< W/(sr m^2), of all colours together
+  bool twoSided = false;
+};
+
+/// Which patches to halve, in turn: halving the patch i of n + k, counted with those that the halves before have made,
+/// puts one half in its place and the other behind the last. Halved are those that get the most light from points
+/// nearer than they are large, until these get less than a hundredth of all that is sent, or `most` have been halved.
+/// Only patches that are a triangle are; nothing where no light is near.
+std::vector<std::uint32_t> halvingsNearLights(const std::vector<Patch>& patches,
+                                              const std::vector<LightInPoints>& lights, std::size_t most);
+
+/// The scene's patches, so halved: those before stay where they are.
+PatchedScene halved(const PatchedScene& patched, const std::vector<std::uint32_t>& halvings);
+
+}  // namespace lpv
