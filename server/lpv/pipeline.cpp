@@ -37,11 +37,13 @@ std::vector<LightInPoints> lightsInPoints(const std::vector<EmittingLight>& ligh
                                           LightPointCache& cache) {
   const glm::dmat4 worldFromGrid = glm::inverse(grid.gridFromWorldMatrix());
   std::vector<LightInPoints> out;
+  out.reserve(lights.size());
   for (const EmittingLight& light : lights) {
     if (light.source != nullptr && light.source->distant) continue;
     const LightPointsPtr all = cache.get(light);
     LightPoints some;
     const std::size_t step = (all->size() + kPointsOfNearLight - 1) / kPointsOfNearLight;
+    some.reserve(kPointsOfNearLight);
     for (std::size_t i = 0; i < all->size(); i += step) {
       some.push_back((*all)[i]);
       some.back().area *= float(step);
@@ -257,6 +259,7 @@ void Pipeline::Stages::patchSurfaces(SessionState& s, const TickRequest& request
   const Scene& scene = *request.scene;
   PatchedInputs inputs = {
       {}, litSpace(scene), patchesWanted(scene.options), s.reflectionsBlocked ? piecesWanted(scene.options) : 0};
+  inputs.surfaces.reserve(scene.surfaces.size());
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   if (made.patched.madeFrom(inputs)) return;
   if (!looksForPieces(request)) inputs.pieces = 0;

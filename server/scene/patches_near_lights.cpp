@@ -94,6 +94,7 @@ void cutInHalf(std::vector<Patch>& patches, std::uint32_t which) {
 std::vector<std::uint32_t> halvingsNearLights(const std::vector<Patch>& patches,
                                               const std::vector<LightInPoints>& lights, std::size_t most) {
   std::vector<Ball> balls;
+  balls.reserve(lights.size());
   double sent = 0.0;
   for (const LightInPoints& light : lights) {
     sent += sentBy(light);

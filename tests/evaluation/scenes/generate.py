@@ -19,7 +19,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import numpy as np  # noqa: E402
 
 import gltf  # noqa: E402
-from meshes import (box, flat, grid_quad, knot, panel_down, pot, quad, quad_uvs, read_ply, sphere, standing, tube)  # noqa: E402
+from meshes import (box, flat, grid_quad, knot, lathe, panel_down, pot, quad, quad_uvs, read_ply, sphere, standing, tube,  # noqa: E402
+                    turned)
 
 ROOM = ((-2.5, 0.0, -2.0), (2.5, 3.0, 2.0))  # metres
 CORNER_VIEW = {"eye": [1.9, 1.6, 2.6], "target": [-0.6, 0.8, -1.2], "fov": 60}
@@ -135,6 +136,65 @@ def hall(scene, data):
         scene.light(f"statue {i}", standing(statue_of(data), (x, 0.02, z), 1.8), colour)
 
 
+def corridor(two_sided):
+    """12 m, four discs 2 cm below the ceiling that shine at it, or down as well: what is above a disc is seen by it alone."""
+    def build(scene, data):
+        scene.surface("walls", flat(box((-6, 0, -0.8), (6, 2.4, 0.8), inward=True)), (0.75, 0.75, 0.72))
+        for i in range(5):
+            x = -5 + 2.2 * i
+            scene.surface(f"frame {i}", flat(box((x, 0, -0.8), (x + 0.1, 2.1, -0.7))), (0.4, 0.3, 0.2))
+        for i in range(4):
+            disc = lathe([(0.15, 0.0), (1e-4, 0.0)], 24, (-4.5 + 3 * i, 2.38, 0.0))
+            scene.light(f"disc {i}", disc, (30, 28, 25), two_sided=two_sided)
+    return build
+
+
+def bulbs(scene, data):
+    """Sixteen of them on a ring."""
+    furnished(scene)
+    for i in range(16):
+        angle = 2 * np.pi * i / 16
+        scene.light(f"bulb {i}", sphere((0.5 + 0.35 * np.cos(angle), 1.9, -0.5 + 0.35 * np.sin(angle)), 0.03, 16, 8), (60, 55, 45))
+    scene.surface("ring", lathe([(0.33, 1.84), (0.37, 1.84), (0.37, 1.86), (0.33, 1.86), (0.33, 1.84)], 32, (0.5, 0, -0.5)), (0.6, 0.5, 0.2))
+    scene.surface("stem", tube((0.5, 1.85, -0.5), (0.5, 3.0, -0.5), 0.02), (0.2, 0.2, 0.2))
+
+
+def desk_lamp(scene, data):
+    """A bulb in a shade."""
+    furnished(scene)
+    scene.surface("shade", lathe([(0.16, 0.0), (0.06, 0.16)], 32, (0.6, 1.1, -0.5)), (0.8, 0.75, 0.6))
+    scene.surface("foot", flat(box((0.54, 0.72, -0.56), (0.66, 0.75, -0.44))), (0.2, 0.2, 0.2))
+    scene.surface("stem", tube((0.6, 0.75, -0.5), (0.6, 1.12, -0.5), 0.02), (0.2, 0.2, 0.2))
+    scene.light("bulb", sphere((0.6, 1.18, -0.5), 0.035, 24, 12), (400, 360, 280))
+
+
+def refrigerator(scene, data):
+    """Ajar, and lit inside."""
+    furnished(scene)
+    for name, low, high in (("back", (-2.48, 0, -1.9), (-2.42, 1.8, -1.2)), ("left", (-2.48, 0, -1.9), (-1.9, 1.8, -1.86)),
+                            ("right", (-2.48, 0, -1.24), (-1.9, 1.8, -1.2)), ("top", (-2.48, 1.76, -1.9), (-1.9, 1.8, -1.2)),
+                            ("bottom", (-2.48, 0, -1.9), (-1.9, 0.06, -1.2)), ("low shelf", (-2.42, 0.6, -1.86), (-1.95, 0.62, -1.24)),
+                            ("high shelf", (-2.42, 1.1, -1.86), (-1.95, 1.12, -1.24))):
+        scene.surface(name, flat(box(low, high)), (0.85, 0.85, 0.85))
+    door = turned(box((-1.9, 0, -1.24), (-1.86, 1.8, -0.55)), 30, (-1.9, 0, -1.24))
+    scene.surface("door", flat(door), (0.85, 0.85, 0.85))
+    scene.surface("jar", sphere((-2.15, 0.7, -1.5), 0.08, 24, 12), (0.6, 0.2, 0.2))
+    scene.light("lamp", panel_down((-2.2, 1.755, -1.55), 0.15, 0.1), (200, 200, 190))
+
+
+def door_ajar(scene, data):
+    """A dark room beside a lit one."""
+    scene.surface("walls", flat(box((-4, 0, -2), (4, 2.6, 2), inward=True)), (0.7, 0.68, 0.62))
+    for name, low, high in (("left of the door", (-0.06, 0, -2), (0.06, 2.6, -0.45)), ("right of it", (-0.06, 0, 0.45), (0.06, 2.6, 2)),
+                            ("above it", (-0.06, 2.05, -0.45), (0.06, 2.6, 0.45))):
+        scene.surface(name, flat(box(low, high)), (0.7, 0.68, 0.62))
+    leaf = turned(box((-0.02, 0.005, -0.44), (0.02, 2.04, 0.44)), 35, (0, 0, -0.44))
+    scene.surface("leaf", flat(leaf), (0.5, 0.35, 0.2))
+    scene.surface("chest", flat(box((-3.9, 0, -1.9), (-3.4, 1.0, -0.5))), (0.3, 0.4, 0.5))
+    scene.surface("stool", flat(box((-1.6, 0, 0.2), (-1.2, 0.5, 0.6))), (0.6, 0.3, 0.3))
+    scene.light("lamp", panel_down((2.2, 2.55, 0.3), 0.6, 0.6), (30, 28, 24))
+
+
 def tessellated(n):
     def build(scene, data):
         scene.surface("floor", quad((0, 0, 0), (4, 0, 0), (0, 0, -4)))
@@ -225,6 +285,7 @@ SKIES = {"daylight": True, "overcast": False}  # scenes: whether there is a sun
 
 STRIPS_VIEW = {"eye": [0.0, 0.9, 3.0], "target": [0.0, 0.1, -0.1], "fov": 45}
 DAYLIT_VIEW = {"eye": [2.2, 1.7, 1.75], "target": [-1.2, 0.7, -0.9], "fov": 65}
+CORRIDOR_VIEW = {"eye": [-5.7, 1.6, 0.4], "target": [0, 1.0, -0.1], "fov": 65}
 BALL_VIEW = {"eye": [0.0, 1.0, 3.4], "target": [0.0, 1.0, 0.0], "fov": 42}
 
 SCENES = {
@@ -250,6 +311,12 @@ SCENES = {
     "lucy": (beside_walls(statue_of), "Lucy, glowing, beside walls", {"view": CORNER_VIEW}),
     "chair": (chair, "a chair's legs and rods, a grille before a window", {"view": ROOM_VIEW}),
     "hall": (hall, "a hall of 4:1:1 with three statues that glow", {"view": {"eye": [-9.7, 2.2, 1.9], "target": [2, 1.2, -0.6], "fov": 65}}),
+    "corridor": (corridor(True), "lamps of both sides close below a ceiling", {"view": CORRIDOR_VIEW}),
+    "uplights": (corridor(False), "lamps that shine at a ceiling close to them", {"view": CORRIDOR_VIEW}),
+    "bulbs": (bulbs, "sixteen bulbs on a ring", {"view": ROOM_VIEW}),
+    "desk_lamp": (desk_lamp, "a bulb in a shade", {"view": ROOM_VIEW}),
+    "refrigerator": (refrigerator, "a refrigerator ajar, lit inside", {"view": {"eye": [1.8, 1.7, 1.7], "target": [-1.5, 0.8, -1.2], "fov": 65}}),
+    "door_ajar": (door_ajar, "a dark room beside a lit one", {"view": {"eye": [-3.7, 1.6, 1.6], "target": [-0.6, 0.8, -0.4], "fov": 65}}),
     "gloss_quad": (gloss_quad, "glossy strips before a square", {"view": STRIPS_VIEW}),
     "gloss_screen": (gloss_screen, "the same before a textured screen", {"view": STRIPS_VIEW}),
     "gloss_statue": (gloss_statue, "the same before Lucy, glowing", {"view": STRIPS_VIEW}),

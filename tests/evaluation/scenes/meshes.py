@@ -120,11 +120,24 @@ def pot(sides=64):
     """An open vessel with an inner and an outer wall, 1 high."""
     profile = [(0.0, 0.0), (0.34, 0.0), (0.46, 0.12), (0.5, 0.4), (0.42, 0.75), (0.33, 0.9), (0.36, 1.0),  # outside, upwards
                (0.32, 1.0), (0.29, 0.9), (0.38, 0.74), (0.46, 0.4), (0.42, 0.14), (0.32, 0.04), (0.0, 0.04)]  # inside, down
+    return lathe(profile, sides)
+
+
+def lathe(profile, sides=32, centre=(0, 0, 0)):
+    """A profile of (radius, height) turned about the vertical through `centre`; what goes upwards faces outwards."""
     angles = 2 * math.pi * np.arange(sides) / sides
     circle = np.stack([np.cos(angles), np.zeros(sides), np.sin(angles)], axis=1)
     points = np.array([r * circle + (0, y, 0) for r, y in profile])
     vertices, triangles = rings(points, False)
-    return vertices, triangles[:, ::-1]
+    return vertices + np.asarray(centre, float), triangles[:, ::-1]
+
+
+def turned(mesh, degrees, about):
+    """The mesh turned about the vertical through a point."""
+    vertices, triangles = mesh
+    angle = math.radians(degrees)
+    turn = np.array([[math.cos(angle), 0, math.sin(angle)], [0, 1, 0], [-math.sin(angle), 0, math.cos(angle)]])
+    return (np.asarray(vertices) - about) @ turn.T + about, triangles
 
 
 def read_ply(path):
