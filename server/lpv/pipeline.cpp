@@ -32,6 +32,18 @@ bool looksForPieces(const TickRequest& request) {
 
 constexpr std::size_t kPointsOfNearLight = 256;
 
+/// Every n-th of many is a sample of the whole, and stands for n.
+LightPoints thinned(const LightPoints& points) {
+  const std::size_t step = (points.size() + kPointsOfNearLight - 1) / kPointsOfNearLight;
+  LightPoints out;
+  out.reserve(kPointsOfNearLight);
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    out.push_back(points[i]);
+    out.back().area *= float(step);
+  }
+  return out;
+}
+
 /// Those that may be near to something.
 std::vector<LightInPoints> lightsInPoints(const std::vector<EmittingLight>& lights, const Grid& grid,
                                           LightPointCache& cache) {
@@ -41,15 +53,11 @@ std::vector<LightInPoints> lightsInPoints(const std::vector<EmittingLight>& ligh
   for (const EmittingLight& light : lights) {
     if (light.source != nullptr && light.source->distant) continue;
     const LightPointsPtr all = cache.get(light);
-    LightPoints some;
-    const std::size_t step = (all->size() + kPointsOfNearLight - 1) / kPointsOfNearLight;
-    some.reserve(kPointsOfNearLight);
-    for (std::size_t i = 0; i < all->size(); i += step) {
-      some.push_back((*all)[i]);
-      some.back().area *= float(step);
-    }
-    out.push_back({transformed(some, worldFromGrid * light.gridFromObject),
-                   (light.radiance.r + light.radiance.g + light.radiance.b) / 3.0, light.twoSided});
+    const glm::dmat4 worldFromObject = worldFromGrid * light.gridFromObject;
+    const double brightness = (light.radiance.r + light.radiance.g + light.radiance.b) / 3.0;
+    const bool few = all->size() <= kPointsOfNearLight;
+    LightPoints points = few ? transformed(*all, worldFromObject) : transformed(thinned(*all), worldFromObject);
+    out.push_back({std::move(points), brightness, light.twoSided});
   }
   return out;
 }

@@ -21,6 +21,7 @@ glm::dvec2 uvAt(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& weig
 std::vector<Occluder> occludersOf(const Scene& scene) {
   const bool gloss = showsGloss(scene);
   std::vector<Occluder> out;
+  out.reserve(scene.surfaces.size() + scene.lights.size());
   int number = -1;
   for (const auto& [name, surface] : scene.surfaces) {
     ++number;

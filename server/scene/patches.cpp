@@ -77,16 +77,15 @@ class Triangles {
     return varies_ ? surface_.mesh->triangles : surface_.mesh->evenTriangles();
   }
   double area(const glm::uvec3& t) const { return 0.5 * glm::length(cross(t)); }
-  /// Of all sides that light may come to.
+  /// How many sides of a triangle light may come to.
+  int litSides(const glm::uvec3& t, const LitSpace& space) const {
+    const glm::dvec3 n = normal(t), at = positions_[t.x];
+    return (isBehind(space, at, n) ? 0 : 1) + (surface_.twoSided && !isBehind(space, at, -n) ? 1 : 0);
+  }
+  /// Of all of these.
   double area(const LitSpace& space) const {
     double sum = 0.0;
-    for (const glm::uvec3& t : all()) {
-      const double area = this->area(t);
-      if (!(area > 0.0)) continue;
-      const glm::dvec3 n = normal(t), at = positions_[t.x];
-      sum += isBehind(space, at, n) ? 0.0 : area;
-      sum += surface_.twoSided && !isBehind(space, at, -n) ? area : 0.0;
-    }
+    for (const glm::uvec3& t : all()) sum += area(t) > 0.0 ? area(t) * litSides(t, space) : 0.0;
     return sum;
   }
   /// How far the corners of a triangle are from a place at the most.
@@ -182,12 +181,12 @@ class Patches {
  public:
   explicit Patches(double most) : most_(most) {}
 
-  /// Of one side.
-  void add(const Triangles& triangles) {
+  /// Of one side; nothing of triangles to which no light comes.
+  void add(const Triangles& triangles, const LitSpace& space) {
     for (std::uint32_t i = 0; i < triangles.all().size(); ++i) {
       const glm::uvec3& t = triangles.all()[i];
       const double area = triangles.area(t);
-      if (!(area > 0.0)) continue;
+      if (!(area > 0.0) || triangles.litSides(t, space) == 0) continue;
       if (area > 0.5 * most_) {
         triangles.split(t, most_, patches_);
         continue;
@@ -323,7 +322,7 @@ struct Sides {
 void addPatches(const LitSpace& space, bool apart, double most, Sides& of, std::vector<Patch>& out) {
   Patches patches(most);
   for (const Triangles& surface : of.surfaces) {
-    patches.add(surface);
+    patches.add(surface, space);
     if (apart) patches.flush();
   }
   patches.flush();

@@ -100,32 +100,33 @@ std::vector<std::uint32_t> halvingsNearLights(const std::vector<Patch>& patches,
     sent += sentBy(light);
     if (!light.points.empty()) balls.emplace_back(light);
   }
-  std::vector<Patch> all = patches;
   using Uneven = std::pair<double, std::uint32_t>;  // W, and the patch: of equals the first
   const auto lower = [](const Uneven& a, const Uneven& b) {
     return a.first != b.first ? a.first < b.first : a.second > b.second;
   };
   std::priority_queue<Uneven, std::vector<Uneven>, decltype(lower)> open(lower);
   double uneven = 0.0;
-  const auto weigh = [&](std::uint32_t i) {
+  const auto weigh = [&](const std::vector<Patch>& all, std::size_t i) {
     if (!all[i].triangle) return;
     const double radius = radiusOf(all[i]);
     double watts = 0.0;
     for (const Ball& ball : balls) watts += unevenFrom(all[i], radius, ball);
     if (!(watts > 0.0)) return;
     uneven += watts;
-    open.emplace(watts, i);
+    open.emplace(watts, std::uint32_t(i));
   };
-  for (std::uint32_t i = 0; i < patches.size(); ++i) weigh(i);
+  for (std::size_t i = 0; i < patches.size(); ++i) weigh(patches, i);
   std::vector<std::uint32_t> out;
+  if (open.empty()) return out;
+  std::vector<Patch> all = patches;
   while (!open.empty() && out.size() < most && uneven > kUnevenShare * sent) {
     const auto [watts, which] = open.top();
     open.pop();
     uneven -= watts;
     out.push_back(which);
     cutInHalf(all, which);
-    weigh(which);
-    weigh(std::uint32_t(all.size()) - 1);
+    weigh(all, which);
+    weigh(all, all.size() - 1);
   }
   return out;
 }

@@ -47,6 +47,7 @@ void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache&
   pools.clear();
   ranges.clear();
   std::vector<glm::vec4> points;
+  points.reserve(texels.size() / sizeof(glm::vec4));  // as many as before, most of the time
   const auto pointsSoFar = [&] { return int(points.size()) / layout::kLightPointTexels; };
   const std::size_t count = std::min(lights.size(), kMostPools);
   for (std::size_t i = 0; i < count; ++i) {

@@ -162,8 +162,10 @@ void GpuOccluders::storeTop(const Inputs& inputs, const CommonSpace& space) {
       texelOf(inputs.grid.origin - space.origin, inputs.grid.cell),
       texelOf(all.min, 0.0),
       texelOf(all.max, 0.0)};
+  texels.reserve(texelsOfTop(space));
   append(bvh.nodes, texels);
   std::vector<std::uint32_t> ofPlaced;
+  ofPlaced.reserve(space.members.size());
   for (std::size_t i = 0; i < space.members.size(); ++i)
     ofPlaced.push_back(std::uint32_t(instances + layout::kInstanceTexels * (others.size() + i)));
   placed_.appendAbove(above, ofPlaced, texels);

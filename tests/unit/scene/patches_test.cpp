@@ -47,6 +47,44 @@ TEST(Patches, HaveTheSurfacesArea) {
   }
 }
 
+/// A room of 4 m with walls of two sides, and a lamp in it.
+Scene litRoom() {
+  Scene scene = sceneWith(reference::box(glm::dvec3(-2.0), glm::dvec3(2.0), true), true);
+  auto lamp = std::make_shared<Light>();
+  lamp->name = "lamp";
+  lamp->mesh = reference::quad();
+  scene.lights["lamp"] = lamp;
+  return scene;
+}
+
+// Broken by: sides whose planes the lamp may be before.
+TEST(Patches, AreOnSidesThatLightMayComeTo) {
+  Scene scene = litRoom();
+  EXPECT_NEAR(areaOf(patchesOf(scene, 300)), 96.0, 1e-3) << "no light comes to the outside";
+  auto lamp = std::make_shared<Light>(*scene.lights.at("lamp"));
+  lamp->transform.translation.z = 5.0;
+  scene.lights["lamp"] = lamp;
+  EXPECT_NEAR(areaOf(patchesOf(scene, 300)), 96.0 + 16.0, 1e-3) << "above the roof";
+  lamp = std::make_shared<Light>(*lamp);
+  lamp->distant = true;
+  scene.lights["lamp"] = lamp;
+  EXPECT_NEAR(areaOf(patchesOf(scene, 300)), 192.0, 1e-3) << "the sky";
+}
+
+// Broken by: triangles cut to an area of 0, or to that of what little is lit.
+TEST(Patches, AreFewWhereHardlyAnythingIsLit) {
+  Scene scene = litRoom();
+  scene.surfaces.clear();
+  Surface& sheet = add(scene, "sheet", reference::quad());
+  sheet.twoSided = false;
+  sheet.transform.scale = glm::dvec3(1000.0);
+  sheet.transform.rotation = rotationFromEulerDegrees({180.0, 0.0, 0.0});
+  sheet.transform.translation.z = -1.0;
+  EXPECT_TRUE(patchesOf(scene, 300).empty()) << "it turns its back to the lamp";
+  add(scene, "thing", reference::sphere()).transform.scale = glm::dvec3(0.1);
+  EXPECT_LE(patchesOf(scene, 300).size(), 600U);
+}
+
 TEST(Patches, AreAboutAsManyAsAskedFor) {
   for (const MeshPtr& mesh : {reference::quad(), reference::sphere(), reference::bumpySphere(2000)}) {
     const std::size_t count = patchesOf(sceneWith(mesh), 500).size();
