@@ -31,7 +31,7 @@ std::size_t run(Engine& engine, TickRequest request) {
 class SteadyTickTest : public testing::TestWithParam<bool> {};
 
 // Maps and lists that a scene's inputs are compared by, of a few objects. It was 477, and 1,099 with shadows and
-// bounces, when coroutines, turns of the loop and names of programs took theirs; it is 93 and 111, and other drivers'
+// bounces, when coroutines, turns of the loop and names of programs took theirs; it is 92 and 107, and other drivers'
 // pauses may add a few. The median of ticks: where llvmpipe compiles a variant in between, as it may on a loaded
 // machine, LLVM takes some 90 strings by code that is this program's as well. Broken by: FramePool that keeps nothing.
 TEST_P(SteadyTickTest, TakesLittleFromTheHeap) {
