@@ -44,6 +44,7 @@ export class LocalView {
   private sceneChanged = true;
   private ev: number | undefined; // undefined: automatic
   private metered = -Infinity; // when
+  private unmetered = true; // what is seen has changed since
   private arrived = -Infinity;
   private interval = 0; // between two volumes, ms
   private lostFor: ReturnType<typeof setTimeout> | undefined;
@@ -133,14 +134,18 @@ export class LocalView {
       this.meshes.keep(new Set([...model.surfaces.values(), ...model.lights.values()].map(({ mesh }) => mesh)));
     }
     const blending = this.interval > 0 && now - this.arrived < 1.5 * this.interval;
-    if (!this.changed && !blending) return;
+    // The last change counts, too, where nothing follows it: meshes come one by one.
+    this.unmetered ||= this.changed || blending;
+    const meters = this.ev === undefined && this.unmetered && now - this.metered > METER_MS;
+    if (!this.changed && !blending && !meters) return;
     if (this.interval > 0) this.renderer.setBlend(Math.min(1, Math.max(0, (now - this.arrived) / this.interval)));
     this.changed = false;
     const { width, height } = this.options.size();
     const view = this.options.view();
     if (this.ev !== undefined) this.renderer.setExposure(this.ev);
-    else if (now - this.metered > METER_MS) {
+    else if (meters) {
       this.metered = now;
+      this.unmetered = false;
       const stops = this.renderer.metered(view, width / height);
       if (stops !== undefined) this.renderer.setExposure(stops);
     }
