@@ -14,14 +14,14 @@ namespace lpv {
 /// A light in some of its points, world space.
 struct LightInPoints {
   LightPoints points;
-  double brightness = 0.0;  ///< W/(sr m^2), of all colours together
+  double brightness = 0.0;  ///< W/(sr m^2), the mean of the colours
   bool twoSided = false;
 };
 
-/// Which patches to halve, in turn: halving the patch i of n + k, counted with those that the halves before have made,
-/// puts one half in its place and the other behind the last. Halved are those that get the most light from points
-/// nearer than they are large, until these get less than a hundredth of all that is sent, or `most` have been halved.
-/// Only patches that are a triangle are; nothing where no light is near.
+/// Which patches to halve, in turn: halving patch i puts one half in its place and the other behind the last, and later
+/// halvings count these. Those come first that get the most light from points within twice their radius, of which the
+/// light itself does not see most, until all together get less than a hundredth of what lights send, or `most` have
+/// been halved. Only patches that are a triangle are; none where no light is near.
 std::vector<std::uint32_t> halvingsNearLights(const std::vector<Patch>& patches,
                                               const std::vector<LightInPoints>& lights, std::size_t most);
 
