@@ -17,8 +17,7 @@ constexpr std::size_t kMostPlanes = 64;         ///< of a mesh; more can curve, 
 constexpr std::size_t kMostVertices = 256;  ///< of a mesh that are looked at one by one; else the corners of its box
 constexpr std::size_t kMostComparisons = 4'000'000;
 constexpr double kLeastSwallowed = 0.01;  ///< of what surfaces exchange: a third of the error that is wanted
-constexpr double kClose =
-    0.25;  ///< of a light's diagonal: surfaces so near send back to it much of what they get from it
+constexpr double kClose = 0.25;  ///< of a light's diagonal: surfaces so near send much of what they get back to it
 constexpr double kTowards = 0.1;  ///< least cosine of a light's front to a surface that it shines at
 constexpr double kFlat = 1e-6;  ///< of the extent of all: as far from a plane vertices may be and lie in it
 
@@ -76,7 +75,7 @@ bool canStandBetween(const Surface& surface, const Points& points, double within
   });
 }
 
-/// Whether a light sends to the side of a plane that it is on the way to, from near.
+/// Whether a light is near to a plane and shines at it.
 bool shinesClosely(const Light& light, const glm::dvec3& at, const glm::dvec3& n) {
   const glm::dmat4 worldFromObject = light.transform.worldFromObject();
   Points points;
