@@ -22,7 +22,7 @@ double radiusOf(const Patch& p) {
   return out;
 }
 
-/// The same, with a ball around its points.
+/// A light, with a ball around its points.
 struct Ball {
   explicit Ball(const LightInPoints& light) : of(light) {
     for (const LightPoint& p : light.points) middle += glm::dvec3(p.position) / double(light.points.size());
