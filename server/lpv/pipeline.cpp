@@ -44,7 +44,7 @@ LightPoints thinned(const LightPoints& points) {
   return out;
 }
 
-/// Those that may be near to something.
+/// The lights that may be near to a surface: all but the sky.
 std::vector<LightInPoints> lightsInPoints(const std::vector<EmittingLight>& lights, const Grid& grid,
                                           LightPointCache& cache) {
   const glm::dmat4 worldFromGrid = glm::inverse(grid.gridFromWorldMatrix());

@@ -64,7 +64,7 @@ struct CountInputs {
   bool operator==(const CountInputs&) const = default;
 };
 
-/// What the patches, and what they exchange, are made from.
+/// What the surfaces' patches are made from, before any is halved.
 struct PatchedInputs {
   std::vector<SurfacePtr> surfaces;
   LitSpace space;
@@ -74,7 +74,7 @@ struct PatchedInputs {
   bool operator==(const PatchedInputs&) const = default;
 };
 
-/// Where lights are near to them.
+/// What says which of them are halved.
 struct HalvingInputs {
   Stamp patched = 0;
   Stamp lights = 0;
@@ -82,7 +82,7 @@ struct HalvingInputs {
   bool operator==(const HalvingInputs&) const = default;
 };
 
-/// With what they exchange.
+/// What all patches, and what they exchange, are made from.
 struct PatchInputs {
   Stamp patched = 0;
   std::vector<std::uint32_t> halvings;

@@ -11,7 +11,7 @@
 namespace lpv {
 namespace {
 
-/// A room of 4 m, open to its middle.
+/// A closed room of 4 m whose walls reflect inwards.
 Scene room() {
   Scene scene;
   auto walls = std::make_shared<Surface>();
