@@ -67,8 +67,8 @@ inline constexpr std::size_t kAccuratePieces = 65536;
 
 /// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their
 /// neighbours. Every surface has one for each of its sides at least, unless there are more surfaces than half of
-/// `count`; twice `count` are the most. No large triangle has any on a side to which no light comes, such as the outside
-/// of a room. The same surfaces and litSpace() give the same patches.
+/// `count`; twice `count` are the most. No large triangle has any on a side to which no light comes, such as the
+/// outside of a room. The same surfaces and litSpace() give the same patches.
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count);
 /// The same patches with about `pieces` of their folds, and some for each patch in which triangles face many ways.
 PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces);
