@@ -45,7 +45,8 @@ struct Stage {
 };
 
 void compile(const Shader& shader, const std::string& file, const ShaderSource& source) {
-  const char* text = source.text.c_str();
+  const std::string guarded = file.ends_with(".comp") ? LoopGuard::guarded(source.text) : source.text;
+  const char* text = guarded.c_str();
   glShaderSource(shader.id, 1, &text, nullptr);
   glCompileShader(shader.id);
   GLint compiled = 0;
@@ -99,17 +100,20 @@ Program::Program(std::vector<std::string> files, Defines defines)
     sources_.insert(sources_.end(), stages.back().source.files.begin(), stages.back().source.files.end());
   }
   id_ = build(stages, nameOf(entries_, defines_));
+  loops_ = LoopGuard(nameOf(entries_, defines_));
   stamp_ = sourceStamp(sources_);
 }
 
 Program Program::computeOfText(const std::string& name, const std::string& text, const Defines& defines) {
   Program program;
   program.id_ = build({{name + ".comp", assembleText(name, text, defines)}}, name);
+  program.loops_ = LoopGuard(name);
   return program;
 }
 
 Program::Program(Program&& other) noexcept
     : id_(std::exchange(other.id_, 0)),
+      loops_(std::move(other.loops_)),
       entries_(std::move(other.entries_)),
       defines_(std::move(other.defines_)),
       sources_(std::move(other.sources_)),
@@ -118,6 +122,7 @@ Program::Program(Program&& other) noexcept
 Program& Program::operator=(Program&& other) noexcept {
   Program taken(std::move(other));
   std::swap(id_, taken.id_);
+  std::swap(loops_, taken.loops_);
   std::swap(entries_, taken.entries_);
   std::swap(defines_, taken.defines_);
   std::swap(sources_, taken.sources_);
@@ -150,12 +155,14 @@ void Program::dispatch(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   if (x == 0 || y == 0 || z == 0) return;
   usage().dispatches++;
   use();
+  loops_.bind();
   glDispatchCompute(x, y, z);
 }
 
 void Program::dispatchIndirect(std::size_t offset) {
   usage().dispatches++;
   use();
+  loops_.bind();
   glDispatchComputeIndirect(GLintptr(offset));
 }
 
