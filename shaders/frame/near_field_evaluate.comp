@@ -1,7 +1,7 @@
 // The lights themselves at the points of a picture that near_field.comp has listed, four to a thread. These are close
 // together, and the same ones in every run, so results are the same, too, whatever the order of the list. LPV_SHADOWED:
-// E of one pool of lights, which is not put into the picture yet (shadow_rays.comp). LPV_PATCHES: the mean over each
-// patch, which may be as large as a light is far.
+// E of one pool of lights, which is not put into the picture yet (shadow_rays.comp). LPV_PATCHES, shadowed too: the mean
+// over each patch, which may be as large as a light is far; a thread has one.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/receivers.glsl"
@@ -15,9 +15,77 @@
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
 #endif
 
+#if LPV_PATCHES
+layout(local_size_x = 4 * kNearFieldGroup) in;
+
+const int kMostParts = 64;         // three halvings of its edges
+const float kEvenEnough = 0.05;    // by how much the mean may change with the last of them
+const float kOpeningShare = 0.7;   // of k
+const int kMostRounds = kMaxRounds / 4;  // neighbours walk through trees in ways of their own, and llvmpipe counts all
+
+/// How far the middle of a part is from that of its triangle: of `parts` alike, a power of 4, which halves of edges make.
+vec3 toPart(Patch p, int part, int parts) {
+  const vec3 middle = (p.corners[0].xyz + p.corners[1].xyz + p.corners[2].xyz) / 3.0;
+  vec3 offset = vec3(0.0);
+  float size = 0.5;
+  for (; parts > 1; parts /= 4, part /= 4) {
+    const int corner = part & 3;  // 3: between the others, and turned
+    offset += corner < 3 ? size * (p.corners[corner].xyz - middle) : vec3(0.0);
+    size *= corner < 3 ? 0.5 : -0.5;
+  }
+  return offset;
+}
+
+/// The four parts of the k-th of parts / 4 that a patch is cut into; the last of them is in its middle. All are there
+/// where it is no triangle.
+FourReceivers partsOf(Patch p, int k, int parts) {
+  FourReceivers r;
+  const bool isTriangle = p.corners[0].w > 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const vec3 x = p.place.xyz + (isTriangle ? toPart(p, k + i * (parts / 4), parts) : vec3(0.0));
+    r.x[i] = x.x;
+    r.y[i] = x.y;
+    r.z[i] = x.z;
+  }
+  r.nx = vec4(p.normal.x);
+  r.ny = vec4(p.normal.y);
+  r.nz = vec4(p.normal.z);
+  return r;
+}
+
+bool alike(vec3 a, vec3 b) { return all(lessThanEqual(abs(a - b), kEvenEnough * max(a, b))); }
+
+/// The mean over a patch of what would come with nothing in the way: of finer and finer parts, until it stands, or until
+/// the next ones would take more rounds than a thread has. Lights are looked at in one place, which compilers that
+/// inline all functions and unroll counted loops have once: one of them took 22 s.
+vec3 sentTo(Patch p) {
+  vec3 mean = vec3(0.0), finer = vec3(0.0);
+  int rounds = 0, before = 0;
+  for (int parts = 4, k = 0; k < parts / 4;) {
+    const FourIrradiances e = directIrradiances(partsOf(p, k, parts), shadow.firstLight, shadow.lightsEnd, kOpeningShare, rounds);
+    if (parts == 4) mean = vec3(e.red.w, e.green.w, e.blue.w);  // at the middle
+    finer += vec3(dot(e.red, vec4(1.0)), dot(e.green, vec4(1.0)), dot(e.blue, vec4(1.0))) / float(parts);
+    if (++k < parts / 4) continue;
+    const bool stands = alike(finer, mean), most = rounds + 4 * (rounds - before) > kMostRounds;
+    mean = finer;
+    if (stands || most || parts == kMostParts) break;
+    before = rounds;
+    finer = vec3(0.0);
+    parts *= 4;
+    k = 0;
+  }
+  return mean;
+}
+
+void main() {
+  const uint point = gl_GlobalInvocationID.x, four = point / 4u;
+  if (four >= list.count) return;
+  begin(point, sentTo(patches[unpackedPixel(points[four][point % 4u]).x]), vec3(0.0), vec3(0.0), 0.0);
+}
+#else
 layout(local_size_x = kNearFieldGroup) in;
 
-/// Places on surfaces, of pixels or patches.
+/// Places on surfaces, of pixels.
 FourReceivers receivers(uvec4 four) {
   FourReceivers r;
   for (int i = 0; i < 4; ++i) {
@@ -33,82 +101,17 @@ FourReceivers receivers(uvec4 four) {
   return r;
 }
 
-#if LPV_PATCHES
-const int kMostParts = 64;           // three halvings of its edges
-const float kEvenEnough = 0.05;      // by how much the mean may change with the last of them
-const float kOpeningShare = 0.7;     // of k, beside the middle
-
-/// How far the middle of a part is from that of its triangle: of `parts` alike, a power of 4, which halves of edges make.
-vec3 toPart(Patch p, int part, int parts) {
-  const vec3 middle = (p.corners[0].xyz + p.corners[1].xyz + p.corners[2].xyz) / 3.0;
-  vec3 offset = vec3(0.0);
-  float size = 0.5;
-  for (; parts > 1; parts /= 4, part /= 4) {
-    const int corner = part & 3;  // 3: between the others, and turned
-    offset += corner < 3 ? size * (p.corners[corner].xyz - middle) : vec3(0.0);
-    size *= corner < 3 ? 0.5 : -0.5;
-  }
-  return offset;
-}
-
-/// `r` moved to a part of each of the four; those that are no triangles stay.
-FourReceivers atParts(FourReceivers r, uvec4 four, int part, int parts) {
-  for (int i = 0; i < 4; ++i) {
-    const Patch p = patches[unpackedPixel(four[i]).x];
-    const vec3 offset = p.corners[0].w > 0.0 ? toPart(p, part, parts) : vec3(0.0);
-    r.x[i] += offset.x;
-    r.y[i] += offset.y;
-    r.z[i] += offset.z;
-  }
-  return r;
-}
-
-bool alike(vec4 a, vec4 b) { return all(lessThanEqual(abs(a - b), kEvenEnough * max(a, b))); }
-
-/// The mean over the parts of patches.
-FourIrradiances meanOfParts(FourReceivers r, uvec4 four, int parts, inout int rounds) {
-  FourIrradiances sum = FourIrradiances(vec4(0.0), vec4(0.0), vec4(0.0));
-  for (int part = 0; part < parts; ++part) {
-    const FourReceivers at = atParts(r, four, part, parts);
-    const FourIrradiances e = directIrradiances(at, shadow.firstLight, shadow.lightsEnd, parts > 1 ? kOpeningShare : 1.0, rounds);
-    sum = FourIrradiances(sum.red + e.red, sum.green + e.green, sum.blue + e.blue);
-  }
-  return FourIrradiances(sum.red / float(parts), sum.green / float(parts), sum.blue / float(parts));
-}
-
-/// The mean over the patches of what would come with nothing in the way: of finer and finer parts, until it stands, or
-/// until the next ones would take more rounds than a thread has. Lights are looked at in one place, which compilers that
-/// inline all functions and unroll counted loops have once: one of them took 22 s.
-FourIrradiances sentTo(FourReceivers r, uvec4 four) {
-  FourIrradiances mean = FourIrradiances(vec4(-1.0), vec4(-1.0), vec4(-1.0));  // like no other
-  int rounds = 0, before = 0;
-  for (int parts = 1; parts <= kMostParts && rounds + 4 * (rounds - before) <= kMaxRounds; parts *= 4) {
-    before = rounds;
-    const FourIrradiances finer = meanOfParts(r, four, parts, rounds);
-    const bool even = alike(finer.red, mean.red) && alike(finer.green, mean.green) && alike(finer.blue, mean.blue);
-    mean = finer;
-    if (even) break;
-  }
-  return mean;
-}
-#elif LPV_SHADOWED
-FourIrradiances sentTo(FourReceivers r, uvec4 four) {
-  int rounds = 0;
-  return directIrradiances(r, shadow.firstLight, shadow.lightsEnd, frame.openingShare, rounds);
-}
-#endif
-
 void main() {
   if (gl_GlobalInvocationID.x >= list.count) return;
   const uvec4 four = points[gl_GlobalInvocationID.x];
   const FourReceivers r = receivers(four);
+  int rounds = 0;
 #if LPV_SHADOWED
-  const FourIrradiances e = sentTo(r, four);
+  const FourIrradiances e = directIrradiances(r, shadow.firstLight, shadow.lightsEnd, frame.openingShare, rounds);
   for (int i = 0; i < 4; ++i) {
     begin(4u * gl_GlobalInvocationID.x + uint(i), vec3(e.red[i], e.green[i], e.blue[i]), vec3(0.0), vec3(0.0), 0.0);
   }
 #else
-  int rounds = 0;
   const FourIrradiances e = directIrradiances(r, 0, lightsInList(), frame.openingShare, rounds);
   for (int i = 0; i < 4; ++i) {
     const ivec2 pixel = unpackedPixel(four[i]);
@@ -116,3 +119,4 @@ void main() {
   }
 #endif
 }
+#endif

@@ -82,7 +82,7 @@ float emitterTreeIrradiance(int first, int entries, vec3 x, vec3 n, float sides,
       sum += vplIrradiance(begin + i * kPlainEntryTexels, kPlainEntryTexels, x, n, sides).x;
     }
     sum += polygonIrradiance(first + int(next.w), triangles, x, n, sides);
-    rounds += 1 + last - at + 4 * triangles;
+    rounds += 1 + last - at + triangles;
     at = far ? after : at + 1 + vpls;
   }
   return sum;
@@ -93,7 +93,7 @@ vec3 lightIrradiance(int i, vec3 x, vec3 n, float k, inout int rounds, int most)
   const vec4 radiance = texelFetch(direct, 1 + 2 * i), where = texelFetch(direct, 2 + 2 * i);
   const int first = int(where.x), count = int(where.y);
   if (radiance.w == kAsPolygons) {
-    rounds += 4 * count;  // a triangle and its edges
+    rounds += count;
     return radiance.rgb * polygonIrradiance(first, count, x, n, where.z);
   }
   if (radiance.w == kAsEmitterTree) {

@@ -121,7 +121,7 @@ void addEmitterTree(inout FourIrradiances sum, vec3 radiance, int first, int ent
       e += vplIrradiance(begin + i * kPlainEntryTexels, r, sides);
     }
     e += polygonIrradiance(first + int(next.w), triangles, r, sides);
-    rounds += 1 + last - at + 4 * triangles;
+    rounds += 1 + last - at + triangles;
     at = far ? after : at + 1 + vpls;
   }
   add(sum, radiance, e);
@@ -138,7 +138,7 @@ FourIrradiances directIrradiances(FourReceivers r, int begin, int end, float ope
     const int most = rounds + (kMaxRounds - rounds) / (end - i);
     if (radiance.w == kAsPolygons) {
       add(sum, radiance.rgb, polygonIrradiance(int(where.x), int(where.y), r, where.z));
-      rounds += 4 * int(where.y);
+      rounds += int(where.y);
     } else if (radiance.w == kAsEmitterTree) {
       addEmitterTree(sum, radiance.rgb, int(where.x), int(where.y), inTreeSpace(r, int(where.x)), where.z, k, rounds,
                      most);

@@ -10,23 +10,28 @@ float edgeIrradiance(vec3 p, vec3 q, vec3 n) {
   return size > 0.0 ? angleBetween(size, dot(p, q)) * dot(normal, n) / size : 0.0;
 }
 
+/// The part of E that an edge of a triangle gives where it is above the horizon of n, and where the outline goes below
+/// and comes up again.
+void addEdge(vec3 p, vec3 q, vec3 n, inout float sum, inout vec3 leaves, inout vec3 returns) {
+  const float hp = dot(p, n), hq = dot(q, n);
+  if (hp <= 0.0 && hq <= 0.0) return;
+  const vec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
+  if (hp > 0.0 && hq <= 0.0) leaves = cut;
+  if (hp <= 0.0 && hq > 0.0) returns = cut;
+  sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
+}
+
 /// E of unit radiance; corners seen from the receiver. The triangle is cut at the horizon of n: edge by edge, and where
-/// the outline goes below and comes up again, one edge along the horizon.
+/// the outline goes below and comes up again, one edge along the horizon. No loop: those who look at many triangles
+/// count one round for each (kMaxRounds).
 float triangleIrradiance(vec3 a, vec3 b, vec3 c, vec3 n, float sides) {
   const float side = dot(cross(b - a, c - a), a);
   if (side == 0.0 || (side > 0.0 && sides < 1.5)) return 0.0;
-  const vec3 corners[3] = vec3[3](a, b, c);
   vec3 leaves = vec3(0.0), returns = vec3(0.0);
   float sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const vec3 p = corners[i], q = corners[(i + 1) % 3];
-    const float hp = dot(p, n), hq = dot(q, n);
-    if (hp <= 0.0 && hq <= 0.0) continue;
-    const vec3 cut = hp * hq < 0.0 ? (p * hq - q * hp) / (hq - hp) : hp <= 0.0 ? p : q;
-    if (hp > 0.0 && hq <= 0.0) leaves = cut;
-    if (hp <= 0.0 && hq > 0.0) returns = cut;
-    sum += edgeIrradiance(hp > 0.0 ? p : cut, hq > 0.0 ? q : cut, n);
-  }
+  addEdge(a, b, n, sum, leaves, returns);
+  addEdge(b, c, n, sum, leaves, returns);
+  addEdge(c, a, n, sum, leaves, returns);
   sum += edgeIrradiance(leaves, returns, n);
   return 0.5 * abs(sum);
 }
