@@ -28,25 +28,39 @@ def sized(row):
     return "x".join(map(str, row["size"])) if isinstance(row.get("size"), list) else ""
 
 
+TOLD = (("commit", lambda run: run["commit"][:10]), ("date", lambda run: run["date"].replace("T", " ")[:16]), ("machine", lambda run: machine_of(run)),
+        ("driver", lambda run: run["device"].get("driver")), ("device", lambda run: run["device"].get("choice")))
+
+
 def head(content):
-    """What was measured where, when and with what."""
+    """What was measured where, when and with what: said once where it is the same for all, else by run."""
     runs = content["runs"]
-    fields = []
-    for name, told in (("commit", lambda run: run["commit"]), ("date", lambda run: run["date"]), ("machine", machine_of),
-                       ("driver", lambda run: run["device"].get("driver")), ("device", lambda run: run["device"].get("choice"))):
-        said = [str(told(run) or "not known") for run in runs]
-        fields += [(name, said[0])] if len(set(said)) == 1 else [(f"{name}, run {i + 1}", text) for i, text in enumerate(said)]
+    said = {name: [str(told(run) or "not known") for run in runs] for name, told in TOLD}
+    same = [(name, values[0]) for name, values in said.items() if len(set(values)) == 1]
+    measured = []
     for i, run in enumerate(runs):
         counted = collections.Counter(row["quantity"] for row in content["rows"] if row["run"] == i)
         what = ", ".join(f"{count} rows of {quantity}" for quantity, count in counted.items()) or "no rows"
-        fields.append(("measured" if len(runs) == 1 else f"measured, run {i + 1}", f"{run['bench']}: {what}"))
+        measured.append(f"{run['bench']}: {what}")
+    if len(runs) == 1:
+        same.append(("measured", measured[0]))
     note = ""
-    if len({repr((run["machine"], run["device"])) for run in runs}) > 1:
+    if len({machine_of(run) for run in runs}) > 1 or not one_driver([run["device"].get("driver") for run in runs]):
         note = page.paragraph("The runs are of different machines or drivers: their times cannot be compared.")
-    elif len({run["commit"] for run in runs}) > 1:
+    elif len(set(said["commit"])) > 1:
         note = page.paragraph("The runs are of different commits.")
-    listed = "".join(f"<dt>{page.text(name)}</dt><dd>{page.text(value)}</dd>" for name, value in fields)
-    return f'<dl class="head">{listed}</dl>{note}'
+    listed = "".join(f"<dt>{page.text(name)}</dt><dd>{page.text(value)}</dd>" for name, value in same)
+    differ = [name for name, values in said.items() if len(set(values)) > 1]
+    lines = [[page.words(i + 1, True), page.words(measured[i]), *(page.words(said[name][i]) for name in differ)] for i in range(len(runs))]
+    by_run = page.table("Runs", ["run", "measured", *differ], lines) if len(runs) > 1 else ""
+    return f'<dl class="head">{listed}</dl>{note}{by_run}'
+
+
+def one_driver(drivers):
+    """Whether all are the same one, of which some benches tell the renderer and others all that the driver says; those that
+    have no device say nothing."""
+    told = sorted({driver for driver in drivers if driver and not driver.startswith("no device")}, key=len)
+    return all(told[0] in driver for driver in told)
 
 
 def machine_of(run):
@@ -63,9 +77,11 @@ SUMMARY = (("irradiance", "raw_l2", "E: raw L2 %", page.percent), ("irradiance",
 
 
 def summary(content):
-    """A line for each scene and camera, against the reference with the most bounces."""
+    """A line for each scene and camera, against the reference with the most bounces. Rows with none of its figures, such as sums
+    over a plane, are in the benches' tables."""
     cases = collections.defaultdict(dict)
-    for row in rows.foremost([row for row in content["rows"] if row["quantity"] in ("pixels", "irradiance")]):
+    shown = [row for row in content["rows"] if any(row["quantity"] == quantity and name in row["values"] for quantity, name, *_ in SUMMARY)]
+    for row in rows.foremost(shown):
         cases[(row["run"], *rows.place(row), rows.configuration(row, ()))][row["quantity"]] = row
     if not cases:
         return page.section("summary", "Summary", page.paragraph(
@@ -166,6 +182,21 @@ def edges(content, drawings):
         "session without shadows and bounces: what edges and textures lose, whatever the light."),
         page.table("HDR-FLIP by samples per pixel", ["scene", "view", *run_column(listed), *map(str, counts)], table),
         page.drawing(figures.inline(svg), "HDR-FLIP by samples per pixel"))
+
+
+def analytic(content):
+    """The analytic cases of CIE 171:2006: what the formula gives, what the server does, and how far these are apart."""
+    listed = [row for row in content["rows"] if row["quantity"] == "irradiance" and "formula" in row["values"]]
+    if not listed:
+        return page.section("analytic", "Analytic cases", page.paragraph(
+            "The cases of CIE 171:2006 are not measured in these results; tests/evaluation/cie171 compares them with formulas."))
+    lines = [[page.words(row["case"], True), page.words(row["settings"].get("asked", "")), page.figure_cell(row["settings"].get("reflectance")),
+              page.figure_cell(row["settings"].get("bounces")), *(page.figure_cell(row["values"].get(name)) for name in ("points", "formula", "ours")),
+              *(page.figure_cell(row["values"].get(name), page.percent) for name in ("relative_rms", "relative_worst"))] for row in listed]
+    return page.section("analytic", "Analytic cases", page.paragraph(
+        "CIE 171:2006, the lighting trade's own test: E at the points of each case by the formula and by Probe, W/m^2, as means over the",
+        "points; the error is relative to the formula's value at each. CIE171.md has the reason of each row above 1 %."),
+        page.table("CIE 171:2006", ["case", "asked", "reflectance", "bounces", "points", "formula", "ours", "error, rms %", "worst point %"], lines))
 
 
 def generic(listed, caption):
