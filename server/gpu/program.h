@@ -34,10 +34,10 @@ class Program {
   void use();
   /// use() and dispatch this many work-groups; nothing for an empty count.
   void dispatch(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
-  /// Of a compute program, under LPV_LOOP_GUARD=1: threads whose loops the driver has ended since it was asked last.
-  std::uint32_t loopsEnded() { return loops_.ended(); }
   /// use() and dispatch as `arguments` at byte `offset` say (3 uints); the buffer is bound by the caller.
   void dispatchIndirect(std::size_t offset);
+  /// Of a compute program, under LPV_LOOP_GUARD=1: threads whose loops the driver has ended since it was asked last.
+  std::uint32_t loopsEnded() { return loops_.ended(); }
 
  private:
   void reloadIfChanged();

@@ -18,10 +18,10 @@ layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in ne
 #if LPV_PATCHES
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
-const int kMostParts = 64;         // three halvings of its edges
-const float kEvenEnough = 0.05;    // by how much the mean may change with the last of them
-const float kOpeningShare = 0.7;   // of k
-const int kMostRounds = kMaxRounds / 4;  // neighbours walk through trees in ways of their own, and llvmpipe counts all
+const int kMostParts = 64;               // three halvings of its edges
+const float kEvenEnough = 0.05;          // by how much the mean may change with the last of them
+const float kOpeningShare = 0.7;         // of k
+const int kMostRounds = kMaxRounds / 4;  // eight neighbours go different ways through a tree, and llvmpipe counts them all
 
 /// How far the middle of a part is from that of its triangle: of `parts` alike, a power of 4, which halves of edges make.
 vec3 toPart(Patch p, int part, int parts) {
