@@ -77,8 +77,8 @@ SUMMARY = (("irradiance", "raw_l2", "E: raw L2 %", page.percent), ("irradiance",
 
 
 def summary(content):
-    """A line for each scene and camera, against the reference with the most bounces. Rows with none of its figures, such as sums
-    over a plane, are in the benches' tables."""
+    """A line for each scene and camera, against the reference with the most bounces. The analytic cases have none of its
+    figures, and a section of their own."""
     cases = collections.defaultdict(dict)
     shown = [row for row in content["rows"] if any(row["quantity"] == quantity and name in row["values"] for quantity, name, *_ in SUMMARY)]
     for row in rows.foremost(shown):
