@@ -19,6 +19,7 @@ import { boxOf, SceneModel, type SceneObject } from "./scene/model.ts";
 import { carried, placementOf, type Placement } from "./scene/placement.ts";
 import { accessOf, type Access } from "./scene/role.ts";
 import { Selection } from "./scene/selection.ts";
+import { Solo } from "./scene/solo.ts";
 import { watchScene } from "./scene/watch.ts";
 import type { LocalView } from "./local/view.ts";
 import type { View } from "./view/camera_rig.ts";
@@ -47,7 +48,7 @@ export class Room {
   private readonly stop = new AbortController();
   private access: Access = { mayEdit: false, mayShare: false };
   private readonly selection = new Selection();
-  private silenced = new Set<string>(); // lights that this page has turned off for another's sake
+  private readonly solo = new Solo();
   private followed = ""; // the member whose camera this page's follows
   private drag = ""; // undo group of the drag under way
   private dragged: [SceneObject, Placement][] = []; // what goes along with it, and where each was when it began
@@ -64,7 +65,7 @@ export class Room {
     this.list = new SceneList(this.model, this.selection, (name, more) => this.select(name, more), () => this.followed, (member) => this.follow(member));
     this.properties = new Properties({
       change: (object, fields, paths) => this.change(object, fields, paths),
-      place: (object, to) => this.placeAll(this.places(), placementOf(object.value.transform), to, ""),
+      place: (object, to) => void this.placeAll(this.places(), placementOf(object.value.transform), to, ""),
       rename: (object, name) => void this.rename(object, name),
       duplicate: () => this.duplicate(),
       remove: () => this.remove(),
@@ -148,9 +149,9 @@ export class Room {
     else if (followed.camera) this.stage.follow(followed.camera);
     this.drawings.ask(this.drawPanels);
     const object = this.model.find(this.selection.last);
-    this.stage.showWatchers(this.model.people.values());
+    this.stage.watchers.show(this.model.people.values());
     const distant = object?.kind === "light" && object.value.distant; // nowhere that handles could be
-    this.stage.hold(object && !distant ? placementOf(object.value.transform) : undefined);
+    this.stage.handles.hold(object && !distant ? placementOf(object.value.transform) : undefined, this.selection.last);
   }
 
   private readonly drawPanels = (): void => {
@@ -193,18 +194,18 @@ export class Room {
     this.editor.lock(on ? [...this.selection.names] : [], on ? LOCK_SECONDS : 0).catch(this.words.refuse);
   }
 
-  private moved(to: Placement): void {
+  private async moved(to: Placement): Promise<void> {
     const from = this.dragged.at(-1)?.[1];
     if (!from) return;
     this.stage.moving();
-    this.placeAll(this.dragged, from, to, this.drag);
+    await this.placeAll(this.dragged, from, to, this.drag);
   }
 
   // The last goes from one place to another, the others along with it.
-  private placeAll(places: [SceneObject, Placement][], from: Placement, to: Placement, drag: string): void {
+  private async placeAll(places: [SceneObject, Placement][], from: Placement, to: Placement, drag: string): Promise<void> {
     const last = places.length - 1;
     const all = places.map(([object, at], i): [SceneObject, Placement] => [object, i === last ? to : carried(at, from, to)]);
-    if (all.length > 0) void this.edit(() => place(this.editor, all, drag));
+    if (all.length > 0) await this.edit(() => place(this.editor, all, drag));
   }
 
   // Of all selected objects of its kind.
@@ -296,18 +297,9 @@ export class Room {
     this.selectionChanged();
   }
 
-  // The others go off in one edit, for everybody, and all that went off come on again in another. Whoever goes from one
-  // light to the next has the next alone.
-  private solo(): void {
+  private flipSolo(): void {
     const alone = this.objects().filter((object) => object.kind === "light").map(({ value }) => value as Light);
-    if (alone.length === 0) return;
-    const others = [...this.model.lights.values()].filter((light) => !this.selection.has(light.name));
-    const on = others.filter((light) => light.enabled !== false);
-    const switched = (lights: Light[], enabled: boolean) => lights.map((value) => update({ kind: "light", value }, { enabled }, ["enabled"]));
-    const operations = on.length > 0
-      ? [...switched(on, false), ...switched(alone.filter((light) => light.enabled === false), true)]
-      : switched(others.filter((light) => this.silenced.has(light.name)), true);
-    this.silenced = on.length > 0 ? new Set([...this.silenced, ...on.map((light) => light.name)]) : new Set();
+    const operations = this.solo.flip(alone, this.model.lights.values());
     if (operations.length > 0) void this.edit(() => this.editor.apply(operations));
   }
 
@@ -361,16 +353,16 @@ export class Room {
     const help = (): void => this.help.showModal();
     const step = (which: "undo" | "redo") => () => void this.edit(() => this.editor[which]());
     return [
-      { keys: "g", does: "move what is selected", run: () => this.stage.setMode("translate"), edits: true },
-      { keys: "r", does: "turn it", run: () => this.stage.setMode("rotate"), edits: true },
-      { keys: "y", does: "scale it", run: () => this.stage.setMode("scale"), edits: true },
-      { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.setSnap(on)), edits: true },
-      { keys: "b", does: "handles along the object's own axes, or the world's", run: () => this.flip("b", (on) => this.stage.setSpace(on ? "local" : "world")), edits: true },
+      { keys: "g", does: "move what is selected", run: () => this.stage.handles.take("translate"), edits: true },
+      { keys: "r", does: "turn it", run: () => this.stage.handles.take("rotate"), edits: true },
+      { keys: "y", does: "scale it", run: () => this.stage.handles.take("scale"), edits: true },
+      { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.handles.setSnap(on)), edits: true },
+      { keys: "b", does: "handles along the object's own axes, or the world's", run: () => this.flip("b", (on) => this.stage.handles.setSpace(on ? "local" : "world")), edits: true },
       { keys: "i", does: "add lights from files (or drop them): GLB, glTF, OBJ, PLY, pictures; HDR and EXR light as the sky", run: () => this.chooser.click(), edits: true },
       { keys: "Ctrl+D", does: "duplicate", run: () => this.duplicate(), edits: true },
       { keys: "Delete", does: "delete", run: () => this.remove(), edits: true },
       { keys: "t", does: "light on or off", run: () => this.toggle(), edits: true },
-      { keys: "k", does: "the light alone, or those again that were on beside it", run: () => this.solo(), edits: true },
+      { keys: "k", does: "the light alone, or those again that were on beside it", run: () => this.flipSolo(), edits: true },
       { keys: "Ctrl+Z", does: "undo", run: step("undo"), edits: true },
       { keys: "Ctrl+Y", does: "redo", run: step("redo"), edits: true },
       { keys: "f", does: "look at the selected object", run: () => this.frameSelected() },

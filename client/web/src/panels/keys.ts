@@ -11,6 +11,7 @@ export interface Action {
 export const STEERING: readonly (readonly [string, string])[] = [
   ["W A S D, Q E", "fly, with the picture focused"],
   ["Arrows", "orbit, with the picture focused"],
+  ["Arrows, Page Up, Page Down", "move, turn or scale what is selected by a step, after g, r or y; with Shift by a tenth of one"],
 ];
 
 export function keyOf(event: KeyboardEvent): string {

@@ -27,6 +27,7 @@ export class Editor {
   private sequence = 0n;
   private readonly waiting: Waiting[] = [];
   private sending = false;
+  private sent: Promise<void> = Promise.resolve(); // all edits that were asked for
 
   constructor(private readonly connection: Connection, private readonly session: string) {}
 
@@ -54,7 +55,7 @@ export class Editor {
       } else {
         this.waiting.push({ key, operations, undoGroup: options.undoGroup ?? "", settle: [settle] });
       }
-      void this.drain();
+      if (!this.sending) this.sent = this.drain();
     });
   }
 
@@ -77,7 +78,9 @@ export class Editor {
     await unary(this.connection, SceneService.method.lockObjects, { session: this.session, client: this.identity, objects, ttl });
   }
 
+  // After the edits that were asked for before it.
   private async step(which: "undo" | "redo"): Promise<EditAck | undefined> {
+    await this.sent;
     const sequence = ++this.sequence;
     const request = { session: this.session, sequence, ...this.client() };
     const answer = await this.repeated<{ ack?: EditAck }>(() =>
@@ -88,7 +91,6 @@ export class Editor {
   }
 
   private async drain(): Promise<void> {
-    if (this.sending) return;
     this.sending = true;
     for (let edit = this.waiting.shift(); edit; edit = this.waiting.shift()) {
       const { settle } = edit;

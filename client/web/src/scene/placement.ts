@@ -44,17 +44,17 @@ export function rotationOf(angles: Angles): Placement["rotation"] {
   };
 }
 
-type Vector = Placement["translation"];
-type Rotation = Placement["rotation"];
+export type Vector = Placement["translation"];
+export type Rotation = Placement["rotation"];
 
-const times = (a: Rotation, b: Rotation): Rotation => ({
+export const times = (a: Rotation, b: Rotation): Rotation => ({
   x: a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, y: a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
   z: a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
 });
 
-const back = ({ x, y, z, w }: Rotation): Rotation => ({ x: -x, y: -y, z: -z, w });
+export const back = ({ x, y, z, w }: Rotation): Rotation => ({ x: -x, y: -y, z: -z, w });
 
-function turned(v: Vector, by: Rotation): Vector {
+export function turned(v: Vector, by: Rotation): Vector {
   const { x, y, z } = times(times(by, { ...v, w: 0 }), back(by));
   return { x, y, z };
 }

@@ -1,33 +1,18 @@
-import {
-  BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Object3D, PerspectiveCamera, Quaternion, Scene,
-  Vector2, Vector3, WebGLRenderer,
-} from "three";
+import { Object3D, PerspectiveCamera, Quaternion, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { Drawings } from "../drawings.ts";
+import { STEP, type Mode, type Space } from "../scene/nudge.ts";
 import type { Placement } from "../scene/placement.ts";
 import { isSoftware } from "../webgl.ts";
-import type { Point, View } from "./camera_rig.ts";
+import type { View } from "./camera_rig.ts";
 
-export type GizmoMode = "translate" | "rotate" | "scale";
-
-// Somebody else's camera.
-export interface Watcher {
-  view: View;
-  colour: Point; // linear Rec.709
-}
-
-const PYRAMID = 0.3; // metres from the eye to the picture's plane
-const NEAR = 0.5; // metres: whose eye is nearer than that is not shown
-
-// Handles over the server's picture, and where others look from, seen through the same camera.
+// Handles over the server's picture, seen through the same camera.
 export class Gizmo {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(50, 16 / 9, 0.01, 1e4);
   private readonly held = new Object3D();
   private readonly controls: TransformControls;
-  private readonly others = new Group();
-  private watchers = "";
 
   constructor(private readonly canvas: HTMLCanvasElement, pointer: HTMLElement, private readonly drawings: Drawings, moved: (to: Placement) => void, dragging: (on: boolean) => void) {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true });
@@ -36,7 +21,7 @@ export class Gizmo {
     canvas.addEventListener("webglcontextrestored", () => this.draw());
     this.controls = new TransformControls(this.camera, pointer);
     this.controls.setSize(0.8);
-    this.scene.add(this.held, this.controls.getHelper(), this.others);
+    this.scene.add(this.held, this.controls.getHelper());
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("objectChange", () => moved(this.placement()));
     this.controls.addEventListener("dragging-changed", (event) => dragging(event.value === true));
@@ -65,35 +50,20 @@ export class Gizmo {
     this.draw();
   }
 
-  // A pyramid each, in their colours.
-  setWatchers(watchers: Watcher[]): void {
-    const said = JSON.stringify(watchers);
-    if (said === this.watchers) return;
-    this.watchers = said;
-    for (const old of this.others.children as LineSegments<BufferGeometry, LineBasicMaterial>[]) {
-      old.geometry.dispose();
-      old.material.dispose();
-    }
-    this.others.clear();
-    this.others.add(...watchers.map(pyramid));
-    this.draw();
-  }
-
-  setMode(mode: GizmoMode): void {
+  setMode(mode: Mode): void {
     this.controls.setMode(mode);
     this.draw();
   }
 
-  setSpace(space: "world" | "local"): void {
+  setSpace(space: Space): void {
     this.controls.setSpace(space);
     this.draw();
   }
 
-  // Metres, degrees and factors; 0 does not snap.
   setSnap(on: boolean): void {
-    this.controls.setTranslationSnap(on ? 0.1 : null);
-    this.controls.setRotationSnap(on ? Math.PI / 12 : null);
-    this.controls.setScaleSnap(on ? 0.1 : null);
+    this.controls.setTranslationSnap(on ? STEP.translate : null);
+    this.controls.setRotationSnap(on ? (STEP.rotate * Math.PI) / 180 : null);
+    this.controls.setScaleSnap(on ? STEP.scale : null);
   }
 
   setView(view: View, width: number, height: number): void {
@@ -124,21 +94,9 @@ export class Gizmo {
 
   // An empty layer over the picture would be composed with every frame for nothing.
   private readonly drawNow = (): void => {
-    for (const other of this.others.children) other.visible = other.position.distanceTo(this.camera.position) > NEAR;
-    this.canvas.hidden = this.controls.object === undefined && !this.others.children.some((other) => other.visible);
+    this.canvas.hidden = this.controls.object === undefined;
     if (this.canvas.hidden) return;
     this.camera.updateMatrixWorld();
     this.renderer.render(this.scene, this.camera);
   };
-}
-
-function pyramid({ view, colour }: Watcher): LineSegments {
-  const up = PYRAMID * Math.tan((view.fovDegrees * Math.PI) / 360), aside = (16 / 9) * up;
-  const corners = [[aside, up], [-aside, up], [-aside, -up], [aside, -up]].map(([x = 0, y = 0]) => [x, y, PYRAMID]);
-  const lines = corners.flatMap((corner, i) => [0, 0, 0, ...corner, ...corner, ...(corners[(i + 1) % 4] ?? [])]);
-  const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(lines, 3));
-  const shown = new LineSegments(geometry, new LineBasicMaterial({ color: new Color(colour.x, colour.y, colour.z) }));
-  shown.position.set(view.eye.x, view.eye.y, view.eye.z);
-  shown.lookAt(view.target.x, view.target.y, view.target.z);
-  return shown;
 }

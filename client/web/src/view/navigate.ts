@@ -99,5 +99,5 @@ function steerByKeys(element: HTMLElement, rig: CameraRig, options: NavigateOpti
     timer = undefined;
   };
   element.addEventListener("keyup", (event) => stopAt(event.code));
-  element.addEventListener("blur", () => stopAt());
+  element.addEventListener("focusout", () => stopAt());
 }

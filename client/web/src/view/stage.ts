@@ -6,16 +6,17 @@ import type { Connection } from "../net/connection.ts";
 import type { Editor } from "../scene/editor.ts";
 import { boxOf, type SceneModel } from "../scene/model.ts";
 import type { Placement } from "../scene/placement.ts";
-import { CameraRig, type Point } from "./camera_rig.ts";
+import { CameraRig } from "./camera_rig.ts";
+import { DarkHint } from "./dark.ts";
 import { FrameView, type ShownFrame } from "./frames.ts";
 import type { Camera } from "../../gen/lpv/v1/geometry_pb.ts";
 import type { Light } from "../../gen/lpv/v1/scene_pb.ts";
-import type { Presence } from "../../gen/lpv/v1/session_pb.ts";
 import type { Field } from "../local/field.ts";
 import type { SliceView } from "../local/slice.ts";
 import type { LocalView } from "../local/view.ts";
-import type { Gizmo, GizmoMode, Watcher } from "./gizmo.ts";
+import { Handles } from "./handles.ts";
 import { navigate } from "./navigate.ts";
+import { Watchers } from "./watchers.ts";
 
 // The view of a session without cameras.
 const FIRST_FOV = 60; // degrees
@@ -30,31 +31,38 @@ export interface StageReports {
   picked(name: string, more: boolean): void;
   cameraMoved(steered: boolean): void; // by this page, or because it follows somebody
   dragging(on: boolean): void;
-  moved(to: Placement): void;
+  moved(to: Placement): Promise<unknown>;
   refused(error: unknown): void;
 }
 
-// The picture with its camera, and the handles over it.
+// The picture with its camera, the handles and the others' cameras over it.
 export class Stage {
   readonly rig = new CameraRig();
+  readonly handles: Handles;
+  readonly watchers: Watchers;
   private readonly picture = el("canvas", { id: "picture", role: "img", "aria-label": "The room, as the server draws it" });
   private shaded = el("canvas", { id: "shaded", role: "img", "aria-label": "The room, as this browser shades it", hidden: true });
-  private readonly handles = el("canvas", { class: "handles", "aria-hidden": "true" });
+  private readonly dark: DarkHint;
   private readonly trouble = el("p", { class: "trouble", role: "status", hidden: true });
-  readonly element = el("section", { class: "stage", tabindex: 0, id: "stage", "aria-label": "View" }, this.picture, this.shaded, this.handles, this.trouble);
+  readonly element = el("section", { class: "stage", tabindex: 0, id: "stage", "aria-label": "View" }, this.picture, this.shaded);
   private frames: FrameView | undefined;
   private local: LocalView | undefined;
   private slice: SliceView | undefined;
   private ev: number | undefined;
   private closed = false;
-  private gizmo: Gizmo | undefined;
   private aimed = false;
 
   constructor(private readonly connection: Connection, private readonly session: string, private readonly editor: Editor,
     private readonly model: SceneModel, private readonly areaOf: (light: Light) => number | undefined, private readonly drawings: Drawings,
     private readonly reports: StageReports) {
+    this.watchers = new Watchers(drawings);
+    this.dark = new DarkHint(this.picture, () => [...model.lights.values()].some(({ enabled }) => enabled !== false));
+    this.handles = new Handles(this.element, drawings, {
+      moved: (to) => this.reports.moved(to), dragging: (on) => this.reports.dragging(on), without: (message) => this.say(message),
+    });
+    this.element.append(this.watchers.element, this.handles.canvas, this.handles.keys.element, this.dark.element, this.trouble);
     navigate(this.element, this.rig, {
-      busy: () => this.gizmo?.busy ?? false,
+      busy: () => this.handles.busy,
       moved: () => this.cameraChanged(),
       clicked: (x, y, more) => void this.pick(x, y, more),
     });
@@ -66,11 +74,12 @@ export class Stage {
     await this.home();
     if (this.closed) return;
     this.showFrames();
-    if (mayEdit) await this.loadHandles();
+    if (mayEdit) await this.handles.load();
   }
 
   close(): void {
     this.closed = true;
+    this.dark.close();
     this.frames?.close();
     this.local?.close();
     this.slice?.close();
@@ -126,6 +135,7 @@ export class Stage {
     }
     this.frames?.close();
     this.frames = undefined;
+    this.dark.close();
     this.local.setExposure(this.ev);
     this.picture.hidden = true;
     this.say("");
@@ -140,6 +150,7 @@ export class Stage {
     this.frames = new FrameView(this.picture, this.connection, this.session, () => this.editor.identity, () => this.rig.view(), {
       shown: (frame) => {
         this.drawings.now();
+        if (frame.revision >= this.model.revision) this.dark.shown();
         this.reports.shown(frame);
       },
       trouble: (message) => this.say(message),
@@ -159,36 +170,9 @@ export class Stage {
     return fresh;
   }
 
-  setMode(mode: GizmoMode): void {
-    this.gizmo?.setMode(mode);
-  }
-
-  setSpace(space: "world" | "local"): void {
-    this.gizmo?.setSpace(space);
-  }
-
-  setSnap(on: boolean): void {
-    this.gizmo?.setSnap(on);
-  }
-
   // Objects are being moved.
   moving(): void {
     this.frames?.moving();
-  }
-
-  // Those whose cameras are known.
-  showWatchers(people: Iterable<Presence>): void {
-    const watchers: Watcher[] = [];
-    for (const { camera, colour } of people) {
-      if (!camera?.eye || !camera.target) continue;
-      const { eye, target, fovDegrees } = camera;
-      watchers.push({ view: { eye: plain(eye), target: plain(target), fovDegrees: fovDegrees || 50 }, colour: plain(colour ?? { x: 0.3, y: 0.3, z: 0.3 }) });
-    }
-    this.gizmo?.setWatchers(watchers);
-  }
-
-  hold(placement: Placement | undefined): void {
-    this.gizmo?.attach(placement);
   }
 
   // The first camera of the session, else the whole grid from the front: from before it, or within a closed room, from
@@ -251,21 +235,12 @@ export class Stage {
     this.trouble.hidden = message === "";
   }
 
-  private async loadHandles(): Promise<void> {
-    try {
-      const { Gizmo } = await import("./gizmo.ts");
-      this.gizmo = new Gizmo(this.handles, this.element, this.drawings, (to) => this.reports.moved(to), (on) => this.reports.dragging(on));
-      this.resized();
-    } catch {
-      this.say("This browser has no WebGL2: objects are moved by numbers only.");
-    }
-  }
-
   private cameraChanged(steered = true): void {
     if (!this.aimed) return;
+    this.dark.moving();
     this.frames?.cameraMoved();
     this.local?.cameraMoved();
-    this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
+    this.lookThrough();
     this.reports.cameraMoved(steered);
   }
 
@@ -274,7 +249,13 @@ export class Stage {
     const { width, height } = this.pixels();
     this.frames?.resize(width, height);
     this.local?.cameraMoved();
-    this.gizmo?.setView(this.rig.view(), this.element.clientWidth || 1, this.element.clientHeight || 1);
+    this.lookThrough();
+  }
+
+  // What lies over the picture has its camera.
+  private lookThrough(): void {
+    const { clientWidth, clientHeight } = this.element;
+    for (const layer of [this.watchers, this.handles]) layer.setView(this.rig.view(), clientWidth || 1, clientHeight || 1);
   }
 
   // Of the picture that is asked for: the element's shape, not more pixels than frames can keep up with.
@@ -310,5 +291,3 @@ export class Stage {
     }
   }
 }
-
-const plain = ({ x, y, z }: Point): Point => ({ x, y, z });
