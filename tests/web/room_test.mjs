@@ -130,7 +130,7 @@ test("one page follows the other's camera until its own is moved", { timeout: 30
   };
   await steer(first, "ArrowLeft");
   await until("the views differ", differ);
-  const shown = () => second.page.locator("canvas.handles").isVisible();
+  const shown = () => second.page.locator("svg.watchers").isVisible();
   await until("the first's camera is in the second's picture", shown);
   await second.shot("watched");
   const follow = second.page.locator("text=Follow");

@@ -1,4 +1,4 @@
-// The page as people use it who have no mouse, on a tablet, for hours.
+// The page as people use it who have no mouse, or a tablet.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -10,9 +10,6 @@ import { gltf, hdr, obj, ply, png } from "./files.mjs";
 import { shared, until } from "./server.mjs";
 
 const AXE = readFileSync(createRequire(pathToFileURL(join(process.env.LPV_PAGE_SOURCE, "package.json"))).resolve("axe-core"), "utf8");
-const EDITS = Number(process.env.LPV_PAGE_EDITS ?? 600);
-// Before what they leave is counted: a page is as large as it gets after some hundreds.
-const FIRST_EDITS = Math.max(300, Math.round(EDITS / 20));
 
 const both = shared({ before, after }, launch);
 
@@ -42,6 +39,8 @@ test("axe-core finds no serious fault, in light and in dark", { timeout: 300_000
     assert.deepEqual(await faults(room), [], `room, ${colorScheme}`);
   }
   await room.shot("dark");
+  await room.page.keyboard.press("g");
+  assert.deepEqual(await faults(room), [], "handles");
   await room.page.keyboard.press("Escape");
   await room.page.keyboard.press("?");
   assert.deepEqual(await faults(room), [], "keys");
@@ -86,7 +85,11 @@ test("every action of ? is done by keys alone", { timeout: 300_000 }, async () =
   await until("files can be chosen", () => choosers === 1);
   await press("v");
   assert.equal(await page.evaluate(() => document.activeElement.id), "stage");
-  for (const keys of ["g", "r", "y"]) await press(keys);
+  for (const keys of ["r", "y", "g"]) await press(keys);
+  assert.equal(await page.evaluate(() => document.activeElement.id), "handle-keys");
+  await page.keyboard.press("ArrowLeft");
+  tried.add("Arrows, Page Up, Page Down");
+  await until("an arrow moves the lamp", () => Math.abs((light(session).transform.translation.x ?? 0) + 0.1) < 1e-4);
   for (const keys of ["x", "b"]) {
     await press(keys);
     assert.equal(await pressed(keys), "true");
@@ -270,55 +273,5 @@ test("a tablet: one finger orbits, two come closer, a handle is dragged", { time
   await touch(page, [[handle, [handle[0] + 100, handle[1]]]]);
   await until("the lamp has moved", () => (light(session).transform?.translation?.x ?? 0) > 0.2);
   await room.shot("tablet");
-  assert.deepEqual(room.errors, []);
-});
-
-// The session's heap and GL objects do not grow with what is done in it.
-test(`${EDITS} edits leave the page as large as it was`, { timeout: 900_000 + 90 * EDITS }, async () => {
-  const room = await RoomPage.open(both.browser, both.server.page);
-  await room.makeDemoRoom();
-  await room.select("lamp");
-  const session = await room.session;
-  const cdp = await room.page.context().newCDPSession(room.page);
-  await cdp.send("HeapProfiler.enable");
-  const heap = async () => {
-    for (let i = 0; i < 3; ++i) await cdp.send("HeapProfiler.collectGarbage");
-    return (await cdp.send("Runtime.getHeapUsage")).usedSize;
-  };
-  const x = room.input("Position, m x");
-  const edit = async (from, to) => {
-    await room.page.evaluate(async ([label, first, last]) => {
-      for (let i = first; i < last; ++i) {
-        const input = document.querySelector(`[aria-label="${label}"]`);
-        input.value = String(((i % 100) + 1) / 100);
-        input.dispatchEvent(new Event("change", { bubbles: true }));
-        await new Promise((resolve) => setTimeout(resolve, 4));
-      }
-    }, ["Position, m x", from, to]);
-    const wanted = (((to - 1) % 100) + 1) / 100;
-    await until("the last edit arrives", () => Math.abs((light(session).transform?.translation?.x ?? 0) - wanted) < 1e-6);
-    // Local shading keeps two volumes, and has made all that it needs with the second.
-    await until("its light is shown", () => room.page.evaluate(() => !lpvRoom.shading.local || lpvRoom.strip.volumeRevision >= lpvRoom.model.revision));
-  };
-  const objects = () => room.page.evaluate(() => {
-    const count = ({ info: { memory, programs } }) => memory.geometries + memory.textures + programs.length;
-    return count(lpvRoom.stage.gizmo.renderer) + (lpvRoom.shading.local ? count(lpvRoom.shading.local.renderer.renderer) : 0);
-  });
-  for (const look of ["the server's pictures", "local shading"]) {
-    if (look === "local shading") {
-      await room.page.evaluate(() => document.activeElement.blur());
-      await room.page.keyboard.press("m");
-      await until("the volume is shown", () => room.page.evaluate(() => lpvRoom.strip.volumeRevision !== undefined));
-    }
-    await edit(0, FIRST_EDITS);
-    const before = { heap: await heap(), objects: await objects() };
-    await edit(FIRST_EDITS, FIRST_EDITS + EDITS);
-    const after = { heap: await heap(), objects: await objects() };
-    console.log(`${look}: heap ${before.heap} after ${FIRST_EDITS} edits, ${after.heap} after ${EDITS} more; GL objects ${before.objects}, ${after.objects}`);
-    assert.ok(after.heap <= 1.1 * before.heap, `${look}: ${before.heap} bytes after ${FIRST_EDITS} edits, ${after.heap} after ${EDITS} more`);
-    assert.ok(before.objects > 0);
-    assert.equal(after.objects, before.objects, look);
-  }
-  assert.ok(Math.abs(Number(await x.inputValue()) - (light(session).transform?.translation?.x ?? 0)) < 1e-6);
   assert.deepEqual(room.errors, []);
 });
