@@ -100,3 +100,18 @@ test("a lost WebGL context comes back without a reload", { timeout: 300_000 }, a
   assert.ok(nrmse <= 1e-2, `NRMSE ${nrmse}`);
   assert.deepEqual(room.errors, []);
 });
+
+// Broken by: words that the next picture wipes away.
+test("a volume that does not fit is named, and the server's pictures take over", { timeout: 300_000 }, async () => {
+  const room = await shadedRoom();
+  await room.page.evaluate(() => (lpvRoom.shading.local.renderer.most3d = 16));
+  both.server.lpvctl("light", "set", await room.session, "lamp", "--radiance", "3,9,27");
+  const words = room.page.locator("[role=alert]", { hasText: /The volume has \d+ x \d+ x \d+ cells, this browser takes 16 along an edge/ });
+  await words.waitFor();
+  await until("a picture of the server's is there", () => room.page.evaluate(() => !lpvRoom.shading.local && lpvRoom.strip.last?.revision >= lpvRoom.model.revision));
+  await room.seesPicture();
+  assert.ok(await words.isVisible(), "until it is closed");
+  await room.shot("does-not-fit");
+  assert.equal(await room.page.locator("[data-keys=m]").getAttribute("aria-pressed"), "false");
+  assert.deepEqual(room.errors, []);
+});

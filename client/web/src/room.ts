@@ -86,6 +86,7 @@ export class Room {
       dragging: (on) => this.dragging(on),
       moved: (to) => this.moved(to),
       refused: this.words.refuse,
+      said: (message) => this.words.say(message),
     });
     this.actions = this.allActions();
     this.help = helpDialog(this.actions);

@@ -2,8 +2,6 @@ import { el } from "../dom.ts";
 import { nudged, type AxisName, type Mode, type Space } from "../scene/nudge.ts";
 import { anglesOf, type Placement } from "../scene/placement.ts";
 
-const PAUSE_MS = 700; // without a step, after which the next one is an undo step of its own
-
 const STEPS: Readonly<Record<string, readonly [AxisName, 1 | -1]>> = {
   ArrowRight: ["x", 1], ArrowLeft: ["x", -1], PageUp: ["y", 1], PageDown: ["y", -1], ArrowDown: ["z", 1], ArrowUp: ["z", -1],
 };
@@ -24,6 +22,7 @@ export class HandleKeys {
   mode: Mode = "translate";
   space: Space = "world";
   snap = false;
+  pauseMs = 700; // without a step, after which the next one is an undo step of its own
   private held: Placement | undefined;
   private name = "";
   private pause: ReturnType<typeof setTimeout> | undefined;
@@ -72,7 +71,7 @@ export class HandleKeys {
     const { mode, space, snap } = this;
     this.held = nudged(this.held, { mode, space, snap, axis: step[0], way: step[1], fine: event.shiftKey });
     clearTimeout(this.pause);
-    this.pause = setTimeout(() => this.finish(), PAUSE_MS);
+    this.pause = setTimeout(() => this.finish(), this.pauseMs);
     void this.send(this.held);
   }
 

@@ -33,6 +33,7 @@ export interface StageReports {
   dragging(on: boolean): void;
   moved(to: Placement): Promise<unknown>;
   refused(error: unknown): void;
+  said(message: string): void; // stays until it is closed, whatever pictures come
 }
 
 // The picture with its camera, the handles and the others' cameras over it.
@@ -58,7 +59,7 @@ export class Stage {
     this.watchers = new Watchers(drawings);
     this.dark = new DarkHint(this.picture, () => [...model.lights.values()].some(({ enabled }) => enabled !== false));
     this.handles = new Handles(this.element, drawings, {
-      moved: (to) => this.reports.moved(to), dragging: (on) => this.reports.dragging(on), without: (message) => this.say(message),
+      moved: (to) => this.reports.moved(to), dragging: (on) => this.reports.dragging(on), without: (message) => this.reports.said(message),
     });
     this.element.append(this.watchers.element, this.handles.canvas, this.handles.keys.element, this.dark.element, this.trouble);
     navigate(this.element, this.rig, {
@@ -126,12 +127,12 @@ export class Stage {
           trouble: (message) => this.say(message),
           cannot: (message) => {
             this.showFrames();
-            this.say(message);
+            this.reports.said(message);
           },
         },
       });
     } catch {
-      return this.say("This browser has no WebGL2: the server's pictures are shown.");
+      return this.reports.said("This browser has no WebGL2: the server's pictures are shown.");
     }
     this.frames?.close();
     this.frames = undefined;
