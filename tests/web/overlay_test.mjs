@@ -45,7 +45,7 @@ test("a viewer sees where the others look from, and follows by keys", { timeout:
     assert.ok(!(await over.isVisible()), "nobody's camera is in the way while both are at the same place");
     await owner.page.keyboard.press("v");
     await owner.steer("w", 2.2);
-    await owner.steer("ArrowLeft", 0.3);
+    await owner.steer("e", 0.2);
     const name = await viewer.page.locator('[aria-label="Others here"] li.row').innerText();
     const label = viewer.page.locator("svg.watchers text");
     await until("the owner's camera is where it looks from", async () => {

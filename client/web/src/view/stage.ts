@@ -127,7 +127,7 @@ export class Stage {
           trouble: (message) => this.say(message),
           cannot: (message) => {
             this.showFrames();
-            this.reports.said(message);
+            this.reports.said(`${message} The server's pictures are shown.`);
           },
         },
       });
