@@ -52,8 +52,8 @@ function crc(bytes) {
   return (value ^ 0xffffffff) >>> 0;
 }
 
-// 4 x 2 texels, of which the first is red.
-export function png(folder) {
+// A PNG of 8 bits: 3 or 4 numbers a texel.
+function pngOf(width, height, texel) {
   const chunk = (type, data) => {
     const body = Buffer.concat([Buffer.from(type), data]);
     const ends = [Buffer.alloc(4), Buffer.alloc(4)];
@@ -61,13 +61,19 @@ export function png(folder) {
     ends[1].writeUInt32BE(crc(body));
     return Buffer.concat([ends[0], body, ends[1]]);
   };
+  const row = (y) => [0, ...Array.from({ length: width }, (_, x) => texel(x, y)).flat()];
   const head = Buffer.alloc(13);
-  head.writeUInt32BE(4, 0);
-  head.writeUInt32BE(2, 4);
-  head.set([8, 2, 0, 0, 0], 8);
-  const rows = Buffer.concat([0, 1].map((y) => Buffer.from([0, ...[0, 1, 2, 3].flatMap((x) => (x + y === 0 ? [255, 0, 0] : [10, 20, 30]))])));
+  head.writeUInt32BE(width, 0);
+  head.writeUInt32BE(height, 4);
+  head.set([8, texel(0, 0).length === 4 ? 6 : 2, 0, 0, 0], 8);
+  const rows = Buffer.from(Array.from({ length: height }, (_, y) => row(y)).flat());
+  return Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), chunk("IHDR", head), chunk("IDAT", deflateSync(rows)), chunk("IEND", Buffer.alloc(0))]);
+}
+
+// 4 x 2 texels, of which the first is red.
+export function png(folder) {
   const file = join(folder, "screen.png");
-  writeFileSync(file, Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), chunk("IHDR", head), chunk("IDAT", deflateSync(rows)), chunk("IEND", Buffer.alloc(0))]));
+  writeFileSync(file, pngOf(4, 2, (x, y) => (x + y === 0 ? [255, 0, 0] : [10, 20, 30])));
   return file;
 }
 
@@ -77,5 +83,134 @@ export function hdr(folder) {
   for (let i = 0; i < 32; ++i) texels.push(...(i === 9 ? [200, 180, 150, 138] : i === 20 ? [0, 0, 0, 0] : [40 + i, 90, 200, 129]));
   const file = join(folder, "evening.hdr");
   writeFileSync(file, Buffer.concat([Buffer.from("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n"), Buffer.from(texels)]));
+  return file;
+}
+
+// Every number of these differs from its neighbours', so that a picture upside down or mirrored shows.
+const screenPicture = () => pngOf(4, 3, (x, y) => [60 * x + 10, 100 * y + 20, 200 - 40 * x]);
+const leafPicture = () => pngOf(3, 2, (x, y) => [80 * x + 30, 120 * y + 40, 25, x === 1 ? (y === 0 ? 0 : 90) : 255]);
+const numbersPicture = () => pngOf(2, 2, (x, y) => [128 + 20 * x, 128 - 30 * y, 250 - 10 * x]);
+const SQUARE_UVS = [[0, 1], [0.75, 1], [0.75, 0], [0, 0]];
+
+const aligned = (bytes) => Buffer.concat([bytes, Buffer.alloc((4 - (bytes.length % 4)) % 4)]);
+
+function glbOf(json, chunks) {
+  const bufferViews = [];
+  let at = 0;
+  for (const chunk of chunks) {
+    bufferViews.push({ buffer: 0, byteOffset: at, byteLength: chunk.length });
+    at += aligned(chunk).length;
+  }
+  const text = aligned(Buffer.from(JSON.stringify({ ...json, bufferViews, buffers: [{ byteLength: at }] }))).map((byte) => byte || 0x20);
+  const header = (...numbers) => Buffer.from(new Uint32Array(numbers).buffer);
+  return Buffer.concat([header(0x46546c67, 2, 28 + text.length + at, text.length, 0x4e4f534a), text, header(at, 0x004e4942), ...chunks.map(aligned)]);
+}
+
+// A screen that emits its picture, and what it lights: a card of leaves with all pictures that a surface may have, a
+// sheared pane of glass, and the card a second time.
+export function roomGlb(folder) {
+  const floats = (rows) => Buffer.from(new Float32Array(rows.flat()).buffer);
+  const texture = (index, more = {}) => ({ index, texCoord: 0, ...more });
+  const json = {
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1, 2, 4] }],
+    nodes: [
+      { name: "screen", mesh: 0, translation: [0, 1, -1], scale: [4, 3, 1] },
+      { name: "leaves", mesh: 1, translation: [0.6, 0.7, 0.2], rotation: [0, Math.sin(0.3), 0, Math.cos(0.3)], scale: [2, 2, 2] },
+      { name: "tilted", scale: [2, 1, 1], children: [3] },
+      { name: "pane", mesh: 2, translation: [-0.3, 0.6, 0.3], rotation: [0, 0, Math.sin(0.4), Math.cos(0.4)] },
+      { name: "leaves", mesh: 1, translation: [-0.7, 1.4, 0.1], scale: [-2, 2, 2] },
+    ],
+    meshes: [0, 1, 2].map((material) => ({ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1, NORMAL: 2 }, indices: 3, material }] })),
+    materials: [
+      { name: "glow", emissiveFactor: [1, 0.5, 0.25], emissiveTexture: texture(0), extensions: { KHR_materials_emissive_strength: { emissiveStrength: 8 } } },
+      { name: "leaf", alphaMode: "MASK", alphaCutoff: 0.3, doubleSided: true, normalTexture: texture(2, { scale: 0.7 }),
+        pbrMetallicRoughness: { baseColorFactor: [0.9, 0.8, 0.7, 1], baseColorTexture: texture(1), metallicFactor: 0.25, roughnessFactor: 0.75, metallicRoughnessTexture: texture(2) } },
+      { name: "glass", extensions: { KHR_materials_transmission: { transmissionFactor: 0.75 } },
+        pbrMetallicRoughness: { baseColorFactor: [0.5, 0.75, 1, 1], baseColorTexture: texture(0), metallicFactor: 0 } },
+    ],
+    textures: [{ source: 0 }, { source: 1 }, { source: 2 }],
+    images: [4, 5, 6].map((bufferView) => ({ bufferView, mimeType: "image/png" })),
+    extensionsUsed: ["KHR_materials_emissive_strength", "KHR_materials_transmission"],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [-0.2, -0.1, 0], max: [0.2, 0.1, 0] },
+      { bufferView: 1, componentType: 5126, count: 4, type: "VEC2" },
+      { bufferView: 2, componentType: 5126, count: 4, type: "VEC3" },
+      { bufferView: 3, componentType: 5123, count: 6, type: "SCALAR" },
+    ],
+  };
+  const indices = Buffer.from(new Uint16Array(TRIANGLES.flat()).buffer);
+  const file = join(folder, "room.glb");
+  writeFileSync(file, glbOf(json, [floats(CORNERS), floats(SQUARE_UVS), floats(CORNERS.map(() => [0, 0, 1])), indices, screenPicture(), leafPicture(), numbersPicture()]));
+  return [file];
+}
+
+// A lamp with its picture, a wall with another, a pane, and a face whose material is nowhere.
+export function roomObj(folder) {
+  const at = (x, z) => CORNERS.map((v) => `v ${5 * v[0] + x} ${5 * v[1] + 1} ${z}`);
+  const face = (first) => `f ${[0, 1, 2, 3].map((i) => `${first + i}/${i + 1}/1`).join(" ")}`;
+  const obj = ["mtllib scene.mtl", ...at(0, -1), ...at(0.4, 0), ...at(-0.4, 0.2), ...at(1, 0.4), ...SQUARE_UVS.map(([u, v]) => `vt ${u} ${1 - v}`), "vn 0 0 1",
+    "o lamp", "usemtl glow", face(1), "g wall", "usemtl paint", face(5), "usemtl glass", face(9), "g lost", "usemtl nowhere", face(13), ""];
+  const mtl = ["newmtl glow", "Ke 4 3 2", "map_Ke screen%20shot.png", "", "newmtl paint", "Kd 0.5 0.6 0.7", "Pr 0.4", "map_Kd -clamp on leaf.png", "",
+    "newmtl glass", "Kd 0.1 0.2 0.3", "d 0.25", "Tf 0.9 0.8 0.7", ""];
+  const written = { "scene.obj": obj.join("\n"), "scene.mtl": mtl.join("\r\n"), "screen shot.png": screenPicture(), "leaf.png": leafPicture() };
+  return Object.entries(written).map(([name, content]) => {
+    writeFileSync(join(folder, name), content);
+    return join(folder, name);
+  });
+}
+
+// A lamp and a floor whose positions are 16 bits and whose texture coordinates 8, in the middle of other bytes.
+export function quantizedGltf(folder) {
+  const vertices = Buffer.alloc(4 * 12);
+  CORNERS.forEach(([x, y], i) => {
+    vertices.writeInt16LE(Math.round(x * 5 * 32767), 12 * i);
+    vertices.writeInt16LE(Math.round(y * 5 * 32767), 12 * i + 2);
+    vertices.writeInt16LE(0, 12 * i + 4);
+    vertices.set(SQUARE_UVS[i].map((value) => Math.round(255 * value)), 12 * i + 8);
+  });
+  const buffer = Buffer.concat([vertices, Buffer.from(TRIANGLES.flat())]);
+  const mesh = (material) => ({ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 }, indices: 2, material }] });
+  const json = {
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }],
+    nodes: [{ mesh: 0, name: "lamp", scale: [0.2, 0.4, 1] }, { mesh: 1, name: "floor", translation: [0, -1, 0], rotation: [-Math.SQRT1_2, 0, 0, Math.SQRT1_2] }],
+    meshes: [mesh(0), mesh(1)],
+    materials: [{ emissiveFactor: [1, 1, 0.5], doubleSided: true }, { pbrMetallicRoughness: { baseColorTexture: { index: 0 }, roughnessFactor: 0.5 } }],
+    textures: [{ source: 0 }], images: [{ uri: `data:image/png;base64,${screenPicture().toString("base64")}` }],
+    extensionsUsed: ["KHR_mesh_quantization"], extensionsRequired: ["KHR_mesh_quantization"],
+    buffers: [{ uri: "quantized.bin", byteLength: buffer.length }],
+    bufferViews: [{ buffer: 0, byteLength: 48, byteStride: 12 }, { buffer: 0, byteOffset: 48, byteLength: 6 }],
+    accessors: [
+      { bufferView: 0, componentType: 5122, normalized: true, count: 4, type: "VEC3", min: [-32767, -16384, 0], max: [32767, 16384, 0] },
+      { bufferView: 0, byteOffset: 8, componentType: 5121, normalized: true, count: 4, type: "VEC2" },
+      { bufferView: 1, componentType: 5121, count: 6, type: "SCALAR" },
+    ],
+  };
+  const files = [join(folder, "quantized.gltf"), join(folder, "quantized.bin")];
+  writeFileSync(files[0], JSON.stringify(json));
+  writeFileSync(files[1], buffer);
+  return files;
+}
+
+// A lamp and more surfaces than one edit may have, all of one mesh.
+export function manyGlb(folder, count) {
+  const nodes = Array.from({ length: count }, (_, i) => ({ name: `tile ${i}`, mesh: 1, translation: [(i % 50) * 0.1, 0, Math.floor(i / 50) * 0.1] }));
+  const json = {
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [...nodes.keys(), count] }], nodes: [...nodes, { name: "lamp", mesh: 0, translation: [2, 2, 2] }],
+    meshes: [0, 1].map((material) => ({ primitives: [{ attributes: { POSITION: 0 }, indices: 1, material }] })),
+    materials: [{ emissiveFactor: [1, 1, 1] }, {}],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [-0.2, -0.1, 0], max: [0.2, 0.1, 0] },
+      { bufferView: 1, componentType: 5123, count: 6, type: "SCALAR" },
+    ],
+  };
+  const file = join(folder, "many.glb");
+  writeFileSync(file, glbOf(json, [Buffer.from(new Float32Array(CORNERS.flat()).buffer), Buffer.from(new Uint16Array(TRIANGLES.flat()).buffer)]));
+  return file;
+}
+
+// A GLB that names a compression.
+export function compressedGlb(folder, extension) {
+  const file = join(folder, "packed.glb");
+  writeFileSync(file, glbOf({ asset: { version: "2.0" }, extensionsUsed: [extension], extensionsRequired: [extension] }, [Buffer.alloc(4)]));
   return file;
 }

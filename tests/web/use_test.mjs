@@ -2,11 +2,10 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { basename, join } from "node:path";
+import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { after, before, test } from "node:test";
 import { apart, difference, launch, RoomPage } from "./browser.mjs";
-import { gltf, hdr, obj, ply, png } from "./files.mjs";
 import { shared, until } from "./server.mjs";
 
 const AXE = readFileSync(createRequire(pathToFileURL(join(process.env.LPV_PAGE_SOURCE, "package.json"))).resolve("axe-core"), "utf8");
@@ -183,55 +182,6 @@ test("every action of ? is done by keys alone", { timeout: 300_000 }, async () =
 });
 
 const all = (session) => both.server.lpvctl("--json", "light", "list", session).trim().split("\n").filter(Boolean).map((line) => JSON.parse(line));
-const shape = (one) => [Number(one.status.triangleCount), Math.round(1e6 * one.status.area), one.radiance?.x, one.radiance?.y, one.radiance?.z];
-
-test("files become lights, the same as lpvctl makes of them", { timeout: 300_000 }, async () => {
-  const room = await RoomPage.open(both.browser, both.server.page);
-  await room.makeDemoRoom();
-  const session = await room.session;
-  const other = both.server.lpvctl("session", "create").trim();
-  const found = async (name) => {
-    await until(`${name} is there`, () => all(session).some((one) => one.name === name));
-    return all(session).find((one) => one.name === name);
-  };
-  for (const [name, file] of [["panel", obj(both.server.folder)], ["plate", ply(both.server.folder)]]) {
-    await room.page.setInputFiles("#files", file);
-    const here = await found(name);
-    both.server.lpvctl("light", "add", other, file, "--name", name, "--radiance", "5,5,5");
-    assert.deepEqual(shape(here), shape(all(other).find((one) => one.name === name)), name);
-    await until("it is selected", async () => (await room.page.inputValue("#object-name")) === name);
-  }
-  const tile = gltf(both.server.folder);
-  await room.page.setInputFiles("#files", tile[0]);
-  await room.page.locator("text=tile.gltf needs tile.bin: drop both together.").waitFor();
-  await drop(room.page, tile);
-  assert.deepEqual(shape(await found("tile")), [2, Math.round(1e6 * 0.4 * 0.2 * 4), 6, 3, 1.5]);
-  await drop(room.page, [png(both.server.folder)]);
-  const screen = await found("screen");
-  assert.deepEqual(shape(screen).slice(0, 2), [2, Math.round(1e6 * 1.6 * 0.8)]);
-  assert.match(screen.texture, /^[0-9a-f]{64}$/);
-  await drop(room.page, [hdr(both.server.folder)]);
-  const sky = await found("evening");
-  both.server.lpvctl("light", "sky", other, hdr(both.server.folder), "--name", "evening");
-  const same = all(other).find((one) => one.name === "evening");
-  assert.ok(sky.distant && same.distant);
-  assert.deepEqual([sky.mesh, sky.texture], [same.mesh, same.texture], "a sky of the same texels");
-  await room.shot("sky");
-  await drop(room.page, [join(both.server.folder, "nonsense.txt")], "nothing");
-  await room.page.locator("text=nonsense.txt: what can be dropped is").waitFor();
-  await room.shot("dropped");
-  assert.deepEqual(room.errors, []);
-});
-
-// As the browser hands over what somebody drops.
-async function drop(page, files, content) {
-  const given = files.map((file) => ({ name: basename(file), bytes: content ? Buffer.from(content).toString("base64") : readFileSync(file).toString("base64") }));
-  await page.evaluate((all) => {
-    const data = new DataTransfer();
-    for (const { name, bytes } of all) data.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
-    document.getElementById("stage").dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
-  }, given);
-}
 
 async function touch(page, paths) {
   const cdp = await page.context().newCDPSession(page);

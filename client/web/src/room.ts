@@ -40,7 +40,7 @@ export class Room {
   private readonly properties: Properties;
   private readonly share: ShareDialog;
   private readonly settings: SettingsDialog;
-  private readonly chooser = el("input", { type: "file", multiple: true, hidden: true, id: "files", accept: ".glb,.gltf,.bin,.obj,.ply,.hdr,.exr,image/*", "aria-label": "Files of lights" });
+  private readonly chooser = el("input", { type: "file", multiple: true, hidden: true, id: "files", accept: ".glb,.gltf,.bin,.obj,.mtl,.ply,.hdr,.exr,image/*", "aria-label": "Files of lights and scenes" });
   private readonly areas: LightAreas;
   private displayName = "";
   private readonly state = el("span", { class: "state", id: "state", role: "status" });
@@ -248,15 +248,13 @@ export class Room {
     const stay = (event: BeforeUnloadEvent): void => event.preventDefault();
     window.addEventListener("beforeunload", stay);
     try {
-      const { readDropped } = await import("./scene/dropped.ts");
-      const { addLights } = await import("./scene/add_lights.ts");
-      this.words.say(`Reading ${files.map(({ name }) => name).join(", ")}.`);
-      const lights = await readDropped(files);
+      const { addFiles } = await import("./scene/files/add.ts");
       const { grid } = this.model;
-      const made = await addLights(this.connection, this.session, lights, grid && boxOf(grid), (share) =>
-        this.words.say(`Uploading: ${(100 * share).toFixed(0)} %`));
-      const names = await this.edit(() => this.editor.apply(made));
-      if (names[0]) this.select(names[0]);
+      const { acks, began, warnings } = await addFiles(this.connection, this.session, this.editor, files, grid && boxOf(grid), (message) => this.words.say(message));
+      this.words.sayFew(warnings);
+      for (const ack of acks) this.strip.edited(ack.revision, began);
+      const first = acks[0]?.names[0];
+      if (first) this.select(first);
     } catch (error) {
       if (error instanceof Error && !(error instanceof CallError)) this.words.say(error.message);
       else this.words.refuse(error);
@@ -359,7 +357,7 @@ export class Room {
       { keys: "y", does: "scale it", run: () => this.stage.handles.take("scale"), edits: true },
       { keys: "x", does: "snap on or off", run: () => this.flip("x", (on) => this.stage.handles.setSnap(on)), edits: true },
       { keys: "b", does: "handles along the object's own axes, or the world's", run: () => this.flip("b", (on) => this.stage.handles.setSpace(on ? "local" : "world")), edits: true },
-      { keys: "i", does: "add lights from files (or drop them): GLB, glTF, OBJ, PLY, pictures; HDR and EXR light as the sky", run: () => this.chooser.click(), edits: true },
+      { keys: "i", does: "add lights or a scene from files (or drop them): GLB, glTF, OBJ with its MTL, PLY, pictures; HDR and EXR light as the sky", run: () => this.chooser.click(), edits: true },
       { keys: "Ctrl+D", does: "duplicate", run: () => this.duplicate(), edits: true },
       { keys: "Delete", does: "delete", run: () => this.remove(), edits: true },
       { keys: "t", does: "light on or off", run: () => this.toggle(), edits: true },
