@@ -10,12 +10,12 @@ const plain = ({ x, y, z }: Vector3): { x: number; y: number; z: number } => ({ 
 
 // Undefined for a matrix that shears or is flat: no placement says that.
 export function placementFrom(matrix: Matrix4): Placement | undefined {
-  const axes = [new Vector3(), new Vector3(), new Vector3()] as const;
-  matrix.extractBasis(...axes);
-  const scale = new Vector3(...axes.map((axis) => axis.length()));
+  const axis = (column: number): Vector3 => new Vector3().setFromMatrixColumn(matrix, column);
+  const axes = [axis(0), axis(1), axis(2)] as const;
+  const scale = new Vector3(...axes.map((one) => one.length()));
   if (!(Math.min(...scale.toArray()) >= SHORTEST)) return undefined;
-  axes.forEach((axis) => axis.normalize());
-  const cosines = axes.map((axis, i) => Math.abs(axis.dot(axes[(i + 1) % 3] ?? axis)));
+  axes.forEach((one) => one.normalize());
+  const cosines = axes.map((one, i) => Math.abs(one.dot(axes[(i + 1) % 3] ?? one)));
   if (Math.max(...cosines) > SHEAR) return undefined;
   if (new Vector3().crossVectors(axes[0], axes[1]).dot(axes[2]) < 0) {
     scale.x = -scale.x;
@@ -36,7 +36,7 @@ export function baked(triangles: Triangles, matrix: Matrix4): Triangles {
   if (matrix.determinant() < 0) {
     for (let i = 0; i + 2 < indices.length; i += 3) indices.subarray(i + 1, i + 3).reverse();
   }
-  const ofNormals = new Matrix3().getNormalMatrix(matrix);
+  const ofNormals = matrix.determinant() === 0 ? new Matrix3().setFromMatrix4(matrix) : new Matrix3().getNormalMatrix(matrix);
   return {
     ...triangles, indices, positions: moved(triangles.positions, (at) => at.applyMatrix4(matrix)),
     ...(triangles.normals ? { normals: moved(triangles.normals, (normal) => normal.applyMatrix3(ofNormals)) } : {}),
