@@ -118,6 +118,30 @@ test("files in which nothing emits become lights, the same as lpvctl makes of th
   assert.deepEqual(room.errors, []);
 });
 
+test("a file in which nothing emits becomes surfaces where somebody chooses so, by keys alone", { timeout: 300_000 }, async () => {
+  const { room, session } = await emptySession();
+  const other = both.server.lpvctl("session", "create").trim();
+  const plate = ply(both.server.folder);
+  both.server.lpvctl("scene", "load", other, plate);
+  await room.page.setInputFiles("#files", plate);
+  const choice = room.page.getByRole("button", { name: "Add as surfaces instead" });
+  await choice.waitFor();
+  await room.page.locator("text=Nothing in plate.ply emits light: it was added as light.").waitFor();
+  assert.deepEqual([lights(session).length, surfaces(session).length], [1, 0]);
+  await room.shot("choice");
+  await choice.focus();
+  await room.page.keyboard.press("Enter");
+  await until("it is a surface", () => surfaces(session).length === 1);
+  assert.deepEqual(surfaces(session).map(told), surfaces(other).map(told));
+  await until("it is selected", async () => (await room.page.inputValue("#object-name")) === "plate");
+  assert.equal(await choice.isVisible(), false);
+  await room.page.keyboard.press("Escape");
+  await room.page.keyboard.press("Control+z");
+  await until("one undo brings the light back", () => lights(session).length === 1 && surfaces(session).length === 0);
+  assert.deepEqual(room.errors, []);
+  await room.page.close();
+});
+
 test("what is left out of a file is said", { timeout: 300_000 }, async () => {
   const { room, session } = await emptySession();
   const [scene, materials, screen] = roomObj(both.server.folder);

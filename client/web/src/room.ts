@@ -4,7 +4,6 @@ import { download, el } from "./dom.ts";
 import { Drawings } from "./drawings.ts";
 import { serverStream } from "./net/calls.ts";
 import type { Connection, ConnectionState } from "./net/connection.ts";
-import { CallError } from "./net/errors.ts";
 import { helpDialog, keyOf, takesText, type Action } from "./panels/keys.ts";
 import { Properties } from "./panels/properties.ts";
 import { SceneList } from "./panels/scene_list.ts";
@@ -15,6 +14,7 @@ import { Words } from "./panels/words.ts";
 import { duplicate, place, remove, rename, update, type Fields } from "./scene/actions.ts";
 import { LightAreas } from "./scene/areas.ts";
 import { Editor } from "./scene/editor.ts";
+import type { Added } from "./scene/files/add.ts";
 import { boxOf, SceneModel, type SceneObject } from "./scene/model.ts";
 import { carried, placementOf, type Placement } from "./scene/placement.ts";
 import { accessOf, type Access } from "./scene/role.ts";
@@ -232,35 +232,47 @@ export class Room {
   // Files that are dropped on the page, or chosen.
   private takeFiles(): void {
     this.chooser.addEventListener("change", () => {
-      void this.add([...(this.chooser.files ?? [])]);
+      this.add([...(this.chooser.files ?? [])]);
       this.chooser.value = "";
     });
     this.element.addEventListener("dragover", (event) => event.preventDefault());
     this.element.addEventListener("drop", (event) => {
       event.preventDefault();
-      void this.add([...(event.dataTransfer?.files ?? [])]);
+      this.add([...(event.dataTransfer?.files ?? [])]);
     });
   }
 
-  private async add(files: File[]): Promise<void> {
+  private add(files: File[]): void {
     if (files.length === 0) return;
     if (!this.access.mayEdit) return this.words.say("This link is for viewing only: nothing can be added.");
+    const { grid } = this.model;
+    void this.adding(async () => {
+      const { FileAdder } = await import("./scene/files/add.ts");
+      const adder = new FileAdder(this.connection, this.session, this.editor, (message) => this.words.say(message));
+      return adder.add(files, grid && boxOf(grid));
+    });
+  }
+
+  private async adding(run: () => Promise<Added>): Promise<void> {
     const stay = (event: BeforeUnloadEvent): void => event.preventDefault();
     window.addEventListener("beforeunload", stay);
     try {
-      const { addFiles } = await import("./scene/files/add.ts");
-      const { grid } = this.model;
-      const { acks, began, warnings } = await addFiles(this.connection, this.session, this.editor, files, grid && boxOf(grid), (message) => this.words.say(message));
-      this.words.sayFew(warnings);
-      for (const ack of acks) this.strip.edited(ack.revision, began);
-      const first = acks[0]?.names[0];
-      if (first) this.select(first);
+      this.added(await run());
     } catch (error) {
-      if (error instanceof Error && !(error instanceof CallError)) this.words.say(error.message);
-      else this.words.refuse(error);
+      this.words.refuse(error);
     } finally {
       window.removeEventListener("beforeunload", stay);
     }
+  }
+
+  private added({ acks, began, warnings, dark }: Added): void {
+    for (const ack of acks) this.strip.edited(ack.revision, began);
+    const first = acks[0]?.names[0];
+    if (first) this.select(first);
+    if (!dark) return this.words.sayFew(warnings);
+    const { files, asSurfaces } = dark;
+    this.words.sayFew([`Nothing in ${files.join(", ")} emits light: it was added as light.`, ...warnings],
+      { label: "Add as surfaces instead", run: () => void this.adding(asSurfaces) });
   }
 
   private async rename(object: SceneObject, name: string): Promise<void> {

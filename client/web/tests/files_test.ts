@@ -29,9 +29,9 @@ const objOf = (...lines: string[]): Promise<{ parts: Part[] }> => {
 };
 
 test("what emits becomes a light and the rest surfaces; where nothing does, all become lights", () => {
-  const mixed = sceneOf({ parts: [part("wall", 0), part("lamp", 3)], cameras: [] });
+  const mixed = sceneOf("a.glb", { parts: [part("wall", 0), part("lamp", 3)], cameras: [] });
   assert.deepEqual([mixed.lights.map(({ name }) => name), mixed.surfaces.map(({ name }) => name)], [["lamp"], ["wall"]]);
-  const dark = sceneOf({ parts: [part("wall", 0), part("floor", 0)], cameras: [] });
+  const dark = sceneOf("a.glb", { parts: [part("wall", 0), part("floor", 0)], cameras: [] });
   assert.deepEqual([dark.lights.length, dark.surfaces.length], [2, 0]);
   assert.deepEqual(dark.lights[0]?.material.radiance, white(5));
   assert.equal(dark.lights[0]?.material.doubleSided, true);

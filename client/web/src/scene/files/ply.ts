@@ -4,8 +4,8 @@ import { NO_PLACEMENT, objectName, plainMaterial, stemOf, type FileContent, type
 // A PLY: one mesh without a material.
 export async function readPly(file: File): Promise<FileContent> {
   const { PLYLoader } = await import("three/examples/jsm/loaders/PLYLoader.js");
-  const loader = new PLYLoader();
-  const geometry = loader.parse(await file.arrayBuffer());
+  const geometry = new PLYLoader().parse(await file.arrayBuffer());
+  if (!geometry.getAttribute("normal")) geometry.computeVertexNormals(); // scans are smooth, as lpvctl has them
   const triangles = trianglesOf(geometry);
   if (!triangles) throw new Error(`${file.name}: there are no triangles in it.`);
   return { parts: [{ name: objectName(stemOf(file.name)), triangles, placement: NO_PLACEMENT, material: plainMaterial() }], cameras: [] };

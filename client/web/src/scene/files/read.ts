@@ -5,9 +5,11 @@ import { readPicture } from "./texels.ts";
 
 // What one file becomes.
 export interface FileScene {
+  file: string;
   lights: Part[];
   surfaces: Part[];
   cameras: FileCamera[];
+  dark?: FileContent; // of a file in which nothing emits: what it says, from which its lights were made
 }
 
 // A picture of all that is far away.
@@ -34,13 +36,13 @@ export async function readDropped(given: readonly File[]): Promise<Dropped> {
   const files = new DroppedFiles(given);
   const dropped: Dropped = { scenes: [], skies: [], warnings: [] };
   for (const file of given) {
-    if (MODEL.test(file.name)) dropped.scenes.push(sceneOf(await readModel(file, files, dropped.warnings)));
+    if (MODEL.test(file.name)) dropped.scenes.push(sceneOf(file.name, await readModel(file, files, dropped.warnings)));
     else if (!isPicture(file) && !HIGH_RANGE.test(file.name) && !COMPANION.test(file.name)) throw notTaken(file);
   }
   for (const file of given) {
     if (files.isPartOfAnother(file)) continue;
     if (HIGH_RANGE.test(file.name)) dropped.skies.push({ name: objectName(stemOf(file.name)), picture: await readHighRange(file) });
-    else if (isPicture(file)) dropped.scenes.push(sceneOf(await television(file)));
+    else if (isPicture(file)) dropped.scenes.push(sceneOf(file.name, await television(file)));
   }
   if (dropped.skies.length === 0 && dropped.scenes.every(({ lights, surfaces }) => lights.length + surfaces.length === 0)) {
     throw new Error("There are no triangles in what was dropped.");
@@ -63,10 +65,11 @@ async function readModel(file: File, files: DroppedFiles, warnings: string[]): P
 }
 
 // Where some of a file emits, the rest of it is what is lit. A file in which nothing does is dropped to be a light.
-export function sceneOf({ parts, cameras }: FileContent): FileScene {
+export function sceneOf(file: string, content: FileContent): FileScene {
+  const { parts, cameras } = content;
   const lights = parts.filter(({ material }) => emits(material));
-  if (lights.length === 0) return { lights: parts.map(asPlainLight), surfaces: [], cameras: [] };
-  return { lights, surfaces: parts.filter(({ material }) => !emits(material)), cameras };
+  if (lights.length > 0) return { file, lights, surfaces: parts.filter(({ material }) => !emits(material)), cameras };
+  return { file, lights: parts.map(asPlainLight), surfaces: [], cameras: [], dark: content };
 }
 
 function asPlainLight(part: Part): Part {
