@@ -126,7 +126,7 @@ test("a file in which nothing emits becomes surfaces where somebody chooses so, 
   await room.page.setInputFiles("#files", plate);
   const choice = room.page.getByRole("button", { name: "Add as surfaces instead" });
   await choice.waitFor();
-  await room.page.locator("text=Nothing in plate.ply emits light: it was added as light.").waitFor();
+  await room.page.locator("text=What is in plate.ply was added as lights, since nothing in it emits.").waitFor();
   assert.deepEqual([lights(session).length, surfaces(session).length], [1, 0]);
   await room.shot("choice");
   await choice.focus();

@@ -54,6 +54,7 @@ export class Room {
   private dragged: [SceneObject, Placement][] = []; // what goes along with it, and where each was when it began
   private drags = 0;
   private started = false;
+  private homeAt: bigint | undefined; // the revision from which on the first view is another
   private presenceDue: ReturnType<typeof setTimeout> | undefined;
   private readonly actions: Action[];
   private readonly help: HTMLDialogElement;
@@ -143,6 +144,10 @@ export class Room {
     if (!this.started && this.model.grid) {
       this.started = true;
       void this.stage.start(this.access.mayEdit).then(() => this.changed());
+    }
+    if (this.homeAt !== undefined && this.model.revision >= this.homeAt) {
+      this.homeAt = undefined;
+      void this.stage.home();
     }
     this.selection.keep((name) => this.model.find(name) !== undefined);
     const followed = this.model.people.get(this.followed);
@@ -245,19 +250,23 @@ export class Room {
   private add(files: File[]): void {
     if (files.length === 0) return;
     if (!this.access.mayEdit) return this.words.say("This link is for viewing only: nothing can be added.");
-    const { grid } = this.model;
+    const { grid, surfaces } = this.model;
+    const nothingLit = surfaces.size === 0;
     void this.adding(async () => {
       const { FileAdder } = await import("./scene/files/add.ts");
       const adder = new FileAdder(this.connection, this.session, this.editor, (message) => this.words.say(message));
       return adder.add(files, grid && boxOf(grid));
-    });
+    }, nothingLit);
   }
 
-  private async adding(run: () => Promise<Added>): Promise<void> {
+  // `first`: the camera goes to what is added where that has surfaces.
+  private async adding(run: () => Promise<Added>, first: boolean): Promise<void> {
     const stay = (event: BeforeUnloadEvent): void => event.preventDefault();
     window.addEventListener("beforeunload", stay);
     try {
-      this.added(await run());
+      const added = await run();
+      if (first && added.hasSurfaces) this.homeAt = added.acks.at(-1)?.revision;
+      this.added(added, first);
     } catch (error) {
       this.words.refuse(error);
     } finally {
@@ -265,14 +274,15 @@ export class Room {
     }
   }
 
-  private added({ acks, began, warnings, dark }: Added): void {
+  private added({ acks, began, warnings, dark }: Added, wasFirst: boolean): void {
     for (const ack of acks) this.strip.edited(ack.revision, began);
     const first = acks[0]?.names[0];
     if (first) this.select(first);
+    else this.changed();
     if (!dark) return this.words.sayFew(warnings);
     const { files, asSurfaces } = dark;
-    this.words.sayFew([`Nothing in ${files.join(", ")} emits light: it was added as light.`, ...warnings],
-      { label: "Add as surfaces instead", run: () => void this.adding(asSurfaces) });
+    this.words.sayFew([`What is in ${files.join(", ")} was added as lights, since nothing in it emits.`, ...warnings],
+      { label: "Add as surfaces instead", run: () => void this.adding(asSurfaces, wasFirst) });
   }
 
   private async rename(object: SceneObject, name: string): Promise<void> {

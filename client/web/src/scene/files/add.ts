@@ -13,6 +13,7 @@ export interface Added {
   acks: EditAck[];
   began: number; // when the first edit was sent, as performance.now() has it
   warnings: string[];
+  hasSurfaces: boolean;
   dark?: Dark;
 }
 
@@ -36,8 +37,9 @@ export class FileAdder {
     const dropped = await readDropped(files);
     const hashOf = await this.upload(dropped);
     const operations = operationsFor(dropped, hashOf, box);
-    if (dropped.scenes.some(hasSurfaces)) operations.push(...(await this.fit()));
-    const added = await this.apply(operations, dropped.warnings);
+    const lit = dropped.scenes.some(hasSurfaces);
+    if (lit) operations.push(...(await this.fit()));
+    const added = { ...(await this.apply(operations)), warnings: dropped.warnings, hasSurfaces: lit };
     const dark = dropped.scenes.filter((scene) => scene.dark);
     if (dark.length === 0) return added;
     const names = lightsMade(dropped, added.acks.flatMap((ack) => ack.names));
@@ -50,7 +52,8 @@ export class FileAdder {
     const dropped: Dropped = { scenes, skies: [], warnings: [] };
     const hashOf = await this.upload(dropped);
     const gone = names.map((value): OperationInit => ({ operation: { case: "deleteLight", value } }));
-    return this.apply([...gone, ...operationsFor(dropped, hashOf, undefined), ...(await this.fit())], []); // their names are free by then
+    const operations = [...gone, ...operationsFor(dropped, hashOf, undefined), ...(await this.fit())]; // names are free before they are given
+    return { ...(await this.apply(operations)), warnings: [], hasSurfaces: true };
   }
 
   private async upload(dropped: Dropped): Promise<HashOf> {
@@ -66,7 +69,7 @@ export class FileAdder {
   }
 
   // Where a later edit is refused, those before it are taken back.
-  private async apply(operations: readonly OperationInit[], warnings: string[]): Promise<Added> {
+  private async apply(operations: readonly OperationInit[]): Promise<Pick<Added, "acks" | "began">> {
     const undoGroup = `files ${++this.steps}`;
     const acks: EditAck[] = [];
     const began = performance.now();
@@ -79,7 +82,7 @@ export class FileAdder {
       if (acks.length > 0) await this.editor.undo();
       throw error;
     }
-    return { acks, began, warnings };
+    return { acks, began };
   }
 }
 
