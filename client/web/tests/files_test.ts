@@ -16,11 +16,16 @@ const triangle: Triangles = { positions: Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1,
 const part = (name: string, radiance: number): Part =>
   ({ name, triangles: triangle, placement: NO_PLACEMENT, material: { ...plainMaterial(), radiance: white(radiance), doubleSided: true } });
 
-function area({ positions, indices }: Triangles): number {
+// Of triangles in the plane of x and y: those that are seen from their front minus the others, and all together.
+function areas({ positions, indices }: Triangles): { front: number; all: number } {
   const at = (i: number): Vector3 => new Vector3().fromArray(positions, 3 * (indices[i] ?? 0));
-  let sum = 0;
-  for (let i = 0; i < indices.length; i += 3) sum += at(i + 1).sub(at(i)).cross(at(i + 2).sub(at(i))).z / 2;
-  return sum;
+  const sums = { front: 0, all: 0 };
+  for (let i = 0; i < indices.length; i += 3) {
+    const area = at(i + 1).sub(at(i)).cross(at(i + 2).sub(at(i))).z / 2;
+    sums.front += area;
+    sums.all += Math.abs(area);
+  }
+  return sums;
 }
 
 const objOf = (...lines: string[]): Promise<{ parts: Part[] }> => {
@@ -63,7 +68,7 @@ test("a placement says what its matrix does; one that shears is baked", () => {
   assert.equal(placementFrom(shear), undefined);
   assert.equal(placementFrom(new Matrix4().makeScale(1, 0, 1)), undefined);
   const mirrored = baked(triangle, new Matrix4().makeScale(-2, 1, 1));
-  assert.equal(area(mirrored), 1, "still counter-clockwise from the front");
+  assert.equal(areas(mirrored).front, 1, "still counter-clockwise from the front");
   assert.deepEqual([...(mirrored.normals ?? [])].slice(0, 3).map(Math.abs), [0, 0, 1]);
 });
 
@@ -91,7 +96,7 @@ test("an OBJ is cut by object and material, and its polygons by their outline", 
   assert.deepEqual(parts.map(({ name }) => name), ["first", "first", "second thing"]);
   const [bent, plain] = parts;
   assert.ok(bent && plain);
-  assert.ok(Math.abs(area(bent.triangles) - 1.5) < 1e-6, "the dent is not filled");
+  assert.ok(Math.abs(areas(bent.triangles).all - 1.5) < 1e-6, "the dent is not filled");
   assert.deepEqual([...(plain.triangles.uvs ?? [])].slice(0, 2), [0, 0.75], "v goes down");
   assert.equal(plain.material.albedo.x, 0.6);
   await assert.rejects(objOf("v 0 0 0", "f 1 2 3"), /thing\.obj, line 2: vertex 2 is out of range/);
