@@ -1,5 +1,5 @@
 // Small files of lights, written byte by byte.
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { deflateSync } from "node:zlib";
 
@@ -208,9 +208,49 @@ export function manyGlb(folder, count) {
   return file;
 }
 
-// A GLB that names a compression.
-export function compressedGlb(folder, extension) {
-  const file = join(folder, "packed.glb");
-  writeFileSync(file, glbOf({ asset: { version: "2.0" }, extensionsUsed: [extension], extensionsRequired: [extension] }, [Buffer.alloc(4)]));
+// A square of 1 m, as gltf-transform packed it for tests/rpc/cli, that emits.
+const square = {
+  asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], materials: [{ emissiveFactor: [1, 1, 0.5] }],
+};
+
+export function dracoGlb(folder) {
+  const packed = Buffer.from("445241434f02020101000000040200020000011fff011101ff0000010009030000020101010003030130011003002882980000000000ff3f"
+    + "00000000000000000000000000000000803f0e00", "hex");
+  const extensions = { KHR_draco_mesh_compression: { bufferView: 0, attributes: { POSITION: 0 } } };
+  const used = ["KHR_draco_mesh_compression"];
+  const file = join(folder, "draco.glb");
+  writeFileSync(file, glbOf({
+    ...square, extensionsUsed: used, extensionsRequired: used, nodes: [{ name: "square", mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 1 }, indices: 0, material: 0, extensions }] }],
+    accessors: [{ type: "SCALAR", componentType: 5123, count: 6 }, { type: "VEC3", componentType: 5126, count: 4, min: [0, 0, 0], max: [1, 1, 0] }],
+  }, [packed]));
+  return file;
+}
+
+// Packed by meshopt, quantised too; what it is unpacked to has a buffer without bytes.
+export function meshoptGltf(folder) {
+  const packed = Buffer.from("e1f000007687566778a986658968980169000000a0013300000003040112000000010c000000030104000000000000000000000000000000"
+    + "000000000000000000000000000000000180018000000000", "hex");
+  const of = (byteOffset, byteLength, more) => ({ EXT_meshopt_compression: { buffer: 0, byteOffset, byteLength, ...more } });
+  const used = ["EXT_meshopt_compression", "KHR_mesh_quantization"];
+  const file = join(folder, "meshopt.gltf");
+  writeFileSync(file, JSON.stringify({
+    ...square, extensionsUsed: used, extensionsRequired: used, nodes: [{ name: "square", mesh: 0, translation: [0.5, 0.5, 0], scale: [0.5, 0.5, 0.5] }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 1 }, indices: 0, material: 0 }] }],
+    accessors: [{ type: "SCALAR", componentType: 5123, count: 6, bufferView: 0 }, { type: "VEC3", componentType: 5122, count: 4, normalized: true, bufferView: 1 }],
+    buffers: [{ uri: `data:application/octet-stream;base64,${packed.toString("base64")}`, byteLength: packed.length },
+      { byteLength: 44, extensions: { EXT_meshopt_compression: { fallback: true } } }],
+    bufferViews: [{ buffer: 1, byteLength: 12, extensions: of(0, 19, { mode: "TRIANGLES", byteStride: 2, count: 6 }) },
+      { buffer: 1, byteOffset: 12, byteLength: 32, byteStride: 8, extensions: of(20, 60, { mode: "ATTRIBUTES", byteStride: 8, count: 4 }) }],
+  }));
+  return file;
+}
+
+// The packed square with a byte of Draco's head changed.
+export function damagedGlb(folder) {
+  const bytes = readFileSync(dracoGlb(folder));
+  bytes[bytes.indexOf("DRACO")] = 0x58;
+  const file = join(folder, "damaged.glb");
+  writeFileSync(file, bytes);
   return file;
 }

@@ -4,6 +4,7 @@ import { spawnSync } from "node:child_process";
 import { readdirSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { dracoAsModule } from "./draco.mjs";
 
 const page = fileURLToPath(new URL("..", import.meta.url));
 const out = join(page, ".tests");
@@ -11,7 +12,7 @@ const tests = readdirSync(join(page, "tests")).filter((name) => name.endsWith("_
 rmSync(out, { recursive: true, force: true });
 await build({
   absWorkingDir: page, entryPoints: tests.map((name) => `tests/${name}`), bundle: true, format: "esm", platform: "node",
-  target: "node18", outdir: out, outExtension: { ".js": ".mjs" }, sourcemap: "inline",
+  target: "node18", outdir: out, outExtension: { ".js": ".mjs" }, sourcemap: "inline", plugins: [dracoAsModule],
 });
 const run = spawnSync(process.execPath, ["--enable-source-maps", "--test", ...tests.map((name) => join(out, name.replace(/\.ts$/, ".mjs")))],
   { stdio: "inherit" });

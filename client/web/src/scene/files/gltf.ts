@@ -1,5 +1,6 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { DroppedFiles } from "./dropped_files.ts";
+import type { Unpacked } from "./draco.ts";
 import { GltfData } from "./gltf_data.ts";
 import { openGltf, type Gltf, type Node, type Primitive } from "./gltf_json.ts";
 import { GltfMaterials } from "./gltf_materials.ts";
@@ -16,7 +17,7 @@ export async function readGltf(file: File, files: DroppedFiles, warnings: string
   const { json, chunk } = openGltf(await file.arrayBuffer(), file.name);
   const data = await GltfData.open(json, chunk, file, files);
   const materials = new GltfMaterials(json, data, new Pictures(files, file.name, warnings), file.name, warnings);
-  const meshes = new GltfMeshes(data, file.name);
+  const meshes = new GltfMeshes(data, file.name, await unpacked(json, data, file.name));
   const content: FileContent = { parts: [], cameras: [] };
   const stem = stemOf(file.name);
   for (const { node, matrix } of nodesOf(json, file.name)) {
@@ -30,6 +31,23 @@ export async function readGltf(file: File, files: DroppedFiles, warnings: string
     if (camera) content.cameras.push(camera);
   }
   return content;
+}
+
+// The primitives that KHR_draco_mesh_compression has packed. Its decoder is loaded where there is one.
+async function unpacked(json: Gltf, data: GltfData, file: string): Promise<ReadonlyMap<Primitive, Unpacked>> {
+  const found = new Map<Primitive, Unpacked>();
+  for (const primitive of json.meshes?.flatMap(({ primitives = [] }) => primitives) ?? []) {
+    const packed = primitive.extensions?.KHR_draco_mesh_compression;
+    if (!packed) continue;
+    const { decodeDraco } = await import("./draco.ts");
+    const isNormalised = (name: string): boolean => data.isNormalised(primitive.attributes?.[name]);
+    try {
+      found.set(primitive, await decodeDraco(data.view(packed.bufferView), packed.attributes ?? {}, isNormalised));
+    } catch (error) {
+      throw new Error(`${file}: a mesh ${(error as Error).message}`);
+    }
+  }
+  return found;
 }
 
 // Every node of the scene with where it is, parents before their children.
@@ -79,11 +97,36 @@ function cameraOf(json: Gltf, node: Node, matrix: Matrix4, stem: string): FileCa
 // Primitives with the same numbers share their triangles, so that these are uploaded once.
 class GltfMeshes {
   private readonly known = new Map<string, Triangles>();
+  private readonly ofPacked = new Map<Unpacked, Map<number, Triangles>>();
 
-  constructor(private readonly data: GltfData, private readonly file: string) {}
+  constructor(private readonly data: GltfData, private readonly file: string, private readonly unpacked: ReadonlyMap<Primitive, Unpacked>) {}
 
   // Undefined for points and lines, and for what has no positions.
-  trianglesOf({ attributes = {}, indices, mode = TRIANGLES }: Primitive, uvChannel: number): Triangles | undefined {
+  trianglesOf(primitive: Primitive, uvChannel: number): Triangles | undefined {
+    const packed = this.unpacked.get(primitive);
+    return packed ? this.trianglesOfPacked(packed, uvChannel) : this.trianglesOfPlain(primitive, uvChannel);
+  }
+
+  private trianglesOfPacked(packed: Unpacked, uvChannel: number): Triangles | undefined {
+    const byChannel = this.ofPacked.get(packed) ?? new Map<number, Triangles>();
+    this.ofPacked.set(packed, byChannel);
+    const known = byChannel.get(uvChannel);
+    if (known) return known;
+    const values = (name: string, size: number): Float32Array | undefined => {
+      const found = packed.attributes.get(name);
+      return found?.components === size ? found.values : undefined;
+    };
+    const positions = values("POSITION", 3);
+    const vertices = (positions?.length ?? 0) / 3;
+    if (!positions || packed.indices.length < 3 || packed.indices.some((index) => index >= vertices)) return undefined;
+    const normals = values("NORMAL", 3);
+    const uvs = values(`TEXCOORD_${uvChannel}`, 2);
+    const triangles = { positions, indices: packed.indices, ...(normals ? { normals } : {}), ...(uvs ? { uvs } : {}) };
+    byChannel.set(uvChannel, triangles);
+    return triangles;
+  }
+
+  private trianglesOfPlain({ attributes = {}, indices, mode = TRIANGLES }: Primitive, uvChannel: number): Triangles | undefined {
     const { POSITION: position, NORMAL: normal, [`TEXCOORD_${uvChannel}`]: uv } = attributes;
     if (position === undefined || mode < TRIANGLES || mode > FAN) return undefined;
     const key = [position, normal, uv, indices, mode].join();

@@ -1,5 +1,6 @@
 import { bytesWithin, lastPart, type DroppedFiles } from "./dropped_files.ts";
-import type { Accessor, Gltf } from "./gltf_json.ts";
+import type { Accessor, Gltf, Slice } from "./gltf_json.ts";
+import type { decodeMeshopt } from "./meshopt.ts";
 
 export interface Numbers {
   values: Float32Array | Uint32Array;
@@ -27,19 +28,41 @@ const MOST_NUMBERS = 2 ** 28;
 // The numbers and bytes that a glTF's JSON refers to.
 export class GltfData {
   private readonly known = new Map<string, Numbers>();
+  private readonly unpacked = new Map<number, Uint8Array<ArrayBuffer>>();
 
-  private constructor(private readonly json: Gltf, private readonly buffers: readonly Uint8Array<ArrayBuffer>[], private readonly name: string) {}
+  private constructor(private readonly json: Gltf, private readonly buffers: readonly Uint8Array<ArrayBuffer>[], private readonly name: string,
+    private readonly unpack: typeof decodeMeshopt | undefined) {}
 
   static async open(json: Gltf, chunk: Uint8Array, file: File, files: DroppedFiles): Promise<GltfData> {
     const buffers: Uint8Array<ArrayBuffer>[] = [];
     for (const { uri } of json.buffers ?? []) {
       buffers.push(uri === undefined ? (chunk as Uint8Array<ArrayBuffer>) : bytesWithin(uri) ?? (await fileOf(uri, file, files)));
     }
-    return new GltfData(json, buffers, file.name);
+    const isPacked = json.bufferViews?.some((view) => view.extensions?.EXT_meshopt_compression);
+    return new GltfData(json, buffers, file.name, isPacked ? (await import("./meshopt.ts")).decodeMeshopt : undefined);
   }
 
   view(index: number): Uint8Array<ArrayBuffer> {
-    const { buffer, byteOffset = 0, byteLength = 0 } = this.at(this.json.bufferViews, index, "bufferViews");
+    const view = this.at(this.json.bufferViews, index, "bufferViews");
+    const packed = view.extensions?.EXT_meshopt_compression;
+    if (!packed || !this.unpack) return this.slice(view, index);
+    const known = this.unpacked.get(index);
+    if (known) return known;
+    const { count = 0, byteStride: stride = 0, mode = "", filter = "NONE" } = packed;
+    try {
+      const bytes = this.unpack({ bytes: this.slice(packed, index), count, stride, mode, filter });
+      this.unpacked.set(index, bytes);
+      return bytes;
+    } catch (error) {
+      throw new Error(`${this.name}: bufferViews[${index}] ${(error as Error).message}`);
+    }
+  }
+
+  isNormalised(accessor: number | undefined): boolean {
+    return this.json.accessors?.[accessor ?? -1]?.normalized === true;
+  }
+
+  private slice({ buffer, byteOffset = 0, byteLength = 0 }: Slice, index: number): Uint8Array<ArrayBuffer> {
     const bytes = this.at(this.buffers, buffer, "buffers");
     if (byteOffset + byteLength > bytes.length) {
       throw new Error(`${this.name} is cut short: bufferViews[${index}] ends ${byteOffset + byteLength - bytes.length} bytes behind its buffer. Export it again.`);
