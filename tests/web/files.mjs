@@ -20,6 +20,15 @@ export function ply(folder) {
   return file;
 }
 
+// A pentagon with a dent, its faces before its vertices, and texture coordinates.
+export function pentagonPly(folder) {
+  const file = join(folder, "pentagon.ply");
+  writeFileSync(file, ["ply", "format ascii 1.0", "element face 1", "property list uchar int vertex_indices", "element vertex 5",
+    ...["x", "y", "z", "s", "t"].map((name) => `property float ${name}`), "end_header", "5 0 1 2 3 4",
+    "0 0 0 0 0", "2 0 0 1 0", "2 2 0 1 1", "1 .5 0 .5 .2", "0 2 0 0 1", ""].join("\n"));
+  return file;
+}
+
 // Twice as large by its node, with an emission of 6, 3, 1.5 and a buffer in a file of its own.
 export function gltf(folder) {
   const positions = new Float32Array(CORNERS.flat());

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, RoomPage } from "./browser.mjs";
-import { damagedGlb, dracoGlb, gltf, hdr, manyGlb, meshoptGltf, obj, ply, png, quantizedGltf, roomGlb, roomObj } from "./files.mjs";
+import { damagedGlb, dracoGlb, gltf, hdr, manyGlb, meshoptGltf, obj, pentagonPly, ply, png, quantizedGltf, roomGlb, roomObj } from "./files.mjs";
 import { shared, until } from "./server.mjs";
 
 const both = shared({ before, after }, launch);
@@ -104,7 +104,7 @@ test("files in which nothing emits become lights, the same as lpvctl makes of th
     await until(`${name} is there`, () => lights(session).some((one) => one.name === name));
     return lights(session).find((one) => one.name === name);
   };
-  for (const [name, file] of [["panel", obj(both.server.folder)], ["plate", ply(both.server.folder)]]) {
+  for (const [name, file] of [["panel", obj(both.server.folder)], ["plate", ply(both.server.folder)], ["pentagon", pentagonPly(both.server.folder)]]) {
     await room.page.setInputFiles("#files", file);
     const here = await found(name);
     both.server.lpvctl("light", "add", other, file, "--name", name, "--radiance", "5,5,5");

@@ -1,8 +1,9 @@
-import { ShapeUtils, Vector2, Vector3 } from "three";
+import { Vector3 } from "three";
 import { lastPart, type DroppedFiles } from "./dropped_files.ts";
 import { readMtl } from "./mtl.ts";
 import { NO_PLACEMENT, objectName, plainMaterial, stemOf, white, type FileContent, type Material, type Triangles } from "./parts.ts";
 import { Pictures } from "./pictures.ts";
+import { appendTriangles } from "./polygons.ts";
 
 // The triangles of one object or group that have one material.
 interface Piece {
@@ -94,7 +95,7 @@ class ObjText {
     if (words.length < 3) return; // shows nothing
     const piece = this.piece();
     const corners = words.map((word) => this.corner(piece, word, line));
-    piece.indices.push(...this.cut(piece, corners));
+    appendTriangles(corners, (corner) => new Vector3().fromArray(this.numbers[0], 3 * (piece.vertices[3 * corner] ?? 0)), piece.indices);
   }
 
   private piece(): Piece {
@@ -132,30 +133,4 @@ class ObjText {
     }
     return at;
   }
-
-  // Triangles of a polygon: a fan where it is convex.
-  private cut(piece: Piece, corners: readonly number[]): number[] {
-    const fan = corners.slice(2).flatMap((corner, i) => [corners[0] ?? 0, corners[i + 1] ?? 0, corner]);
-    if (corners.length === 3) return fan;
-    const points = corners.map((corner) => new Vector3().fromArray(this.numbers[0], 3 * (piece.vertices[3 * corner] ?? 0)));
-    const outline = flattened(points);
-    if (outline.every((_, i) => turn(outline, i) >= 0)) return fan;
-    return ShapeUtils.triangulateShape(outline, []).flat().map((i) => corners[i] ?? 0);
-  }
-}
-
-// A polygon as seen from its front, along the axis that it faces most.
-function flattened(points: readonly Vector3[]): Vector2[] {
-  const facing = new Vector3();
-  points.forEach((point, i) => facing.add(new Vector3().crossVectors(point, points[(i + 1) % points.length] ?? point)));
-  const [x, y, z] = facing.toArray().map(Math.abs) as [number, number, number];
-  const axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-  const [across, up] = facing.getComponent(axis) < 0 ? [(axis + 2) % 3, (axis + 1) % 3] : [(axis + 1) % 3, (axis + 2) % 3];
-  return points.map((point) => new Vector2(point.getComponent(across), point.getComponent(up)));
-}
-
-// Positive where the outline turns left behind corner i.
-function turn(outline: readonly Vector2[], i: number): number {
-  const at = (k: number): Vector2 => outline[(i + k) % outline.length] ?? new Vector2();
-  return at(1).clone().sub(at(0)).cross(at(2).clone().sub(at(1)));
 }
