@@ -13,10 +13,14 @@ const float kOffPlane = 0.05;        // as a share of the distance
 vec3 positionAt(ivec2 pixel) { return gridPosition(frame, vec2(pixel) + 0.5, texelFetch(surfaceDepth, pixel, 0).x); }
 vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
 
+/// Whether a pixel of the picture is on the plane through x.
+bool isOnPlane(ivec2 pixel, ivec2 size, vec3 x, vec3 n) {
+  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return false;
+  const vec3 d = positionAt(pixel) - x;
+  return dot(normalAt(pixel), n) >= kLeastCosine && abs(dot(d, n)) <= kOffPlane * length(d) + 1e-6;
+}
+
 /// A pixel's share, its rays 0 where it is not on the plane through x.
 vec4 shareOnPlane(ivec2 pixel, ivec2 size, vec3 x, vec3 n) {
-  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return vec4(0.0);
-  const vec3 d = positionAt(pixel) - x;
-  const bool same = dot(normalAt(pixel), n) >= kLeastCosine && abs(dot(d, n)) <= kOffPlane * length(d) + 1e-6;
-  return same ? texelFetch(poolShare, pixel, 0) : vec4(0.0);
+  return isOnPlane(pixel, size, x, n) ? texelFetch(poolShare, pixel, 0) : vec4(0.0);
 }

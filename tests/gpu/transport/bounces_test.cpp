@@ -717,6 +717,47 @@ TEST_F(BouncesTest, WallsHaveNoGrain) {
   EXPECT_LT(grainOf(*frame), 0.017);
 }
 
+/// A shelf along the back wall of a room, with a lamp on it that shines up: bright wall above it, dark wall below.
+Scene lampOnAShelf() {
+  Scene scene = closedRoom(1.0, 0.8, 4);
+  Light& lamp = test::lightOf(scene);
+  lamp.transform.rotation = rotationFromEulerDegrees({-90.0, 0.0, 0.0});
+  lamp.mesh = reference::quad();
+  lamp.transform.scale = {1.6, 0.02, 1.0};
+  lamp.transform.translation = {0.0, 0.03, -0.93};
+  Surface& shelf = test::addSurface(scene, "shelf", reference::quad());
+  shelf.transform.rotation = rotationFromEulerDegrees({-90.0, 0.0, 0.0});
+  shelf.transform.scale = {2.0, 0.15, 1.0};
+  shelf.transform.translation = {0.0, 0.0, -0.925};
+  return scene;
+}
+
+// Of a shelf that is two pixels high the wall shows on both sides, on one plane: pixels below it keep what they see.
+// Broken by: shares of what surfaces reflect that are the mean of all pixels on the plane.
+TEST_F(BouncesTest, AWallBelowAShelfIsNotLitByWhatIsAbove) {
+  const Scene scene = lampOnAShelf();
+  Camera camera;
+  camera.eye = {0.0, -0.3, 0.95};
+  camera.target = {0.0, -0.1, -1.0};
+  camera.up = {0.0, 1.0, 0.0};
+  camera.fovDegrees = 40.0;
+  constexpr int kSide = 96;
+  const FramePtr frame = frameOf(scene, test::linearFrame(camera, {kSide, kSide}));
+  ASSERT_NE(frame, nullptr);
+  double shown = 0.0, wanted = 0.0;
+  for (int x = kSide / 4; x < 3 * kSide / 4; ++x) {
+    int y = 0;
+    glm::dvec3 at(1.0);
+    while (at.y > -0.002) {  // the first pixel of the column below the shelf
+      const glm::dvec3 ray = camera.rayDirection((x + 0.5) / kSide, (y++ + 0.5) / kSide, 1.0);
+      at = camera.eye - ray * ((camera.eye.z + 1.0) / ray.z);
+    }
+    shown += test::pixel(*frame, x, y - 1).x;
+    wanted += probed(scene, {{at, {0.0, 0.0, 1.0}}})[0].x * 0.8 / sh::kPi;
+  }
+  EXPECT_NEAR(shown / wanted, 1.0, 0.25);
+}
+
 // Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
 TEST_F(BouncesTest, TheDarkSideReflectsNothing) {
   Scene scene = lampOverFloor();
