@@ -131,9 +131,10 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
     if (reading_ || closing_ || gone_ || calls_->full() || queue_.size() > kMostQueued) return;
     read();
   }
+  /// A message may have come before writing found the page gone.
   void onRead(const Error& error) {
     if (error && !closing_) return gone();
-    if (error || closing_) return;
+    if (error || closing_ || gone_) return;
     if (!stream_.got_binary()) {
       return close(CloseCode::kNotBinary, "text is refused; send lpv.web.v1.ToServer in binary messages");
     }
@@ -163,8 +164,8 @@ class PageSocket final : public Socket, public Guest, public std::enable_shared_
     const Outgoing done = std::move(queue_.front());
     queue_.pop_front();
     done.sent(!error && !closing_);
-    if (error && !closing_) return gone();
-    if (closing_ || gone_) return drop();
+    if (error && !closing_) gone();
+    if (closing_ || gone_) return drop();  // gone() leaves what waits behind a message that is being written
     if (!queue_.empty()) write();
     readOn();
   }

@@ -265,5 +265,52 @@ TEST(WebDoor, AttacksCostTheirOwnSocketsOnly) {
   EXPECT_TRUE(eventually([&] { return door.watched().metric("lpv_web_sockets") == 0.0; }));
 }
 
+// Pages that vanish in the midst of what they say, time and again: the server goes on. Broken by: a message that has
+// come being read although writing has found the page gone, which ended the server.
+TEST(WebDoor, PagesThatVanishWhileTheyTalkAreOnlyGone) {
+  Browsers door;
+  for (int i = 0; i < 100; ++i) {
+    std::vector<std::unique_ptr<Flood>> floods;
+    for (int k = 0; k < 8; ++k) floods.push_back(std::make_unique<Flood>(door.port(), helloBytes(), k % 2 == 0));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(WebSocketClient(door.port()).status(), 101);
+  EXPECT_TRUE(eventually([&] { return door.watched().metric("lpv_web_sockets") == 0.0; }));
+}
+
+/// A texture of 12 MiB.
+std::string largeTexture() {
+  pb::Texture texture;
+  texture.set_width(2048);
+  texture.set_height(2048);
+  texture.set_format(pb::TEXTURE_FORMAT_RGB8_SRGB);
+  texture.set_texels(std::string(3 * 2048 * 2048, 'x'));
+  return texture.SerializeAsString();
+}
+
+// A page that ends its side while answers wait for it: its socket goes, with those that wait behind what was being
+// written. Broken by: dropping them only where nothing was being written when the socket went, which kept both for
+// ever.
+TEST(WebDoor, WhoLeavesWithAnswersWaitingIsForgotten) {
+  Browsers door;
+  Stubs stubs(door.server().address());
+  pb::ReadBlobRequest read;
+  read.set_session(makeLitSession(stubs));
+  pb::UploadBlobResponse blob;
+  ASSERT_THAT(upload(stubs, read.session(), pb::BLOB_KIND_TEXTURE, largeTexture(), &blob), IsOk());
+  read.set_hash(blob.hash());
+  PageClient page(door.port());
+  for (int i = 0; i < 40; ++i) {  // a MiB of each is on its way, more than the kernel holds for who reads nothing
+    const std::uint32_t call = page.begin("BlobService/ReadBlob");
+    page.message(call, read);
+    page.end(call);
+  }
+  const auto open = [&] { return door.watched().metric("lpv_web_sockets"); };
+  EXPECT_EQ(open(), 1.0);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  shutdown(page.socket().socket(), SHUT_WR);
+  EXPECT_TRUE(eventually([&] { return open() == 0.0; }));
+}
+
 }  // namespace
 }  // namespace lpv::rpc
