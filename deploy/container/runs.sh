@@ -52,13 +52,14 @@ start() {
   local name=$1
   shift
   mkdir -p "$WORK/$name"
-  rm -f "$WORK/$name/port" "$WORK/$name/ops"
+  rm -f "$WORK/$name"/{port,ops,web}
   chown 10001:10001 "$WORK/$name"
   chmod 700 "$WORK/$name"
   # Not through in_storage: a shell between would get the signals.
   buildah --storage-driver vfs --root "$STORAGE/root" --runroot "$STORAGE/run" run --isolation chroot \
-    -v "$WORK/$name:/var/lib/lpvd" -v "$WORK/tmp:/tmp" -e LPVD_LISTEN=0.0.0.0:0 -e LPVD_OPS_LISTEN=0.0.0.0:0 "$@" \
-    "$CONTAINER" -- /usr/bin/lpvd-container --port-file /var/lib/lpvd/port --ops-port-file /var/lib/lpvd/ops \
+    -v "$WORK/$name:/var/lib/lpvd" -v "$WORK/tmp:/tmp" -e LPVD_LISTEN=0.0.0.0:0 -e LPVD_OPS_LISTEN=0.0.0.0:0 \
+    -e LPVD_WEB=0.0.0.0:0 "$@" "$CONTAINER" -- /usr/bin/lpvd-container --port-file /var/lib/lpvd/port \
+    --ops-port-file /var/lib/lpvd/ops --web-port-file /var/lib/lpvd/web \
     >"$WORK/$name.log" 2>&1 &
   RUN=$!
   beside "$RUN"
@@ -137,6 +138,7 @@ run_with_own_secrets() {
   [[ $arguments == lpvd\ * && $arguments != *--insecure* ]] || complaint "it runs as: $arguments" || return
   [[ $(parent_of own) == buildah* ]] || complaint "an engine's signals do not reach it, but $(parent_of own)" || return
   health own || complaint "the health check fails" || return
+  shows_page "$(cat "$WORK/own/web")" "$secrets/server.pem" localhost || complaint "browsers do not get the page" || return
   frame "$server" "$secrets/server.pem" "$secrets/admin.token" || return
   echo wrong >"$WORK/wrong.token"
   if client "$server" "$secrets/server.pem" "$WORK/wrong.token" session list; then complaint "any token will do" || return; fi
@@ -190,13 +192,21 @@ page() {
   exec 3>&-
 }
 
+# shows_page PORT AUTHORITY NAME: whether a browser that trusts the authority gets the page there, by its published name.
+shows_page() {
+  printf 'GET / HTTP/1.1\r\nHost: localhost:8443\r\nConnection: close\r\n\r\n' |
+    openssl s_client -quiet -connect "localhost:$1" -CAfile "$2" -verify_hostname "$3" -verify_return_error -ign_eof 2>/dev/null |
+    grep -qi '^content-security-policy:'
+}
+
 sees_it() { page "$1" '/api/v1/query?query=up%7Bjob%3D%22lpvd%22%7D' 2>/dev/null | grep -q '"value":\[[0-9.]*,"1"\]'; }
 knows_alerts() { page "$1" /api/v1/rules 2>/dev/null | grep -q '"name":"LpvdDown"'; }
 
 # proxy AUTHORITY PORT: HAProxy before the run "given".
 proxy() {
   LPV_PROXY_BIND="127.0.0.1:$2" LPV_PROXY_CERT="$WORK/secrets/proxy.pem" LPV_BACKEND="127.0.0.1:$(cat "$WORK/given/port")" \
-    LPV_BACKEND_NAME=lpvd LPV_BACKEND_CA="$1" LPV_OPS_PORT="$(cat "$WORK/given/ops")" \
+    LPV_BACKEND_WEB="127.0.0.1:$(cat "$WORK/given/web")" LPV_BACKEND_NAME=lpvd LPV_BACKEND_CA="$1" \
+    LPV_OPS_PORT="$(cat "$WORK/given/ops")" \
     haproxy -W -f "$ROOT/deploy/proxy/haproxy.cfg" >"$WORK/proxy.log" 2>&1 &
   PROXY=$!
   beside "$PROXY"
@@ -209,6 +219,7 @@ behind_the_proxy() {
   proxy "$WORK/secrets/authority.pem" "$port"
   wait_until 20 through_proxy "$port" health || complaint "nothing comes through the proxy: $(cat "$WORK/proxy.log")" || return
   frame "localhost:$port" "$WORK/secrets/authority.pem" "$WORK/secrets/admin.token" || return
+  shows_page "$port" "$WORK/secrets/authority.pem" localhost || complaint "browsers do not get the page through the proxy" || return
   kill "$PROXY" && wait "$PROXY" || true
   # The proxy must not talk to a server that another authority vouches for.
   "$ROOT/deploy/container/make-secrets" "$WORK/others" || return

@@ -42,6 +42,7 @@ std::vector<std::string> commandLine(const Authority& authority, int port, int b
       {"LPV_BACKEND", "127.0.0.1:" + std::to_string(backendPort)},
       {"LPV_BACKEND_NAME", "localhost"},
       {"LPV_BACKEND_CA", authority.file()},
+      {"LPV_BACKEND_WEB", "127.0.0.1:" + std::to_string(freePort())},
       {"LPV_OPS_PORT", std::to_string(opsPort)}};
   for (const auto& [name, value] : more) variables[name] = value;
   std::vector<std::string> out;

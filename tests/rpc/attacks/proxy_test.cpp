@@ -11,6 +11,8 @@
 #include "rpc/streams/watched.h"
 #include "rpc/support/rpc.h"
 #include "rpc/support/server_process.h"
+#include "rpc/support/web_client.h"
+#include "rpc/web/browsers.h"
 
 namespace lpv::rpc {
 namespace {
@@ -68,6 +70,45 @@ TEST_F(BehindTheProxy, ReadinessIsAskedOnTheOpsPort) {
     pb::GetServerInfoResponse response;
     return stub->GetServerInfo(Call(), {}, &response).error_code() == StatusCode::UNAVAILABLE;
   })) << "a server that nobody finds ready is still used";
+}
+
+/// A browser knows the proxy's name alone: lpvd has to know itself by that.
+constexpr char kPublicHost[] = "light.example.org";
+const std::string kPublicOrigin = std::string("https://") + kPublicHost;
+
+/// A server that has the page, too, and the proxy before both doors.
+class PageBehindTheProxy : public ::testing::Test {
+ protected:
+  Knock knock(const std::string& path) const {
+    return {.host = kPublicHost, .origin = kPublicOrigin, .path = path, .authority = authority_.file()};
+  }
+
+  Authority authority_{"authority"};
+  CertificateFiles own_ = authority_.issue("lpvd");
+  Browsers browsers_{{"--tls-cert", own_.certificate, "--tls-key", own_.key, "--web-origins", kPublicOrigin}};
+  DeployedProxy proxy_{authority_,
+                       browsers_.server().port(),
+                       browsers_.watched().port(),
+                       {{"LPV_BACKEND_WEB", "127.0.0.1:" + std::to_string(browsers_.port())}}};
+};
+
+TEST_F(PageBehindTheProxy, ComesThroughAndItsCallsAreAnswered) {
+  EXPECT_TRUE(eventually([&] { return WebSocketClient(proxy_.port(), knock("/")).status() == 200; }))
+      << WebSocketClient(proxy_.port(), knock("/")).answer() << proxy_.errors();
+  PageClient page(proxy_.port(), {}, knock("/ws"));
+  ASSERT_EQ(page.socket().status(), 101) << page.socket().answer();
+  pb::CreateSessionResponse made;
+  EXPECT_EQ(page.call("SessionService/CreateSession", pb::CreateSessionRequest(), &made).code(), 0);
+  EXPECT_THAT(made.session().name(), ::testing::Not(::testing::IsEmpty()));
+}
+
+/// What the page must not be asked by another site's page, it must not be asked through the proxy either.
+TEST_F(PageBehindTheProxy, OtherSitesAreRefusedByName) {
+  Knock foreign = knock("/ws");
+  foreign.origin = "https://elsewhere.example.org";
+  EXPECT_TRUE(eventually([&] { return WebSocketClient(proxy_.port(), foreign).status() == 403; }))
+      << WebSocketClient(proxy_.port(), foreign).answer();
+  EXPECT_THAT(WebSocketClient(proxy_.port(), foreign).answer(), HasSubstr("elsewhere.example.org"));
 }
 
 TEST_F(BehindTheProxy, WhoFloodsIsCutOffAndOthersAreNot) {
