@@ -73,6 +73,7 @@ LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders
 LPV_CONST int kFoldHits = 22;  // int per piece and ray from it: the piece it meets (shaders/visibility/folds.glsl)
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
+LPV_CONST int kBuried = 2;  // uvec4 (pixels), then vec4 (where in the picture, depth, -) each (shaders/frame/buried.comp)
 LPV_CONST int kHazeLights = 2;  // a HazeLight each: which points of lights are looked at through haze, and how often
 LPV_CONST int kGlossPoints =
     4;  // a GlossPoint per pixel: what its reflections have met so far (shaders/frame/gloss.glsl)
@@ -83,6 +84,7 @@ LPV_CONST int kDrawParams = 1;  // DrawParams of one object
 LPV_CONST int kNearFieldParams = 2;  // NearFieldParams of one dispatch
 LPV_CONST int kShadowParams = 3;  // ShadowParams of one dispatch
 LPV_CONST int kSubpixelParams = 2;  // SubpixelParams of one dispatch
+LPV_CONST int kBuriedParams = 2;  // BuriedParams of one dispatch
 LPV_CONST int kGlossParams = 2;  // GlossParams of one dispatch
 LPV_CONST int kHazeParams = 2;  // HazeParams of one dispatch
 
@@ -130,6 +132,7 @@ LPV_CONST int kGlossSurfaces = 2;  // of a picture: the same of surfaces; a: 0
 LPV_CONST int kGlossMet = 13;  // of a picture: E in W/m^2 where its reflections met a surface
 LPV_CONST int kGlossScene = 12;  // usamplerBuffer: what reflections show (shaders/frame/gloss_scene.glsl)
 LPV_CONST int kGlossShares = 22;  // what lobes reflect in all, by cosine and roughness (server/scene/gloss.h)
+LPV_CONST int kBuriedList = 1;  // samplerBuffer over kBuried
 LPV_CONST int kHaze = 27;  // of a picture: what haze scatters towards the camera
 LPV_CONST int kHazeSum = 1;  // of a picture: the same before it is smoothed, as kHazeSumOut
 LPV_CONST int kGlossMaterial = 14;  // of a picture: roughness and metalness of its surfaces
@@ -468,6 +471,12 @@ struct FrameParams {
   LPV_VEC3 ExposureParams exposure;
 };
 
+struct BuriedParams {
+  vec2 pixelSize;  // as a share of the picture
+  int firstRow;  // of this dispatch
+  int most;  // pixels that there is room for
+};
+
 struct NearFieldParams {
   ivec2 stride;  // pixels from a point to those before and after it that are known; 0 for the first points
   int first;  // of the tiles or blocks of points of this dispatch
@@ -608,7 +617,8 @@ static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 80 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
-static_assert(sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 && sizeof(SubpixelParams) == 32 &&
+static_assert(sizeof(BuriedParams) == 16 && sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 &&
+              sizeof(SubpixelParams) == 32 &&
               sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 && sizeof(HazeLight) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);

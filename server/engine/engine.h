@@ -49,7 +49,7 @@ struct FrameRequest {
   Exposure exposure;
   PixelFormat format = PixelFormat::kRgb8;
   FrameQuantity quantity = FrameQuantity::kRadiance;  ///< irradiance: kRgb32F, one sample
-  int samples = 1;  ///< of each pixel, for edges and textures: 1, 2, 4, 8 or 16; light is found once per pixel
+  int samples = 1;  ///< of each pixel, for edges and textures: a power of two up to 64; light is found once per pixel
   bool reduced = false;  ///< GATHER: near lights are looked at from some pixels, not from each (streams)
 
   bool operator==(const FrameRequest&) const = default;

@@ -196,9 +196,12 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   targets.frameParams.update(0, gpu::bytesOfValue(params));
 
   Gbuffer& gbuffer = *view.gbuffer;
-  const GbufferInputs shown = gbufferInputs(frame, scene);
+  const GpuOccluders& occluders = s.products->occluders;
+  GbufferInputs shown = gbufferInputs(frame, scene);
+  if (s.reflectionsBlocked || s.glossy) shown.blockers = occluders.surfaces();
   if (!gbuffer.shown.holds(shown)) {
     co_await gbufferRenderer.run(gbuffer, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
+    if (shown.blockers != 0) co_await buriedPass.run(gbuffer, occluders, targets.frameParams, pacing(s));
     gbuffer.shown.set(shown);
   }
   co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "lpv/frame/buried.h"
 #include "lpv/frame/draw.h"
 #include "lpv/frame/emitters.h"
 #include "lpv/frame/gbuffer.h"
@@ -40,7 +41,7 @@ inline int shadowTurns(const LightingSettings& options) { return options.quality
 inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
 /// Of rays of a pixel's lobe, at most.
 inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
-  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 32 : 16;
+  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 128 : 64;
 }
 /// Of rays of a pixel through haze. A power of two: so many are spread evenly (shaders/frame/haze.comp).
 inline int hazeTurns(const FrameRequest& frame, const LightingSettings& options) {
@@ -183,6 +184,7 @@ struct Pipeline::Stages {
   VolumeMaker volumeMaker;
   MeshDrawer drawer;
   GbufferRenderer gbufferRenderer;
+  BuriedPass buriedPass;
   EmitterRenderer emitterRenderer;
   PaneRenderer paneRenderer;
   SubpixelPass subpixelPass{gbufferRenderer, emitterRenderer, paneRenderer};

@@ -30,9 +30,9 @@ std::vector<Occluder> occludersOf(const Scene& scene) {
     if (coverage.letsAllThrough()) continue;
     if (coverage.isOpaque()) coverage = Coverage();
     const bool textured = gloss && surface->albedoTexture != nullptr && !surface->mesh->uvs.empty();
-    const int reflects = surface->albedo == glm::dvec3(0.0) ? 0 : surface->twoSided ? 3 : 1;
+    const int sides = surface->twoSided ? 3 : 1;
     out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage), number, -1,
-                   textured, reflects});
+                   textured, surface->albedo == glm::dvec3(0.0) ? 0 : sides, surface->visibleToCamera ? sides : 0});
   }
   const bool reflects = gloss || bouncesFor(scene) > 0;
   int index = 0;

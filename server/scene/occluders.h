@@ -31,6 +31,7 @@ struct Occluder {
   int light = -1;  ///< which one of those that emit, in the order of names; -1: a surface
   bool textured = false;  ///< it has a picture that reflections show
   int reflects = 0;  ///< sides of a surface that do: 1, its front, and 2, its back
+  int shows = 0;  ///< sides of a surface that cameras see, the same
 
   bool operator==(const Occluder&) const = default;
 };

@@ -42,24 +42,30 @@ float varianceAround(ivec2 pixel, ivec2 size) {
   return sum.x / max(sum.y, 1.0);
 }
 
+/// A pixel and one beside it meet halfway, each by as much as the other: what one loses the other has, so that the mean over
+/// a surface stays, however uneven the grain is. By how much goes by what chance does to both.
 vec3 smoothed(ivec2 pixel, ivec2 size) {
   const float roughness = texelFetch(material, pixel, 0).x;
   const int reach = reachOf(roughness);
   const vec3 x = surfacePosition(frame, pixel), n = surfaceNormal(pixel), own = texelFetch(ofLights, pixel, 0).rgb;
-  const float variance = varianceAround(pixel, size) + 1e-12;
-  vec4 lights = vec4(0.0), surfaces = vec4(0.0);
+  const float variance = varianceAround(pixel, size);
+  vec3 lights = vec3(0.0);
+  vec4 surfaces = vec4(0.0);
+  float whole = 0.0;
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
+      const float near = exp(-float(dx * dx + dy * dy) / max(float(reach * reach), 1.0));
+      whole += near;
       const ivec2 at = pixel + ivec2(dx, dy);
       if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) continue;
       const vec4 there = texelFetch(ofLights, at, 0);
       if (there.a < 0.0 || (at != pixel && !isBeside(at, x, n, roughness))) continue;
-      const float near = exp(-float(dx * dx + dy * dy) / max(float(reach * reach), 1.0)), off = largest(abs(there.rgb - own));
-      lights += near * exp(-max(off * off / (2.0 * variance) - 1.0, 0.0)) * vec4(there.rgb, 1.0);
+      const float off = largest(abs(there.rgb - own)), both = variance + varianceAround(at, size) + 1e-12;
+      lights += near * exp(-max(off * off / both - 1.0, 0.0)) * (there.rgb - own);
       surfaces += near * vec4(texelFetch(ofSurfaces, at, 0).rgb, 1.0);
     }
   }
-  return lights.rgb / lights.a + surfaces.rgb / surfaces.a;
+  return own + lights / whole + surfaces.rgb / surfaces.a;
 }
 
 void main() {

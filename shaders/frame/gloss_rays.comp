@@ -30,6 +30,7 @@ const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
 const mat2 kPixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
 const float kGoldenStep = 0.6180339887;
 const int kCandidates = 8;  // points of lights that are weighed for a ray
+const float kFewPoints = 8192.0;  // of a light in a lobe: half of their share is left to rays of the lobe
 const float kLeastTurns = 4.0;
 const float kEvenEnough = 0.05;  // standard error of what is seen of lights, as a share of it, that ends a pixel's turns
 const float kNearest = 4.0 * kShadowOffset;  // cells: a ray below the triangle of its own start meets it at once
@@ -67,6 +68,14 @@ Receiver receiverAt(ivec2 pixel) {
   return r;
 }
 
+/// By which density kCandidates points of a light, of which one alone has `ofOne`, share with rays of the lobe, which have
+/// `ofLobe`. It has a fixed list of points: a lobe with few of them in it meets the same few with every ray, which is not
+/// what the light sends there however many are sent.
+float sharedBy(ShownLight light, float ofOne, float ofLobe) {
+  const float inLobe = float(light.points) * ofOne / max(ofLobe, 1e-20);
+  return float(kCandidates) * ofOne * inLobe / (inLobe + kFewPoints);
+}
+
 /// What gets to the receiver from a place, of which no opaque thing is in the way: through panes and haze.
 vec3 throughAir(vec3 x, vec3 place, inout int rounds) {
 #if LPV_TRANSPARENT
@@ -84,8 +93,8 @@ vec3 fromLight(Receiver r, Met met, float distance2, vec3 direction, bool front)
   if (r.lobe.alpha >= kMirrorAlpha) {
     float density;
     reflectedFrom(r.lobe, r.n, r.v, direction, density);
-    const float ofPoints = float(kCandidates) * chanceOf(light) * distance2 / max(abs(dot(met.normal, direction)), 1e-6);
-    share = density / (density + ofPoints);
+    const float ofOne = chanceOf(light) * distance2 / max(abs(dot(met.normal, direction)), 1e-6);
+    share = density / (density + sharedBy(light, ofOne, density));
   }
   return share * radianceAt(met, light, front);
 }
@@ -138,14 +147,15 @@ Candidate candidateAt(Receiver r, int k) {
   c.place = from.xyz;
   const vec3 d = from.xyz - r.x;
   const float r2 = dot(d, d) + 1e-8, apart = sqrt(r2), along = -dot(emits.xyz, d) / apart;
-  const float sends = emits.w > 1.5 ? abs(along) : max(along, 0.0), chance = float(kCandidates) * chanceOf(light);
+  const float sends = emits.w > 1.5 ? abs(along) : max(along, 0.0), chance = chanceOf(light);
   if (sends <= 0.0 || light.points == 0 || chance <= 0.0) return c;
   float density;
   const vec3 reflected = reflectedFrom(r.lobe, r.n, r.v, d / apart, density);
-  const float ofPoints = chance * r2 / sends;
+  const float ofOne = chance * r2 / sends, shared_ = sharedBy(light, ofOne, density);
   const bool known = (light.flags & (kGlossDirected | kGlossUnseen)) != 0u;  // to rays to points alone
   const vec3 radiance = from.w * float(light.points) / light.area * texelFetch(lightPoints, kLightPointTexels * point + 2).rgb;
-  c.reflected = reflected * radiance / (known ? ofPoints : ofPoints + density);
+  const float share = known ? 1.0 : shared_ / (shared_ + density);
+  c.reflected = share * reflected * radiance / (float(kCandidates) * ofOne);
   return c;
 }
 

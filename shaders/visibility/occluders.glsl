@@ -14,7 +14,7 @@
 //             nodes, first of its triangles, which follow them, largest coordinate of its box, what it blocks:
 //             Occluder::blocks), then (transmission, alpha), (first texel of a map of alpha or 0, its boxes across and
 //             down, first texel of the triangles' texture coordinates) and (the surface's number and one, 0: a light; the
-//             light's number and one, 0: a surface; sides of a surface that reflect: Occluder::reflects; -)
+//             light's number and one, 0: a surface; sides of a surface that reflect: Occluder::reflects; that cameras see: Occluder::shows)
 //   nodes of a mesh
 //             as those over instances; of one that is placed with texels: (lower corner, texel after it and all below)
 //             (upper corner, texel of the first triangle x kLeafItems + triangles)

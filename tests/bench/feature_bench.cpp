@@ -50,13 +50,14 @@ constexpr Feature kFeatures[] = {
     {"stream's frame, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, true, 1, true},
     {"stream's frame, all bounces, haze", Visibility::kOn, kAutoBounces, true, false, true, 1, false, kHaze},
     {"single frame", Visibility::kOff, 0, true, false, false},
-    {"single frame, 8 samples", Visibility::kOff, 0, true, false, false, 8},
-    {"single frame, 8 samples, shadows", Visibility::kOn, 0, true, false, false, 8},
-    {"single frame, 8 samples, haze", Visibility::kOn, 0, true, false, false, 8, false, kHaze},
-    {"single frame, 8 samples, shadows, all bounces", Visibility::kOn, kAutoBounces, true, false, false, 8},
-    {"single frame, 8 samples, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, false, 8,
+    {"single frame, 16 samples", Visibility::kOff, 0, true, false, false, 16},
+    {"single frame, 16 samples, shadows", Visibility::kOn, 0, true, false, false, 16},
+    {"single frame, 16 samples, haze", Visibility::kOn, 0, true, false, false, 16, false, kHaze},
+    {"single frame, 16 samples, shadows, all bounces", Visibility::kOn, kAutoBounces, true, false, false, 16},
+    {"single frame, 16 samples, shadows, all bounces, gloss", Visibility::kOn, kAutoBounces, true, false, false, 16,
      true},
-    {"single frame, 8 samples, all bounces, haze", Visibility::kOn, kAutoBounces, true, false, false, 8, false, kHaze},
+    {"single frame, 16 samples, all bounces, haze", Visibility::kOn, kAutoBounces, true, false, false, 16, false,
+     kHaze},
 };
 
 /// What a row came to.

@@ -1,5 +1,6 @@
 #include "api/results/subscription.h"
 
+#include <bit>
 #include <cmath>
 
 #include "convert/geometry.h"
@@ -8,6 +9,7 @@ namespace lpv::api {
 namespace {
 
 constexpr int kDefaultQuality = 85;
+constexpr int kMostSamples = 64;
 
 Status checkEdge(const char* field, int edge, const Limits& limits) {
   if (edge >= limits.minFrameEdge && edge <= limits.maxFrameEdge) return {};
@@ -29,8 +31,9 @@ Expected<int> qualityOf(int quality) {
 
 Expected<int> samplesOf(int samples, int otherwise) {
   if (samples == 0) return otherwise;
-  if (samples == 1 || samples == 2 || samples == 4 || samples == 8 || samples == 16) return samples;
-  return invalid("samples", "samples is " + std::to_string(samples) + ", allowed are 1, 2, 4, 8 and 16 per pixel");
+  if (samples >= 1 && samples <= kMostSamples && std::has_single_bit(unsigned(samples))) return samples;
+  return invalid("samples",
+                 "samples is " + std::to_string(samples) + ", allowed are 1, 2, 4, 8, 16, 32 and 64 of each pixel");
 }
 
 Expected<CameraChoice> cameraChoice(const pb::Camera* camera, const std::string& name) {
@@ -50,7 +53,7 @@ struct FrameDefaults {
   int samples;
 };
 constexpr FrameDefaults kOfStreams = {pb::FRAME_FORMAT_JPEG, 1};
-constexpr FrameDefaults kOfCalls = {pb::FRAME_FORMAT_PNG, 8};
+constexpr FrameDefaults kOfCalls = {pb::FRAME_FORMAT_PNG, 16};
 
 /// What subscriptions and calls have in common.
 template <typename Message>

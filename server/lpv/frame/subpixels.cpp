@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <span>
 
 #include "gpu/gl.h"
 
@@ -13,26 +12,12 @@ namespace {
 /// Pixels that are sampled at a time: 40 to 48 bytes each.
 constexpr int kSampledPixels = 1 << 20;
 
-/// In sixteenths of a pixel from its middle: the patterns that Direct3D 11 lays down, of which no two share a row or a
-/// column.
-using Offset = glm::ivec2;
-constexpr Offset k2[] = {{4, 4}, {-4, -4}};
-constexpr Offset k4[] = {{-2, -6}, {6, -2}, {-6, 2}, {2, 6}};
-constexpr Offset k8[] = {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}};
-constexpr Offset k16[] = {{1, 1},  {-1, -3}, {-3, 2},  {4, -1}, {-5, -2}, {2, 5},  {5, 3}, {3, -5},
-                          {-2, 6}, {0, -7},  {-4, -6}, {-6, 4}, {-8, 0},  {7, -4}, {6, 7}, {-7, -8}};
-
-std::span<const Offset> offsetsOf(int samples) {
-  switch (samples) {
-    case 2:
-      return k2;
-    case 4:
-      return k4;
-    case 8:
-      return k8;
-    default:
-      return k16;
-  }
+/// Of `samples`, a power of two, from the pixel's middle: Hammersley's points, of which every part of a pixel that has the
+/// area for one has one, wide or high as it may be (a (0, m, 2)-net). Edges along rows and columns are as even as others.
+glm::vec2 offsetOf(int sample, int samples) {
+  int reversed = 0;
+  for (int bit = 1, value = samples / 2; bit < samples; bit *= 2, value /= 2) reversed += (sample & bit) != 0 ? value : 0;
+  return (glm::vec2(sample, reversed) + 0.5F) / float(samples) - 0.5F;
 }
 
 gpu::Texture texture(const char* label, const glm::ivec2& size, GLenum format) {
@@ -77,10 +62,9 @@ GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const 
   gpu::Buffer subpixelParams("subpixel params", sizeof(layout::SubpixelParams), gpu::BufferUse::kDynamic);
   gpu::Program& add =
       add_.get({.panes = rows.panes.has_value(), .haze = haze != nullptr, .apart = buffer.apart.has_value()});
-  const std::span<const Offset> offsets = offsetsOf(request.samples);
   for (int row = 0; row < size.y; row += height) {
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-      const glm::vec2 offset = glm::vec2(offsets[i]) / 16.0F;
+    for (int i = 0; i < request.samples; ++i) {
+      const glm::vec2 offset = offsetOf(i, request.samples);
       layout::FrameParams drawn{};
       drawn.samples = request.samples;
       drawn.clipFromEye = view.clipFromEye(glm::dvec2(offset), row, height);
@@ -94,8 +78,8 @@ GpuTask SubpixelPass::run(SubpixelBuffer& buffer, const Gbuffer& middles, const 
       gpu::memoryBarrier();
       layout::SubpixelParams params{};
       params.offset = offset;
-      params.sampleIndex = int(i);
-      params.samples = int(offsets.size());
+      params.sampleIndex = i;
+      params.samples = request.samples;
       params.firstRow = row;
       subpixelParams.update(0, gpu::bytesOfValue(params));
       frameParams.bindUniform(layout::kParams);

@@ -18,7 +18,7 @@ namespace {
 using test::pixel;
 
 constexpr double kPi = std::numbers::pi;
-constexpr glm::ivec2 kSize(48, 36);
+constexpr glm::ivec2 kPicture(48, 36);
 constexpr double kFar = 30.0;  ///< metres: past everything
 
 Camera inside() {
@@ -59,15 +59,15 @@ reference::Medium mediumOf(const Scene& scene) {
   return {scene.grid.bounds(), o.haze, o.haze * (1.0 - o.hazeAbsorption), o.hazeAnisotropy};
 }
 
-glm::dvec3 rayThrough(const Camera& camera, int x, int y) {
-  return camera.rayDirection((x + 0.5) / kSize.x, (y + 0.5) / kSize.y, double(kSize.x) / kSize.y);
+glm::dvec3 viewThrough(const Camera& camera, int x, int y) {
+  return camera.rayDirection((x + 0.5) / kPicture.x, (y + 0.5) / kPicture.y, double(kPicture.x) / kPicture.y);
 }
 
 class HazeTest : public test::EngineTest {
  protected:
   FramePtr frame(const Scene& scene, const Camera& camera, bool reduced = false, SessionKey session = 1) {
     TickRequest tick = test::requestOf(scene, session);
-    FrameRequest request = test::linearFrame(camera, kSize);
+    FrameRequest request = test::linearFrame(camera, kPicture);
     request.reduced = reduced;
     tick.frames = {request};
     const TickResult result = run(tick);
@@ -77,9 +77,9 @@ class HazeTest : public test::EngineTest {
   template <typename Want>
   double errorOf(const Frame& got, const Camera& camera, const Want& want, int step = 4) {
     double squared = 0.0, all = 0.0;
-    for (int y = 1; y < kSize.y; y += step) {
-      for (int x = 1; x < kSize.x; x += step) {
-        const glm::dvec3 wanted = want(camera.eye, rayThrough(camera, x, y)), off = pixel(got, x, y) - wanted;
+    for (int y = 1; y < kPicture.y; y += step) {
+      for (int x = 1; x < kPicture.x; x += step) {
+        const glm::dvec3 wanted = want(camera.eye, viewThrough(camera, x, y)), off = pixel(got, x, y) - wanted;
         squared += glm::dot(off, off);
         all += glm::dot(wanted, wanted);
       }
@@ -158,12 +158,12 @@ TEST_F(HazeTest, OfSeveralLightsIsWhatAMarchFinds) {
   const FramePtr got = frame(scene, outside());
   double squared = 0.0;
   int pixels = 0;
-  for (int y = 6; y < kSize.y; y += 5) {
+  for (int y = 6; y < kPicture.y; y += 5) {
     for (int x = 6; x < 40; x += 5) {
       glm::dvec3 want(0.0);  // light by light: each has steps of its own
       for (const auto& [name, light] : scene.lights)
         want += reference::scattered(reference::emittersOf(scene.grid, *light).triangles, medium, outside().eye,
-                                     rayThrough(outside(), x, y), kFar);
+                                     viewThrough(outside(), x, y), kFar);
       const double off = glm::length(pixel(*got, x, y) - want) / glm::length(want);
       EXPECT_LE(off, 0.1) << x << ", " << y;
       squared += off * off;
@@ -178,7 +178,8 @@ TEST_F(HazeTest, WhatAbsorbsEverythingScattersNothing) {
   Scene scene = hazyScene(1.0, 0.0);
   scene.options.hazeAbsorption = 1.0;
   const FramePtr got = frame(scene, inside());
-  for (int i = 0; i < kSize.x * kSize.y; ++i) EXPECT_EQ(pixel(*got, i % kSize.x, i / kSize.x), glm::dvec3(0.0));
+  for (int i = 0; i < kPicture.x * kPicture.y; ++i)
+    EXPECT_EQ(pixel(*got, i % kPicture.x, i / kPicture.x), glm::dvec3(0.0));
 }
 
 // Broken by: a lamp that the camera sees as if there were no haze.
@@ -190,9 +191,9 @@ TEST_F(HazeTest, TakesFromLampsAndAddsBeforeThem) {
   const Light& lamp = *scene.lights.at("light");
   const FramePtr got = frame(scene, inside());
   int seen = 0;
-  for (int y = 0; y < kSize.y; ++y) {
-    for (int x = y % 4; x < kSize.x; x += 4) {
-      const glm::dvec3 ray = rayThrough(inside(), x, y), eye = inside().eye;
+  for (int y = 0; y < kPicture.y; ++y) {
+    for (int x = y % 4; x < kPicture.x; x += 4) {
+      const glm::dvec3 ray = viewThrough(inside(), x, y), eye = inside().eye;
       const glm::dmat4 object = glm::inverse(lamp.transform.worldFromObject());
       const glm::dvec3 from = object * glm::dvec4(eye, 1.0), along = object * glm::dvec4(ray, 0.0);
       const double t = -from.z / along.z;
@@ -228,16 +229,16 @@ TEST_F(HazeTest, TakesFromWhatSurfacesAndPointsGet) {
   Camera above = inside();
   above.eye = {-1.5, -1.5, 1.8};
   above.target = glm::dvec3(0.0);
-  FrameRequest request = test::linearFrame(above, kSize);
+  FrameRequest request = test::linearFrame(above, kPicture);
   request.quantity = FrameQuantity::kIrradiance;
   tick.frames = {request};
   const TickResult result = run(tick);
   const glm::dvec3 up(0.0, 0.0, 1.0);
   double squared = 0.0;
   int pixels = 0;
-  for (int y = 0; y < kSize.y; y += 3) {
-    for (int x = 0; x < kSize.x; x += 3) {
-      const glm::dvec3 ray = rayThrough(above, x, y), at = above.eye - above.eye.z / ray.z * ray;
+  for (int y = 0; y < kPicture.y; y += 3) {
+    for (int x = 0; x < kPicture.x; x += 3) {
+      const glm::dvec3 ray = viewThrough(above, x, y), at = above.eye - above.eye.z / ray.z * ray;
       if (ray.z >= 0.0 || std::max(std::abs(at.x), std::abs(at.y)) > 1.8) continue;
       const glm::dvec3 want = reference::irradianceThrough(emitters, medium, at, up);
       const double off = glm::length(pixel(*result.frames[0], x, y) - want) / glm::length(want);
@@ -268,14 +269,14 @@ TEST_F(HazeTest, LeavesLightOfSurfacesSmooth) {
   camera.up = {0.0, 0.0, 1.0};
   camera.fovDegrees = 30.0;
   TickRequest tick = test::requestOf(scene);
-  FrameRequest request = test::linearFrame(camera, kSize);
+  FrameRequest request = test::linearFrame(camera, kPicture);
   request.quantity = FrameQuantity::kIrradiance;
   tick.frames = {request};
   const TickResult result = run(tick);
   double squared = 0.0;
   int pixels = 0;
-  for (int y = 1; y + 1 < kSize.y; ++y) {
-    for (int x = 1; x + 1 < kSize.x; ++x, ++pixels) {
+  for (int y = 1; y + 1 < kPicture.y; ++y) {
+    for (int x = 1; x + 1 < kPicture.x; ++x, ++pixels) {
       const auto at = [&](int dx, int dy) { return pixel(*result.frames[0], x + dx, y + dy).x; };
       ASSERT_GT(at(0, 0), 0.0);
       const double off = 0.25 * (at(-1, 0) + at(1, 0) + at(0, -1) + at(0, 1)) / at(0, 0) - 1.0;
@@ -292,7 +293,7 @@ TEST_F(HazeTest, LeavesTheSameInEveryRun) {
   FramePtr first;
   for (SessionKey session = 1; session <= 3; ++session) {
     TickRequest tick = test::requestOf(scene, session);
-    tick.frames = {test::linearFrame(inside(), 3 * kSize)};
+    tick.frames = {test::linearFrame(inside(), 3 * kPicture)};
     const TickResult result = run(tick);
     if (first == nullptr) first = result.frames[0];
     EXPECT_EQ(result.frames[0]->rgb32f, first->rgb32f) << session;
@@ -376,9 +377,9 @@ TEST_F(HazeTest, IsLitBySurfaces) {
     floor.push_back(piece);
   }
   double squared = 0.0, all = 0.0, sum = 0.0, wanted = 0.0;
-  for (int y = 2; y < kSize.y; y += 3) {
-    for (int x = 2; x < kSize.x; x += 3) {
-      const glm::dvec3 eye = outside().eye, ray = rayThrough(outside(), x, y), at = eye - eye.z / ray.z * ray;
+  for (int y = 2; y < kPicture.y; y += 3) {
+    for (int x = 2; x < kPicture.x; x += 3) {
+      const glm::dvec3 eye = outside().eye, ray = viewThrough(outside(), x, y), at = eye - eye.z / ray.z * ray;
       if (std::max(std::abs(at.x), std::abs(at.y)) < 2.0) continue;  // before the floor: its own light is there, too
       const glm::dvec3 want = reference::scattered(floor, medium, eye, ray, kFar);
       const glm::dvec3 off = pixel(*both, x, y) - pixel(*direct, x, y) - want;
@@ -400,14 +401,14 @@ TEST_F(HazeTest, IsTheSameWithSeveralSamplesOfAPixel) {
   test::lightOf(scene).visibleToCamera = true;
   test::lightOf(scene).twoSided = true;
   TickRequest tick = test::requestOf(scene);
-  FrameRequest once = test::linearFrame(outside(), kSize), often = once;
+  FrameRequest once = test::linearFrame(outside(), kPicture), often = once;
   often.samples = 8;
   tick.frames = {once, often};
   const TickResult result = run(tick);
   int alike = 0, lamp = 0, all = 0;
   double off = 0.0, sum = 0.0;
-  for (int y = 1; y + 1 < kSize.y; ++y) {
-    for (int x = 1; x + 1 < kSize.x; ++x) {
+  for (int y = 1; y + 1 < kPicture.y; ++y) {
+    for (int x = 1; x + 1 < kPicture.x; ++x) {
       const double one = pixel(*result.frames[0], x, y).x, several = pixel(*result.frames[1], x, y).x;
       ++all;
       alike += std::abs(several - one) <= 0.01 * one ? 1 : 0;

@@ -42,7 +42,7 @@ FrameRequest sampled(int samples, const glm::ivec2& size = {64, 64}) {
 // Broken by: an offset with the wrong sign; samples that are weighed by a count other than theirs.
 TEST_F(SubpixelsTest, AnEdgeIsAShare) {
   const double radiance = 4.0;
-  for (const int samples : {2, 4, 8, 16}) {
+  for (const int samples : {2, 4, 8, 16, 32, 64}) {
     for (const double moved : {0.5, 0.25, 0.75}) {
       const FramePtr picture = frame(squareAt(moved + 1e-3), sampled(samples));
       const double within = samples == 2 ? 0.26 : 0.51 / samples;

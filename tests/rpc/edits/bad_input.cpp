@@ -316,7 +316,7 @@ std::vector<Row> frameRows() {
       frameRow(
           "Quality", [](auto* r) { r->set_quality(101); }, "quality", "1 to 100"),
       frameRow(
-          "Samples", [](auto* r) { r->set_samples(3); }, "samples", "1, 2, 4, 8 and 16"),
+          "Samples", [](auto* r) { r->set_samples(3); }, "samples", "1, 2, 4, 8, 16, 32 and 64"),
       frameRow(
           "Quantity", [](auto* r) { r->set_quantity(pb::FrameQuantity(9)); }, "quantity", "9"),
       frameRow(

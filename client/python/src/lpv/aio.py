@@ -184,7 +184,7 @@ class Session:
                     timeout: float | None = None) -> Frame:
         """A picture, with every edit that was acknowledged. `camera`: scene.camera(...), the name of one of the
         session's, or nothing: a view that the server chooses. `format`: png, jpeg or exr. `samples` of each pixel, for
-        edges and textures: 1, 2, 4, 8 or 16; 0 is 8."""
+        edges and textures: 1, 2, 4, 8, 16, 32 or 64; 0 is 16."""
         request = result_pb2.GetFrameRequest(session=self.name, width=width, height=height, quality=quality,
                                              samples=samples, min_revision=min_revision,
                                              exposure=_exposure(exposure_ev))

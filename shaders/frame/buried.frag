@@ -1,0 +1,3 @@
+// Only the depth changes of a pixel that was buried.
+
+void main() {}
