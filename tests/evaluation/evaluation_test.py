@@ -19,12 +19,45 @@ import exr  # noqa: E402
 import generate  # noqa: E402
 import meshes  # noqa: E402
 import metrics  # noqa: E402
+import paper_specular  # noqa: E402
 import references  # noqa: E402
 import results  # noqa: E402
 
 loader = importlib.machinery.SourceFileLoader("evaluate", str(HERE / "evaluate"))
 evaluate = importlib.util.module_from_spec(importlib.util.spec_from_loader("evaluate", loader))
 loader.exec_module(evaluate)
+
+
+class PapersGloss(unittest.TestCase):
+    def base(self, n=(0.0, 1.0, 0.0), roughness=0.0, metalness=1.0):
+        return {"P": np.array([[[0.5, 0.5, 0.5]]]), "N": np.array([[n]]), "M": np.array([[[roughness, metalness, 1.0]]])}
+
+    def seen(self, volume, base, eye=(0.5, 2.5, 0.5)):
+        grid = {"origin": np.zeros(3), "cell": 0.25}
+        return paper_specular.radiance(volume, grid, base, metrics.kinds_of_gloss(base["M"]), np.array(eye))[0, 0]
+
+    # Broken by: a volume without its guard, whose middles are half a cell off.
+    def test_a_volume_is_looked_up_between_middles(self):
+        z, y, x = np.mgrid[0:6, 0:6, 0:6]
+        volume = np.zeros((6, 6, 6, 3, 4))
+        volume[..., 0] = ((x - 0.5) * 0.25)[..., None]  # the place's x
+        got = paper_specular.looked_up(volume, {"origin": np.zeros(3), "cell": 0.25}, np.array([[0.3, 0.5, 0.7], [0.9, 0.2, 0.4]]))
+        np.testing.assert_allclose(got[:, :, 0], [[0.3] * 3, [0.9] * 3], rtol=1e-12)
+
+    # Even light of radiance 1: what a metal reflects of it; of what is reflected twice the metal keeps some.
+    # Broken by: a band without its constant.
+    def test_even_light_is_reflected_by_the_reflectance(self):
+        volume = np.zeros((6, 6, 6, 3, 4))
+        volume[..., 0] = 1 / paper_specular.Y0
+        for roughness in (0.0, 0.3, 1.0):
+            np.testing.assert_allclose(self.seen(volume, self.base(roughness=roughness)), 0.9, rtol=0.07)
+
+    # Broken by: coefficients in another order; the direction of travel for that of where light comes from.
+    def test_light_comes_from_where_the_mirror_points(self):
+        volume = np.zeros((6, 6, 6, 3, 4))
+        volume[..., 0], volume[..., 3] = 1.0, 0.5  # L11: from +x
+        left, right = (self.seen(volume, self.base(), (0.5 + side, 1.5, 0.5))[0] for side in (-1, 1))  # of the place
+        self.assertGreater(left, 1.5 * right)
 
 
 class Files(unittest.TestCase):
@@ -184,6 +217,9 @@ class Views(unittest.TestCase):
         self.assertEqual(rows["0", "gloss, roughness 0.3, metalness 1"]["pixels"], 1)
         self.assertAlmostEqual(rows["0", "gloss, roughness 0.3, metalness 1"]["raw_l2"], 1, 12)
         self.assertAlmostEqual(rows["0", "gloss, roughness 0.3, metalness 0"]["raw_l2"], 0, 12)
+        self.assertFalse([quantity for _, quantity in rows if quantity.startswith("the paper's")])
+        self.view.papers = base["radiance"] + 1.0
+        self.assertGreater(self.rows()["0", "the paper's gloss, roughness 0.3, metalness 1"]["raw_l2"], 0.5)
 
     # Broken by: nan answers kept among the figures.
     def test_points_outside_the_grid_are_counted(self):

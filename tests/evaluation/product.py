@@ -107,6 +107,13 @@ class Server:
                                      *view_flags(view, size)))
         return exr.read(path)["radiance"], header["header"], time.monotonic() - began
 
+    def volume(self, session):
+        """(coefficients (nz, ny, nx, 3, 4) with one cell more on each side, {"origin", "cell"} in metres)."""
+        path = pathlib.Path(self.scratch.name) / "volume.npy"
+        self.run("volume", "get", session, "--guard", "-o", path)
+        grid = self.show(session)["grid"]
+        return np.load(path), {"origin": np.array([grid["origin"][axis] for axis in "xyz"]), "cell": grid["cellSize"]}
+
     def probe(self, session, positions, normals):
         """Irradiance (points, 3), nan outside the grid."""
         lines = [number_list([*p, *n]) for p, n in zip(positions, normals)]

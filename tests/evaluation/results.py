@@ -114,15 +114,18 @@ def unshadowed(content):
 
 def gloss(content):
     """Markdown: what the surfaces with lobes are off by, a line per scene and kind of surface; "" where there are none."""
-    lines = [provenance(content), "", "| scene | roughness | metalness | pixels | ours over truth | raw L2 % | NRMSE % | noise % |",
-             "|---|---|---|---|---|---|---|---|"]
+    lines = [provenance(content), "", "| scene | roughness | metalness | pixels | ours over truth | raw L2 % | NRMSE % | noise % | the paper's over truth | its NRMSE % |",
+             "|---|---|---|---|---|---|---|---|---|---|"]
+    papers = {(row["case"], row["quantity"].removeprefix("the paper's ")): row["values"] for row in content["rows"]
+              if row["quantity"].startswith("the paper's gloss")}
     for row in content["rows"]:
         if not row["quantity"].startswith("gloss, roughness"):
             continue
         roughness, metalness = (word.split()[-1] for word in row["quantity"].split(", ")[1:])
-        v = row["values"]
+        v, theirs = row["values"], papers.get((row["case"], row["quantity"]))
+        beside = f"{theirs['mean_ours'] / theirs['mean_truth']:.2f} | {percent(theirs['nrmse'])}" if theirs else "- | -"
         lines.append(f"| {row['case']} | {roughness} | {metalness} | {v['pixels']} | {v['mean_ours'] / v['mean_truth']:.3f} | "
-                     + " | ".join(percent(v[key]) for key in ("raw_l2", "nrmse", "nrmse_of_reference")) + " |")
+                     + " | ".join(percent(v[key]) for key in ("raw_l2", "nrmse", "nrmse_of_reference")) + f" | {beside} |")
     return "\n".join(lines) + "\n" if len(lines) > 4 else ""
 
 
