@@ -23,7 +23,7 @@ layout(std430, binding = kBuried) buffer Buried {
 
 const float kBefore = 2.0;  // pixels: where the way is free
 const int kSteps = 3;
-const float kFirstStep = 1.0 / 64.0;  // of a pixel, towards the eye; each further one is kStepRatio of it
+const float kFirstStep = 1.0 / 512.0;  // of a pixel, towards the eye; each further one is kStepRatio of it
 const float kStepRatio = 4.0;
 
 /// Whether something is met on the way to where rays begin, of which the camera sees the side that is met.
