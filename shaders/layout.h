@@ -73,7 +73,8 @@ LPV_CONST int kFoldTriangles = 3;  // uint: which pieces a triangle has (shaders
 LPV_CONST int kFoldHits = 22;  // int per piece and ray from it: the piece it meets (shaders/visibility/folds.glsl)
 LPV_CONST int kPatchShares = 1;  // with panes: uint per two patches: packedShare() of what light keeps between them
 
-LPV_CONST int kBuried = 2;  // uvec4 (pixels), then vec4 (where in the picture, depth, -) each (shaders/frame/buried.comp)
+LPV_CONST int kBuried =
+    2;  // uvec4 (pixels), then vec4 (where in the picture, depth, -) each (shaders/frame/buried.comp)
 LPV_CONST int kHazeLights = 2;  // a HazeLight each: which points of lights are looked at through haze, and how often
 LPV_CONST int kGlossPoints =
     4;  // a GlossPoint per pixel: what its reflections have met so far (shaders/frame/gloss.glsl)
@@ -618,8 +619,8 @@ static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 8
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(BuriedParams) == 16 && sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 &&
-              sizeof(SubpixelParams) == 32 &&
-              sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 && sizeof(HazeLight) == 48);
+              sizeof(SubpixelParams) == 32 && sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 &&
+              sizeof(HazeLight) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);
 }  // namespace lpv::layout

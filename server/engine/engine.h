@@ -62,7 +62,7 @@ struct Frame {
   std::vector<std::uint8_t> rgb8;
   std::vector<float> rgb32f;
   double exposureEv = 0.0;  ///< what was applied (automatic exposure says its choice)
-  Camera camera;            ///< what it shows the scene through
+  Camera camera;  ///< what it shows the scene through
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
@@ -71,10 +71,10 @@ using FramePtr = std::shared_ptr<const Frame>;
 struct TickRequest {
   SessionKey session = 0;
   ScenePtr scene;
-  bool transported = false;           ///< read the transported volume back
-  bool probed = false;                ///< and with it what surfaces reflect, for probes (Volume::probed)
-  bool injected = false;              ///< read the injected volume back
-  bool guarded = false;               ///< and the guard cells with them (Volume::guarded)
+  bool transported = false;  ///< read the transported volume back
+  bool probed = false;  ///< and with it what surfaces reflect, for probes (Volume::probed)
+  bool injected = false;  ///< read the injected volume back
+  bool guarded = false;  ///< and the guard cells with them (Volume::guarded)
   std::vector<FrameRequest> frames;
   bool patient = false;  ///< goes on only while no other session's tick can, and may be abandoned
 };
@@ -87,9 +87,9 @@ struct StageTime {
 /// What ran and what was seen, for logs, metrics and the client.
 /// Bytes of buffers and textures on the GPU, as they were asked for.
 struct MemoryUse {
-  std::int64_t light = 0;   ///< volume, lights, shadows and bounces
+  std::int64_t light = 0;  ///< volume, lights, shadows and bounces
   std::int64_t frames = 0;  ///< of views that are kept, and of those of this tick
-  std::int64_t scene = 0;   ///< meshes and textures, which sessions share that have the same
+  std::int64_t scene = 0;  ///< meshes and textures, which sessions share that have the same
 
   bool operator==(const MemoryUse&) const = default;
 };
@@ -100,16 +100,16 @@ struct TickReport {
   std::uint64_t trianglesSkipped = 0;  ///< degenerate light triangles
   std::uint64_t lightsVoxelized = 0;  ///< lights whose geometry was not in the grid yet
   std::uint64_t touchedCells = 0;  ///< cells that hold emitted light, counted per light without PROPAGATE
-  std::uint64_t vpls = 0;          ///< GATHER: VPLs that the lights are made of
+  std::uint64_t vpls = 0;  ///< GATHER: VPLs that the lights are made of
   std::uint64_t clampedCells = 0;  ///< output cells clamped to phi >= 0, |D| <= phi (MATHS.md 3a)
   double fixedPointError =
       0.0;  ///< bound of the rounding of one injected coefficient, relative to the largest possible
-  std::uint64_t pieces = 0;        ///< bounded pieces of work the tick was made of
+  std::uint64_t pieces = 0;  ///< bounded pieces of work the tick was made of
   std::uint64_t othersPieces = 0;  ///< other sessions' pieces that were begun while it was under way
-  double longestPiece = 0.0;       ///< seconds; other sessions had to wait so long for the device
+  double longestPiece = 0.0;  ///< seconds; other sessions had to wait so long for the device
   std::optional<Stage> longestStage;  ///< whose piece that was; none: work without a stage
   double largestPrediction = 0.0;  ///< seconds that a piece was predicted to take
-  MemoryUse memory;                ///< at the end
+  MemoryUse memory;  ///< at the end
 };
 
 struct TickResult {

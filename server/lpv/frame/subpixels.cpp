@@ -12,11 +12,13 @@ namespace {
 /// Pixels that are sampled at a time: 40 to 48 bytes each.
 constexpr int kSampledPixels = 1 << 20;
 
-/// Of `samples`, a power of two, from the pixel's middle: Hammersley's points, of which every part of a pixel that has the
-/// area for one has one, wide or high as it may be (a (0, m, 2)-net). Edges along rows and columns are as even as others.
+/// Of `samples`, a power of two, from the pixel's middle: Hammersley's points, of which every part of a pixel that has
+/// the area for one has one, wide or high as it may be (a (0, m, 2)-net). Edges along rows and columns are as even as
+/// others.
 glm::vec2 offsetOf(int sample, int samples) {
   int reversed = 0;
-  for (int bit = 1, value = samples / 2; bit < samples; bit *= 2, value /= 2) reversed += (sample & bit) != 0 ? value : 0;
+  for (int bit = 1, value = samples / 2; bit < samples; bit *= 2, value /= 2)
+    reversed += (sample & bit) != 0 ? value : 0;
   return (glm::vec2(sample, reversed) + 0.5F) / float(samples) - 0.5F;
 }
 

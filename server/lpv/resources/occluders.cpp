@@ -66,7 +66,8 @@ void appendInstance(const Occluder& o, const glm::dmat4& spaceFromGrid, const St
   out.push_back(texelOf(c.transmission, c.alpha));
   const glm::uvec2 size(c.map == nullptr ? glm::ivec2(0) : c.map->size);
   out.emplace_back(map, size.x, size.y, tree.uvs);
-  out.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), std::uint32_t(o.reflects), std::uint32_t(o.shows));
+  out.emplace_back(std::uint32_t(o.surface + 1), std::uint32_t(o.light + 1), std::uint32_t(o.reflects),
+                   std::uint32_t(o.shows));
 }
 
 /// Nothing is at a point where there is nothing.
