@@ -29,26 +29,13 @@ bool isBeside(ivec2 pixel, vec3 x, vec3 n, float roughness) {
          abs(texelFetch(material, pixel, 0).x - roughness) <= kSameRoughness;
 }
 
-/// Of what is seen of lights, by a few turns of the pixel and those beside it: two that differ by no more than this in
-/// both differ by chance.
-float varianceAround(ivec2 pixel, ivec2 size) {
-  vec2 sum = vec2(0.0);
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const float variance = texelFetch(ofLights, clamp(pixel + ivec2(dx, dy), ivec2(0), size - 1), 0).a;
-      if (variance >= 0.0) sum += vec2(variance, 1.0);
-    }
-  }
-  return sum.x / max(sum.y, 1.0);
-}
-
 /// A pixel and one beside it meet halfway, each by as much as the other: what one loses the other has, so that the mean over
 /// a surface stays, however uneven the grain is. By how much goes by what chance does to both.
 vec3 smoothed(ivec2 pixel, ivec2 size) {
   const float roughness = texelFetch(material, pixel, 0).x;
   const int reach = reachOf(roughness);
-  const vec3 x = surfacePosition(frame, pixel), n = surfaceNormal(pixel), own = texelFetch(ofLights, pixel, 0).rgb;
-  const float variance = varianceAround(pixel, size);
+  const vec3 x = surfacePosition(frame, pixel), n = surfaceNormal(pixel);
+  const vec4 own = texelFetch(ofLights, pixel, 0);
   vec3 lights = vec3(0.0);
   vec4 surfaces = vec4(0.0);
   float whole = 0.0;
@@ -60,12 +47,12 @@ vec3 smoothed(ivec2 pixel, ivec2 size) {
       if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) continue;
       const vec4 there = texelFetch(ofLights, at, 0);
       if (there.a < 0.0 || (at != pixel && !isBeside(at, x, n, roughness))) continue;
-      const float off = largest(abs(there.rgb - own)), both = variance + varianceAround(at, size) + 1e-12;
-      lights += near * exp(-max(off * off / both - 1.0, 0.0)) * (there.rgb - own);
+      const float off = largest(abs(there.rgb - own.rgb)), both = own.a + there.a + 1e-12;
+      lights += near * exp(-max(off * off / both - 1.0, 0.0)) * (there.rgb - own.rgb);
       surfaces += near * vec4(texelFetch(ofSurfaces, at, 0).rgb, 1.0);
     }
   }
-  return own + lights / whole + surfaces.rgb / surfaces.a;
+  return own.rgb + lights / whole + surfaces.rgb / surfaces.a;
 }
 
 void main() {

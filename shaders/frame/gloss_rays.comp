@@ -30,7 +30,9 @@ const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
 const mat2 kPixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
 const float kGoldenStep = 0.6180339887;
 const int kCandidates = 8;  // points of lights that are weighed for a ray
-const float kFewPoints = 8192.0;  // of a light in a lobe: half of their share is left to rays of the lobe
+const int kEvenPoints = 256;  // of a light in a list, at most, that has few polygons: they are spread evenly over it
+const float kFewEven = 16.0;  // of a light's points in a lobe: half of their share is left to rays of the lobe;
+const float kFewOthers = 8192.0;  // the same of any other light's
 const float kLeastTurns = 4.0;
 const float kEvenEnough = 0.05;  // standard error of what is seen of lights, as a share of it, that ends a pixel's turns
 const float kNearest = 4.0 * kShadowOffset;  // cells: a ray below the triangle of its own start meets it at once
@@ -73,7 +75,7 @@ Receiver receiverAt(ivec2 pixel) {
 /// what the light sends there however many are sent.
 float sharedBy(ShownLight light, float ofOne, float ofLobe) {
   const float inLobe = float(light.points) * ofOne / max(ofLobe, 1e-20);
-  return float(kCandidates) * ofOne * inLobe / (inLobe + kFewPoints);
+  return float(kCandidates) * ofOne * inLobe / (inLobe + (light.points > kEvenPoints ? kFewOthers : kFewEven));
 }
 
 /// What gets to the receiver from a place, of which no opaque thing is in the way: through panes and haze.
