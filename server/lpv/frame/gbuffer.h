@@ -18,7 +18,7 @@ struct GbufferInputs {
   Camera camera;
   int firstRow = 0;
   std::vector<SurfacePtr> surfaces;
-  Stamp blockers = 0;  ///< before which its pixels are (BuriedPass); 0: wherever they were drawn
+  Stamp blockers = 0;  ///< by which buried pixels were found (BuriedPass); 0: nobody has looked for them
 
   bool operator==(const GbufferInputs&) const = default;
 };
