@@ -117,11 +117,12 @@ LPV_CONST int kPanes = 23;  // of a picture: what what lies behind panes keeps o
 LPV_CONST int kSubpixelsOwn = 24;  // of a picture: mean albedo of samples (shaders/frame/subpixels.glsl)
 LPV_CONST int kSubpixelsFirst = 25;
 LPV_CONST int kSubpixelsSecond = 26;
-LPV_CONST int kSubpixelsApart = 28;
-LPV_CONST int kApartLight = 29;  // of a picture: E in W/m^2 of the places below
-LPV_CONST int kApartPlace = 30;  // of a picture: where rays begin of a sample that is lit as no pixel, grid space
+LPV_CONST int kApartAlbedo =
+    20;  // of pictures of places of such samples: their mean albedo (shaders/frame/subpixels.glsl)
+LPV_CONST int kApartLight = 29;  // of them: E in W/m^2; a: the mean of what it would be with nothing in the way
+LPV_CONST int kApartPlace = 30;  // of them: the first sample's place, grid space; a: its depth
 LPV_CONST int kApartNormal = 31;  // and its normal
-LPV_CONST int kSampleAlbedo = 27;  // of one sample of each pixel, as kAlbedo to kEmitterDepth
+LPV_CONST int kSampleAlbedo = 21;  // of one sample of each pixel, as kAlbedo to kEmitterDepth
 LPV_CONST int kSampleNormal = 28;
 LPV_CONST int kSampleDepth = 29;
 LPV_CONST int kSampleEmission = 30;
@@ -148,11 +149,11 @@ LPV_CONST int kPoolLightOut = 5;
 LPV_CONST int kPoolShareOut = 6;
 LPV_CONST int kGlossOut = 0;  // as kGloss, or kGlossLights
 LPV_CONST int kGlossSurfacesOut = 1;
-LPV_CONST int kSubpixelEmissionOut = 0;  // mean radiance of lights in front
+LPV_CONST int kSubpixelRadianceOut = 0;  // mean radiance of lights in front; in frames with places apart, of all
 LPV_CONST int kSubpixelOwnOut = 1;  // as kSubpixelsOwn
 LPV_CONST int kSubpixelFirstOut = 2;
 LPV_CONST int kSubpixelSecondOut = 3;
-LPV_CONST int kSubpixelApartOut = 4;
+LPV_CONST int kApartAlbedoOut = 4;
 LPV_CONST int kApartPlaceOut = 5;
 LPV_CONST int kApartNormalOut = 6;
 
@@ -541,9 +542,9 @@ struct SubpixelParams {
   int sampleIndex;  // the first begins anew
   int samples;  // of each pixel
   int firstRow;  // of the picture, in the sample's textures
-  int pad0;
-  int pad1;
-  int pad2;
+  int firstWanted;  // row of the picture, of those that are summed up
+  int endWanted;  // one past the last
+  int rays;  // that each pool of lights got from a place apart, at most
 };
 
 struct ShadowParams {

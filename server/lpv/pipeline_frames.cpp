@@ -57,11 +57,11 @@ void keepSize(std::unique_ptr<Buffer>& buffer, const glm::ivec2& size) {
   buffer = std::make_unique<Buffer>(size);
 }
 
-/// Whether samples that are lit as no pixel's middle have a light of their own: in single frames whose pixels look at
-/// the lights. What lobes show is not known for them.
+/// Whether samples that are unlike their pixel's middle are lit where they are: in single frames whose pixels look at
+/// the lights.
 bool looksApart(const SessionState& s, const FrameRequest& frame) {
   return frame.samples > 1 && !frame.reduced && frame.quantity == FrameQuantity::kRadiance && s.looksAtLights &&
-         !s.glossy && (s.shadowed || s.bounces.turns > 0);
+         (s.shadowed || s.bounces.turns > 0);
 }
 
 /// Samples apart are a part of their pixel: half of the rays tell as much of it.
@@ -161,20 +161,43 @@ GpuTask Pipeline::Stages::drawSubpixels(SessionState& s, const Scene& scene, con
     co_return;
   }
   const bool apart = looksApart(s, frame);
-  if (view.subpixels == nullptr || view.subpixels->size() != frame.size || view.subpixels->apart.has_value() != apart) {
+  if (view.subpixels == nullptr || view.subpixels->size() != frame.size || view.subpixels->apart != apart) {
     view.subpixels = nullptr;
     view.subpixels = std::make_unique<SubpixelBuffer>(frame.size, apart);
   }
+  SubpixelBuffer& buffer = *view.subpixels;
   const GpuOccluders& occluders = s.products->occluders;
   const GpuOccluders* haze = scene.options.haze > 0.0 ? &occluders : nullptr;
-  SubpixelInputs inputs = {
-      view.gbuffer->shown.stamp(), {}, frame.samples, haze != nullptr ? occluders.surfaces() : 0, {}};
-  if (apart) inputs.grid = s.field().grid;
+  SubpixelInputs inputs = {view.gbuffer->shown.stamp(), {}, frame.samples, haze != nullptr ? occluders.surfaces() : 0};
   for (const auto& [name, light] : scene.lights) inputs.lights.push_back(light);
-  if (view.subpixels->shown.holds(inputs)) co_return;
-  co_await subpixelPass.run(*view.subpixels, *view.gbuffer, view.targets->emitters, frame, scene, s.resources, drawer,
-                            view.targets->frameParams, haze, pacing(s));
-  view.subpixels->shown.set(std::move(inputs));
+  if (!apart && buffer.shown.holds(inputs)) co_return;
+  const gpu::Buffer& frameParams = view.targets->frameParams;
+  const ShadowCasters shadows = castersForApart(shadowCasters(s, scene, frame));
+  const SubpixelSources sources = {.middles = *view.gbuffer,
+                                   .seenLights = view.targets->emitters,
+                                   .request = frame,
+                                   .scene = scene,
+                                   .resources = s.resources,
+                                   .drawer = drawer,
+                                   .frameParams = frameParams,
+                                   .haze = haze,
+                                   .light = apart ? &view.nearField->irradiance : nullptr,
+                                   .shine = view.haze != nullptr ? &view.haze->scattered : nullptr,
+                                   .gloss = view.gloss != nullptr ? &view.gloss->gloss : nullptr,
+                                   .rays = 4 * std::max(shadows.turns, shadows.reflectedTurns)};
+  const std::vector<SampledRows> parts = sampledRows(frame.size, apart);
+  int height = 0;
+  for (const SampledRows& rows : parts) height = std::max(height, rows.sampled);
+  SampleBuffer samples({frame.size.x, height}, PaneRenderer::needed(frame, scene), apart);
+  SubpixelPass::begin(buffer);
+  for (const SampledRows& rows : parts) {
+    co_await subpixelPass.sample(buffer, samples, rows, sources, pacing(s));
+    if (!samples.apart) continue;
+    const ApartPlaces places = {*samples.apart, frameParams, frame.firstRow + rows.firstSampled};
+    co_await nearFieldPass.lookFromApart(*view.nearField, places, s.products->emitters, shadows, pacing(s));
+    co_await subpixelPass.sumApart(buffer, *samples.apart, rows, sources);
+  }
+  buffer.shown.set(std::move(inputs));
 }
 
 GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const FrameRows& frame, View& view) {
@@ -206,18 +229,13 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   }
   co_await emitterRenderer.run(targets.emitters, frame, scene, s.resources, drawer, targets.frameParams, pacing(s));
   co_await drawPanes(s, scene, frame, view);
-  co_await drawSubpixels(s, scene, frame, view);
   const LightField& field = s.field();
   const bool sampled =
       s.shadowed || s.bounces.turns > 0 || (frame.reduced && field.transport == Transport::kGather && !s.looksAtLights);
   if (sampled) co_await lookAtLights(s, scene, frame, view);
-  if (view.subpixels != nullptr && view.subpixels->apart) {
-    const ApartPlaces places = {*view.subpixels->apart, targets.frameParams, frame.firstRow};
-    const ShadowCasters shadows = castersForApart(shadowCasters(s, scene, frame));
-    co_await nearFieldPass.lookFromApart(*view.nearField, places, s.products->emitters, shadows, pacing(s));
-  }
   co_await reflectLikeMirrors(s, scene, frame, view);
   co_await scatter(s, scene, frame, view);
+  co_await drawSubpixels(s, scene, frame, view);
   const IrradianceSources lit = {field.transport,
                                  scene.options.lookup,
                                  s.looksAtLights ? nullptr : &*field.textures,

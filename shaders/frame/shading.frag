@@ -1,7 +1,7 @@
 // Deferred shading: a pixel is the emission of a light in front, else albedo E / pi, else black. LPV_DISPLAY: exposed,
 // through the tone curve, for 8 bits; else linear radiance, with 1 in alpha where a surface is seen. LPV_PANES: some of it
 // is seen through panes. LPV_GLOSS: surfaces have lobes (frame/gloss.glsl). LPV_SUBPIXELS: several samples of each pixel say
-// what is in it (frame/subpixels.glsl); LPV_APART: some of them have light of their own. LPV_HAZE: some of it is lost in haze, which shines itself (frame/haze.comp).
+// what is in it (frame/subpixels.glsl); LPV_APART: and have found what that sends (frame/apart_sum.comp). LPV_HAZE: some of it is lost in haze, which shines itself (frame/haze.comp).
 #include "layout.h"
 #include "common/sh.glsl"
 #include "common/octahedral.glsl"
@@ -35,17 +35,13 @@ layout(binding = kHaze) uniform sampler2D haze;
 #error "LPV_SUBPIXELS: 0 or 1"
 #elif LPV_SUBPIXELS
 #include "frame/subpixels.glsl"
-layout(binding = kSubpixelsOwn) uniform sampler2D ownSubpixels;
-layout(binding = kSubpixelsFirst) uniform sampler2D firstSubpixels;
-layout(binding = kSubpixelsSecond) uniform sampler2D secondSubpixels;
 #endif
 #if !defined LPV_APART || (LPV_APART && !LPV_SUBPIXELS)
 #error "LPV_APART: 0 or 1, which are subpixels"
-#elif LPV_APART
-layout(binding = kSubpixelsApart) uniform sampler2D apartSubpixels;
-layout(binding = kApartLight) uniform sampler2D apartLight;
-layout(binding = kApartPlace) uniform sampler2D apartPlace;
-layout(binding = kApartNormal) uniform sampler2D apartNormal;
+#elif LPV_SUBPIXELS && !LPV_APART
+layout(binding = kSubpixelsOwn) uniform sampler2D ownSubpixels;
+layout(binding = kSubpixelsFirst) uniform sampler2D firstSubpixels;
+layout(binding = kSubpixelsSecond) uniform sampler2D secondSubpixels;
 #endif
 // LPV_NEAR_FIELD: where receivers evaluate the lights themselves.
 #ifndef LPV_NEAR_FIELD
@@ -129,7 +125,7 @@ vec3 reflected(ivec2 pixel, vec3 albedo) {
 float throughHaze(ivec2 pixel, float depth) { return throughHaze(gridPosition(frame, vec2(pixel) + 0.5, depth), frame.eye); }
 #endif
 
-#if LPV_SUBPIXELS
+#if LPV_SUBPIXELS && !LPV_APART
 /// What a share of a pixel shows that is lit as one of those around it, less what is in front of that one itself.
 vec3 seen(ivec2 pixel, vec4 subpixels) {
   const int count = countOf(subpixels);
@@ -144,53 +140,9 @@ vec3 seen(ivec2 pixel, vec4 subpixels) {
 #endif
 }
 
-#if LPV_APART
-const int kApartReach = 3;           // pixels
-const float kApartOffPlane = 0.5;    // pixels
-const float kApartCosine = 0.9;
-
-/// E of what is lit as no pixel, found by few rays: the mean with that of such places around it on the same plane.
-vec3 lightApart(ivec2 pixel) {
-  const vec3 place = texelFetch(apartPlace, pixel, 0).xyz;
-  const vec3 n = unitFromOctahedral(texelFetch(apartNormal, pixel, 0).xy);
-  const float footprint = distance(place, frame.eye) * length(frame.rayDown) * frame.pixelSize.y;
-  const ivec2 low = max(pixel - kApartReach, ivec2(0)), high = min(pixel + kApartReach, textureSize(apartSubpixels, 0) - 1);
-  vec4 sum = vec4(0.0);
-  for (int y = low.y; y <= high.y; ++y) {
-    for (int x = low.x; x <= high.x; ++x) {
-      const ivec2 at = ivec2(x, y);
-      if (countOf(texelFetch(apartSubpixels, at, 0)) == 0) continue;
-      const vec3 apart = texelFetch(apartPlace, at, 0).xyz - place;
-      const float cosine = dot(unitFromOctahedral(texelFetch(apartNormal, at, 0).xy), n);
-      const bool alike = cosine >= kApartCosine && abs(dot(apart, n)) <= kApartOffPlane * footprint &&
-                         length(apart) <= 2.0 * float(kApartReach) * footprint;
-      if (alike) sum += vec4(texelFetch(apartLight, at, 0).rgb, 1.0);
-    }
-  }
-  return sum.rgb / max(sum.a, 1.0);
-}
-
-/// The same of what is lit as no pixel.
-vec3 seenApart(ivec2 pixel) {
-  const vec4 subpixels = texelFetch(apartSubpixels, pixel, 0);
-  if (countOf(subpixels) == 0) return vec3(0.0);
-  const vec3 sent = subpixels.rgb * lightApart(pixel) / kPi;
-  const float share = float(countOf(subpixels)) / float(frame.samples);
-#if LPV_HAZE
-  return share * throughHaze(texelFetch(apartPlace, pixel, 0).xyz, frame.eye) * sent;
-#else
-  return share * sent;
-#endif
-}
-#endif
-
 vec3 radiance(ivec2 pixel) {
-  vec3 sum = texelFetch(emission, pixel, 0).rgb + seen(pixel, texelFetch(ownSubpixels, pixel, 0)) +
-             seen(pixel, texelFetch(firstSubpixels, pixel, 0)) + seen(pixel, texelFetch(secondSubpixels, pixel, 0));
-#if LPV_APART
-  sum += seenApart(pixel);
-#endif
-  return sum;
+  return texelFetch(emission, pixel, 0).rgb + seen(pixel, texelFetch(ownSubpixels, pixel, 0)) +
+         seen(pixel, texelFetch(firstSubpixels, pixel, 0)) + seen(pixel, texelFetch(secondSubpixels, pixel, 0));
 }
 #endif
 
@@ -202,6 +154,8 @@ void main() {
   colour = vec4(vec3(0.0), surface > 0.0 && !lightInFront ? 1.0 : 0.0);
 #if LPV_IRRADIANCE
   colour.rgb = colour.a * kPi * reflected(pixel);
+#elif LPV_APART
+  colour.rgb = texelFetch(emission, pixel, 0).rgb;  // and of surfaces
 #elif LPV_SUBPIXELS
   colour.rgb = radiance(pixel);
 #else

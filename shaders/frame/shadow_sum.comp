@@ -67,6 +67,10 @@ void main() {
 #endif
   const vec3 sum = p.light.rgb * share + (shadow.pool > 0 ? p.sum.rgb : vec3(0.0));
   shadowPoints[point].sum.rgb = sum;  // others read a
+#if !LPV_PATCHES && LPV_APART
+  const vec3 sent = p.light.rgb + (shadow.pool > 0 ? p.sent.rgb : vec3(0.0));
+  shadowPoints[point].sent.rgb = sent;
+#endif
   if (shadow.pool + 1 < shadow.pools) return;
 #if LPV_PATCHES
   if (shadow.foldTurns > 0) {  // of a piece: what others reflect to it
@@ -75,6 +79,8 @@ void main() {
   } else {
     patches[pixel.x].direct = vec4(sum, 0.0);
   }
+#elif LPV_APART
+  imageStore(nearField, pixel, vec4(sum, dot(sent, vec3(1.0 / 3.0))));
 #else
   imageStore(nearField, pixel, vec4(sum, imageLoad(nearField, pixel).w));
 #endif

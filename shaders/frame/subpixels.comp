@@ -1,8 +1,8 @@
 // What one sample of each pixel adds to the pixel's subpixels (frame/subpixels.glsl). The sample's surface is lit as the
 // pixel in the middle of the nine around it is whose surface is most nearly the sample's own: light is found once per
-// pixel, edges and textures as often as there are samples. A thread has a pixel. LPV_PANES: some are seen through panes; LPV_HAZE:
-// lights through haze, surfaces as the pixel that they are lit as (frame/shading.frag). LPV_APART: where none of the nine is like
-// a sample, what is thinner than a pixel, light is found at the sample's own place (frame/apart_list.comp).
+// pixel, edges and textures as often as there are samples. A thread has a pixel. LPV_APART: the light of middles is known, and
+// a sample where that does not tell its own gets one (frame/apart_list.comp). LPV_PANES: some are seen through panes;
+// LPV_HAZE: through haze, surfaces as the pixel that they are lit as (frame/shading.frag).
 #include "layout.h"
 #include "common/octahedral.glsl"
 #include "frame/position.glsl"
@@ -13,10 +13,12 @@
 #endif
 #ifndef LPV_APART
 #error "LPV_APART: 0 or 1"
+#elif LPV_APART
+#include "frame/sent.glsl"
 #endif
 #ifndef LPV_HAZE
 #error "LPV_HAZE: 0 or 1"
-#elif LPV_HAZE
+#elif LPV_HAZE && !LPV_APART
 #include "visibility/haze.glsl"
 #endif
 
@@ -40,19 +42,23 @@ layout(binding = kSampleEmitterDepth) uniform sampler2D sampleEmitterDepth;
 layout(binding = kPanes) uniform sampler2D samplePanes;
 #endif
 
-layout(binding = kSubpixelEmissionOut, rgba32f) uniform image2D emissionOut;
+layout(binding = kSubpixelRadianceOut, rgba32f) uniform image2D radiance;
+#if LPV_APART
+layout(binding = kNearField) uniform sampler2D nearField;
+layout(binding = kApartAlbedoOut, rgba16f) uniform image2D albedoOut;
+layout(binding = kApartPlaceOut, rgba32f) uniform image2D placeOut;
+layout(binding = kApartNormalOut, rg16) uniform image2D placeNormalOut;
+
+const float kSame = 0.1;         // up to here one surface is lit as another is
+const float kAlike = 0.35;       // or up to here, where all such have about the same light:
+const float kSameLight = 0.9;    // the least over the most
+#else
 layout(binding = kSubpixelOwnOut, rgba16f) uniform image2D ownOut;
 layout(binding = kSubpixelFirstOut, rgba16f) uniform image2D firstOut;
 layout(binding = kSubpixelSecondOut, rgba16f) uniform image2D secondOut;
-#if LPV_APART
-layout(binding = kSubpixelApartOut, rgba16f) uniform image2D apartOut;
-layout(binding = kApartPlaceOut, rgba32f) writeonly uniform image2D placeOut;
-layout(binding = kApartNormalOut, rg16) writeonly uniform image2D placeNormalOut;
-
-const float kApart = 0.35;        // beyond, a pixel's light is not the sample's
-#endif
 
 const float kSame = 0.25;        // up to here the pixel's own surface is the sample's, whatever is around it
+#endif
 const float kNormalWeight = 4.0; // of 1 - cosine, beside pixels off the plane
 
 struct Surface {
@@ -67,24 +73,46 @@ float unlikeness(Surface a, Surface b, float pixel) {
   return offPlane / pixel + kNormalWeight * (1.0 - dot(a.normal, b.normal));
 }
 
-/// The code of the pixel, of those around `pixel` where light was found, that is most like `s`, and how unlike it is;
-/// none: kNoPixel.
-int pixelLike(ivec2 pixel, Surface s, float footprint, out float least) {
-  int best = kNoPixel;
-  least = 1e30;
+/// The surface in the middle of a pixel, whether light was found there.
+bool surfaceAt(ivec2 at, out Surface there) {
+  if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(surfaceDepth, 0)))) return false;
+  const float depth = texelFetch(surfaceDepth, at, 0).x, emitter = texelFetch(emitterDepth, at, 0).x;
+  there = Surface(gridPosition(frame, vec2(at) + 0.5, depth), unitFromOctahedral(texelFetch(normal, at, 0).xy));
+  return depth > 0.0 && (emitter <= 0.0 || emitter < depth);
+}
+
+/// The pixel that a sample is most like.
+struct Like {
+  int code;  // of those around; none: kNoPixel
+  float unlike;
+  bool even;  // LPV_APART: there are several of about its surface, and they have about the same light
+};
+
+Like pixelLike(ivec2 pixel, Surface s, float footprint) {
+  Like best = Like(kNoPixel, 1e30, false);
+#if LPV_APART
+  vec2 light = vec2(1e30, 0.0);  // the least, the most
+  int alike = 0;
+#endif
   for (int i = 0; i < kPixelsAround; ++i) {
     const ivec2 at = pixel + pixelAround(i);
-    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(surfaceDepth, 0)))) continue;
-    const float depth = texelFetch(surfaceDepth, at, 0).x, emitter = texelFetch(emitterDepth, at, 0).x;
-    if (depth <= 0.0 || (emitter > 0.0 && emitter >= depth)) continue;
-    const Surface there = Surface(gridPosition(frame, vec2(at) + 0.5, depth),
-                                  unitFromOctahedral(texelFetch(normal, at, 0).xy));
+    Surface there;
+    if (!surfaceAt(at, there)) continue;
     const float unlike = unlikeness(there, s, footprint);
-    if (unlike >= least) continue;
-    least = unlike;
-    best = i;
-    if (i == kOwnPixel && unlike < kSame) return i;
+#if LPV_APART
+    if (unlike < kAlike) {
+      const float e = dot(texelFetch(nearField, at, 0).rgb, vec3(1.0));
+      light = vec2(min(light.x, e), max(light.y, e));
+      alike++;
+    }
+#endif
+    if (unlike >= best.unlike) continue;
+    best = Like(i, unlike, false);
+    if (i == kOwnPixel && unlike < kSame) return best;
   }
+#if LPV_APART
+  best.even = alike > 1 && light.x >= kSameLight * light.y;
+#endif
   return best;
 }
 
@@ -94,18 +122,82 @@ vec4 with(vec4 subpixels, vec3 albedo, int code) {
   return vec4(subpixels.rgb + (albedo - subpixels.rgb) / count, packedSubpixels(int(count), code));
 }
 
-void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.xy), pixel = at + ivec2(0, params.firstRow);
-  if (any(greaterThanEqual(at, textureSize(sampleDepth, 0))) || any(greaterThanEqual(pixel, imageSize(ownOut)))) return;
-  const bool first = params.sampleIndex == 0;
-  vec4 emission = first ? vec4(0.0) : imageLoad(emissionOut, pixel);
-  vec4 own = first ? vec4(0.0) : imageLoad(ownOut, pixel);
-  vec4 one = first ? vec4(0.0) : imageLoad(firstOut, pixel);
-  vec4 two = first ? vec4(0.0) : imageLoad(secondOut, pixel);
+/// Whether a pixel is summed up; those of rows beside are only looked at by it.
+bool isWanted(ivec2 pixel) { return pixel.y >= params.firstWanted && pixel.y < params.endWanted; }
+
 #if LPV_APART
-  vec4 apart = first ? vec4(0.0) : imageLoad(apartOut, pixel);
+/// Adds a sample that is most like the pixel of `code` to one of the places of the pixel at `at`, of the rows that are sampled.
+void addApart(ivec2 at, Surface s, float depth, vec3 albedo, int code, float footprint) {
+  const int width = imageSize(radiance).x, places = imageSize(albedoOut).x / width;
+  ivec2 best = at;
+  float least = 1e30;
+  for (int i = 0; i < places && least > kSame; ++i) {
+    const ivec2 place = placeApart(at, i, width);
+    const vec4 there = imageLoad(albedoOut, place);
+    if (countOf(there) == 0) {
+      imageStore(albedoOut, place, vec4(albedo, packedSubpixels(1, code)));
+      imageStore(placeOut, place, vec4(s.position, depth));
+      imageStore(placeNormalOut, place, vec4(octahedralFromDirection(s.normal), 0.0, 0.0));
+      return;
+    }
+    const Surface other = Surface(imageLoad(placeOut, place).xyz, unitFromOctahedral(imageLoad(placeNormalOut, place).xy));
+    const float unlike = unlikeness(other, s, footprint);
+    if (unlike >= least) continue;
+    least = unlike;
+    best = place;
+  }
+  const vec4 there = imageLoad(albedoOut, best);
+  imageStore(albedoOut, best, with(there, albedo, codeOf(there)));
+}
+#else
+/// Adds a sample to those that are lit as one of up to two pixels around.
+void addBeside(ivec2 pixel, vec3 albedo, int like) {
+  const vec4 one = imageLoad(firstOut, pixel);
+  if (countOf(one) == 0 || codeOf(one) == like) {
+    imageStore(firstOut, pixel, with(one, albedo, like));
+  } else {
+    const vec4 two = imageLoad(secondOut, pixel);
+    imageStore(secondOut, pixel, with(two, albedo, countOf(two) == 0 ? like : codeOf(two)));
+  }
+}
 #endif
 
+void addRadiance(ivec2 pixel, vec3 shown) {
+  imageStore(radiance, pixel, imageLoad(radiance, pixel) + vec4(shown / float(params.samples), 0.0));
+}
+
+void addLight(ivec2 at, ivec2 pixel, vec3 kept, float depth) {
+#if LPV_HAZE
+  kept *= throughHaze(gridPosition(frame, vec2(pixel) + 0.5 + params.offset, depth), frame.eye);
+#endif
+  addRadiance(pixel, kept * texelFetch(sampleEmission, at, 0).rgb);
+}
+
+void addSurface(ivec2 at, ivec2 pixel, vec3 kept, float depth) {
+  const vec3 place = gridPosition(frame, vec2(pixel) + 0.5 + params.offset, depth);
+  const Surface s = Surface(place, unitFromOctahedral(texelFetch(sampleNormal, at, 0).xy));
+  const float footprint = frame.depthScale / (depth + frame.depthOffset) * length(frame.rayDown) * frame.pixelSize.y;
+  const vec3 albedo = kept * texelFetch(sampleAlbedo, at, 0).rgb;
+  const Like like = pixelLike(pixel, s, footprint);
+#if LPV_APART
+  if (!like.even && (like.code != kOwnPixel || like.unlike > kSame)) {
+    addApart(at, s, depth, albedo, like.code, footprint);
+  } else if (isWanted(pixel)) {
+    const vec3 irradiance = texelFetch(nearField, pixel + pixelAround(like.code), 0).rgb;
+    addRadiance(pixel, sent(frame, pixel, like.code, place, albedo, irradiance));
+  }
+#else
+  if (like.code == kOwnPixel) {
+    imageStore(ownOut, pixel, with(imageLoad(ownOut, pixel), albedo, kOwnPixel));
+  } else if (like.code != kNoPixel) {
+    addBeside(pixel, albedo, like.code);
+  }
+#endif
+}
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy), pixel = at + ivec2(0, params.firstRow);
+  if (any(greaterThanEqual(at, textureSize(sampleDepth, 0))) || any(greaterThanEqual(pixel, imageSize(radiance)))) return;
 #if LPV_PANES
   const vec3 kept = texelFetch(samplePanes, at, 0).rgb;
 #else
@@ -113,43 +205,8 @@ void main() {
 #endif
   const float depth = texelFetch(sampleDepth, at, 0).x, emitter = texelFetch(sampleEmitterDepth, at, 0).x;
   if (emitter > 0.0 && emitter >= depth) {
-#if LPV_HAZE
-    const float arrives = throughHaze(gridPosition(frame, vec2(pixel) + 0.5 + params.offset, emitter), frame.eye);
-#else
-    const float arrives = 1.0;
-#endif
-    emission.rgb += arrives * kept * texelFetch(sampleEmission, at, 0).rgb / float(params.samples);
+    if (isWanted(pixel)) addLight(at, pixel, kept, emitter);
   } else if (depth > 0.0) {
-    const vec2 where = vec2(pixel) + 0.5 + params.offset;
-    const Surface s = Surface(gridPosition(frame, where, depth), unitFromOctahedral(texelFetch(sampleNormal, at, 0).xy));
-    const float viewDepth = frame.depthScale / (depth + frame.depthOffset);
-    float unlike;
-    const int like = pixelLike(pixel, s, viewDepth * length(frame.rayDown) * frame.pixelSize.y, unlike);
-    const vec3 albedo = kept * texelFetch(sampleAlbedo, at, 0).rgb;
-#if LPV_APART
-    if (unlike > kApart) {
-      if (countOf(apart) == 0) {
-        imageStore(placeOut, pixel, vec4(rayStart(frame, s.position, s.normal, depth), 1.0));
-        imageStore(placeNormalOut, pixel, texelFetch(sampleNormal, at, 0));
-      }
-      apart = with(apart, albedo, kOwnPixel);
-    } else
-#endif
-    if (like == kOwnPixel) {
-      own = with(own, albedo, like);
-    } else if (like != kNoPixel) {
-      if (countOf(one) == 0 || codeOf(one) == like) {
-        one = with(one, albedo, like);
-      } else {
-        two = with(two, albedo, countOf(two) == 0 ? like : codeOf(two));
-      }
-    }
+    addSurface(at, pixel, kept, depth);
   }
-  imageStore(emissionOut, pixel, emission);
-  imageStore(ownOut, pixel, own);
-  imageStore(firstOut, pixel, one);
-  imageStore(secondOut, pixel, two);
-#if LPV_APART
-  imageStore(apartOut, pixel, apart);
-#endif
 }

@@ -1,10 +1,10 @@
-// A pixel whose edges and textures were looked at several times: samples that are lit as the pixel itself, such as
-// are lit as up to two of the pixels around it, and such as are like none of these and lit as the first of them is. Of each
-// rgb: their mean albedo; a: packedSubpixels().
+// A pixel whose edges and textures were looked at several times. Samples are lit as the pixel itself, or as up to two of the
+// pixels around it. In single frames, samples whose light that does not tell are lit where they are, at the one of a few places
+// of the pixel that is most like them. Of each rgb: their mean albedo; a: packedSubpixels().
 
 const int kPixelsAround = 9;
 const int kOwnPixel = 0;
-const int kNoPixel = -1;
+const int kNoPixel = 15;
 
 /// The pixel itself, those beside it, those across its corners.
 ivec2 pixelAround(int code) {
@@ -18,3 +18,6 @@ ivec2 pixelAround(int code) {
 float packedSubpixels(int count, int code) { return float(count * 16 + code); }
 int countOf(vec4 subpixels) { return int(subpixels.a) >> 4; }
 int codeOf(vec4 subpixels) { return int(subpixels.a) & 15; }
+
+/// Where a pixel's place apart is: pictures of the places lie side by side, each as wide as the picture of the pixels.
+ivec2 placeApart(ivec2 pixel, int place, int width) { return ivec2(pixel.x + place * width, pixel.y); }

@@ -1,6 +1,6 @@
 // Receivers that light is summed at: pixels of a picture, or, with LPV_PATCHES, patches of the surfaces, whose number
 // stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met; or, with LPV_APART, places
-// of samples that are lit as no pixel's middle (frame/subpixels.comp). Rays begin at rayStart().
+// of samples that are lit as no pixel's middle (frame/subpixels.comp), which stand for columns far to the right. Rays begin at rayStart().
 #include "frame/position.glsl"
 #ifndef LPV_PATCHES
 #error "LPV_PATCHES: 0 or 1"
@@ -39,7 +39,10 @@ layout(binding = kApartNormal) uniform sampler2D apartNormal;
 
 vec3 receiverNormal(ivec2 pixel) { return unitFromOctahedral(texelFetch(apartNormal, pixel, 0).xy); }
 vec3 receiverPosition(ivec2 pixel) { return texelFetch(apartPlace, pixel, 0).xyz; }
-vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel); }
+vec3 rayStart(ivec2 pixel, vec3 n) {
+  const vec4 place = texelFetch(apartPlace, pixel, 0);
+  return rayStart(frame, place.xyz, n, place.a);
+}
 #else
 layout(binding = kNormal) uniform sampler2D normal;
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;

@@ -288,13 +288,13 @@ GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces&
   const auto bind = [&buffer, &places, &emitters] {
     places.frameParams.bindUniform(layout::kParams);
     emitters.view.bind(layout::kDirect);
-    places.apart.albedo.bind(layout::kSubpixelsApart);
+    places.apart.albedo.bind(layout::kApartAlbedo);
     places.apart.place.bind(layout::kApartPlace);
     places.apart.normal.bind(layout::kApartNormal);
     places.apart.light.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.points.bindStorage(layout::kNearFieldPoints);
   };
-  const int blocks = int(count(partsOf(buffer.size, kBlock)));
+  const int blocks = int(count(partsOf(places.apart.size(), kBlock)));
   constexpr int kMostBlocks = kMostShadowPoints / kPointsOfBlock;
   for (int first = 0; first < blocks; first += kMostBlocks) {
     const int wanted = std::min(kMostBlocks, blocks - first);

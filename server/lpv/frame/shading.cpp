@@ -42,15 +42,11 @@ void bindInputs(const FrameTargets& targets, const Gbuffer& gbuffer, const Irrad
     lit->hazeBox->bind();
   }
   if (lit->subpixels != nullptr) {
-    lit->subpixels->emission.bind(layout::kEmission);
-    lit->subpixels->own.bind(layout::kSubpixelsOwn);
-    lit->subpixels->first.bind(layout::kSubpixelsFirst);
-    lit->subpixels->second.bind(layout::kSubpixelsSecond);
-    if (lit->subpixels->apart) {
-      lit->subpixels->apart->albedo.bind(layout::kSubpixelsApart);
-      lit->subpixels->apart->light.bind(layout::kApartLight);
-      lit->subpixels->apart->place.bind(layout::kApartPlace);
-      lit->subpixels->apart->normal.bind(layout::kApartNormal);
+    lit->subpixels->radiance.bind(layout::kEmission);
+    if (!lit->subpixels->apart) {
+      lit->subpixels->own.bind(layout::kSubpixelsOwn);
+      lit->subpixels->first.bind(layout::kSubpixelsFirst);
+      lit->subpixels->second.bind(layout::kSubpixelsSecond);
     }
   }
   if (lit->volume == nullptr) return;
@@ -184,7 +180,7 @@ GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const Ir
                                       .gloss = lit.gloss != nullptr,
                                       .haze = lit.haze != nullptr,
                                       .subpixels = lit.subpixels != nullptr,
-                                      .apart = lit.subpixels != nullptr && lit.subpixels->apart.has_value(),
+                                      .apart = lit.subpixels != nullptr && lit.subpixels->apart,
                                       .irradiance = request.quantity == FrameQuantity::kIrradiance});
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;

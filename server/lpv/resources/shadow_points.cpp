@@ -7,7 +7,7 @@ namespace lpv {
 namespace {
 
 /// Vectors of four of a ShadowPoint (shaders/visibility/shadow_points.glsl).
-constexpr std::size_t kTexels = 6;
+constexpr std::size_t kTexels = 7;
 
 gpu::Buffer deviceBuffer(const std::string& label, std::size_t bytes) {
   return {label, bytes, gpu::BufferUse::kDevice, gpu::Undefined{}};
