@@ -52,7 +52,7 @@ vec3 arrivesOf(int piece, vec3 x, vec3 place, inout int rounds) {
 void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count || shadowPoints[point].asked.a == 0.0) return;
-  const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+  const ivec2 pixel = receiverOf(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
   const vec3 lower = lowestOccluder(), upper = highestOccluder();
   const float beyond = length(max(abs(x - lower), abs(x - upper)));  // all that there is is nearer

@@ -80,7 +80,7 @@ vec3 sentTo(Patch p) {
 void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
-  begin(point, sentTo(patches[unpackedPixel(points[four][point % 4u]).x]), vec3(0.0), vec3(0.0), 0.0);
+  begin(point, sentTo(patches[receiverOf(points[four][point % 4u]).x]), vec3(0.0), vec3(0.0), 0.0);
 }
 #else
 layout(local_size_x = kNearFieldGroup) in;
@@ -89,7 +89,7 @@ layout(local_size_x = kNearFieldGroup) in;
 FourReceivers receivers(uvec4 four) {
   FourReceivers r;
   for (int i = 0; i < 4; ++i) {
-    const ivec2 pixel = unpackedPixel(four[i]);
+    const ivec2 pixel = receiverOf(four[i]);
     const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel);
     r.x[i] = x.x;
     r.y[i] = x.y;
@@ -114,7 +114,7 @@ void main() {
 #else
   const FourIrradiances e = directIrradiances(r, 0, lightsInList(), frame.openingShare, rounds);
   for (int i = 0; i < 4; ++i) {
-    const ivec2 pixel = unpackedPixel(four[i]);
+    const ivec2 pixel = receiverOf(four[i]);
     imageStore(nearField, pixel, vec4(e.red[i], e.green[i], e.blue[i], imageLoad(nearField, pixel).w));
   }
 #endif

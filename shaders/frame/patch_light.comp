@@ -132,7 +132,7 @@ Arriving arrivingAt(uint point, vec3 x, vec3 n, ivec2 pixel) {
 void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
-  const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+  const ivec2 pixel = receiverOf(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel);
   const Arriving arriving = arrivingAt(point, rayStart(pixel, n), n, inPicture(pixel));
   begin(point, arriving.light, arriving.asked, arriving.known, arriving.foldsWithin);

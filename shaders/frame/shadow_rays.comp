@@ -181,5 +181,5 @@ void main() {
   if (four >= list.count) return;
   const vec3 light = shadowPoints[point].light.rgb;
   if (max(max(light.r, light.g), light.b) <= 0.0 || (shadow.turn > 0 && isDecided(point, four))) return;
-  sendRays(point, unpackedPixel(points[four][point % 4u]));
+  sendRays(point, receiverOf(points[four][point % 4u]));
 }

@@ -33,7 +33,7 @@ float worth(ShadowPoint p) {
 float leftByHaze(uint point, float own) {
   if (shadow.jitter == 0) return own;
   const uint four = point / 4u;
-  const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+  const ivec2 pixel = receiverOf(points[four][point % 4u]);
   const vec3 n = receiverNormal(pixel), x = receiverPosition(pixel);
   const float apart = min(kAlikeApart, kAlikeDepth / hazeExtinction());
   vec2 sum = vec2(own, 1.0);
@@ -41,7 +41,7 @@ float leftByHaze(uint point, float own) {
     if (blockOf(i) != blockOf(four)) continue;
     for (uint other = 4u * i; other < 4u * i + 4u; ++other) {
       const float left = shadowPoints[other].sum.a;
-      const ivec2 beside = unpackedPixel(points[i][other % 4u]);
+      const ivec2 beside = receiverOf(points[i][other % 4u]);
       if (other == point || left <= 0.0 || distance(receiverPosition(beside), x) > apart) continue;
       if (dot(receiverNormal(beside), n) >= kAlikeNormals) sum += vec2(left, 1.0);
     }
@@ -57,7 +57,7 @@ void main() {
   const vec3 seen = mix(p.seen.rgb / max(p.all.rgb, vec3(1e-30)), vec3(1.0), equal(p.seen.rgb, p.all.rgb));
   const vec3 arrives = seen * (p.light.rgb - p.asked.rgb) + p.known.rgb;
   const vec3 share = mix(arrives / max(p.light.rgb, vec3(1e-30)), seen, equal(p.asked.rgb, vec3(0.0)));
-  const ivec2 pixel = unpackedPixel(points[four][point % 4u]);
+  const ivec2 pixel = receiverOf(points[four][point % 4u]);
 #if !LPV_PATCHES
   if (shadow.apart > 0) {
     imageStore(poolLight, pixel, p.light);

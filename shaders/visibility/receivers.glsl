@@ -14,17 +14,20 @@
 
 layout(std430, binding = kNearFieldPoints) readonly buffer Points {
   ListHeader list;  // threads with four points each
-  uvec4 points[];   // packedPixel()
+  uvec4 points[];   // packedPixel(), or numbers of patches and pieces, of which there may be more than columns of a picture
 };
 
 #if LPV_PATCHES
 #include "visibility/patches.glsl"
 
+ivec2 receiverOf(uint listed) { return ivec2(listed, 0); }
 vec3 receiverNormal(ivec2 pixel) { return patches[pixel.x].normal.xyz; }
 vec3 receiverPosition(ivec2 pixel) { return patches[pixel.x].place.xyz; }
 vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel) + kShadowOffset * n; }
 #else
 #include "common/octahedral.glsl"
+
+ivec2 receiverOf(uint listed) { return unpackedPixel(listed); }
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 #if LPV_MET

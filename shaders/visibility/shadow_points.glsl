@@ -25,7 +25,7 @@ bool isFolded(float r2, float from) { return shadow.foldTurns > 0 && from <= kFr
 
 /// The block of a picture's pixels that a four is of: all of a block are listed one after the other.
 ivec2 blockOf(uint four) {
-  ivec2 pixel = unpackedPixel(points[four].x);
+  ivec2 pixel = receiverOf(points[four].x);
 #if !LPV_PATCHES && LPV_MET
   const int width = pictureWidth(frame), place = pixel.x / width;  // places of reflections lie side by side (gloss_points.glsl)
   pixel.x += place * (kNearFieldBlockX - width % kNearFieldBlockX);
