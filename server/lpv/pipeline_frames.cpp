@@ -64,9 +64,10 @@ bool looksApart(const SessionState& s, const FrameRequest& frame) {
          (s.shadowed || s.bounces.turns > 0);
 }
 
-/// Samples apart are a part of their pixel: half of the rays tell as much of it.
+/// Samples apart are a part of their pixel: half of the rays tell as much of it; and half of these where light has no edges.
 ShadowCasters castersForApart(ShadowCasters all) {
-  for (int* turns : {&all.turns, &all.reflectedTurns, &all.foldTurns}) *turns = (*turns + 1) / 2;
+  all.turns = (all.turns + 1) / 2;
+  for (int* turns : {&all.reflectedTurns, &all.foldTurns}) *turns = (*turns + 3) / 4;
   return all;
 }
 
