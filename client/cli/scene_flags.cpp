@@ -103,7 +103,7 @@ void FrameFlags::addTo(CLI::App& app) {
   addSizeTo(app);
   addParsed<v1::Exposure>(app, "--exposure", exposure, "EV|auto", parseExposure, "Exposure in stops (default: auto)");
   app.add_option("--samples", samples,
-                 "Of each pixel, for edges and textures: 1, 2, 4, 8, 16, 32 or 64 (default: 16; watch: 1)")
+                 "Of each pixel, for edges and textures: 1, 2, 4, 8, 16, 32 or 64 (default: 32; watch: 1)")
       ->type_name("COUNT");
 }
 

@@ -18,9 +18,10 @@ constexpr const char* kPacked = ".gz";
 constexpr const char* kNamedFolder = "assets/";
 
 std::string typeOf(const std::string& name) {
-  static constexpr std::array<std::pair<const char*, const char*>, 8> kTypes{{{".html", "text/html; charset=utf-8"},
+  static constexpr std::array<std::pair<const char*, const char*>, 9> kTypes{{{".html", "text/html; charset=utf-8"},
                                                                               {".js", "text/javascript; charset=utf-8"},
                                                                               {".css", "text/css; charset=utf-8"},
+                                                                              {".txt", "text/plain; charset=utf-8"},
                                                                               {".json", "application/json"},
                                                                               {".svg", "image/svg+xml"},
                                                                               {".png", "image/png"},

@@ -53,7 +53,7 @@ struct FrameDefaults {
   int samples;
 };
 constexpr FrameDefaults kOfStreams = {pb::FRAME_FORMAT_JPEG, 1};
-constexpr FrameDefaults kOfCalls = {pb::FRAME_FORMAT_PNG, 16};
+constexpr FrameDefaults kOfCalls = {pb::FRAME_FORMAT_PNG, 32};
 
 /// What subscriptions and calls have in common.
 template <typename Message>

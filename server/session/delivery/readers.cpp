@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kMostCallPixels = std::int64_t(4096) * 4096;
 
 /// Of each pixel of a sharp frame, at least: as many as calls get that say nothing of them.
-constexpr int kSharpSamples = 16;
+constexpr int kSharpSamples = 32;
 /// Readers of one view are sent its frames one after the other, and rest one after the other: who is due by then has
 /// the frame made with the first.
 constexpr std::chrono::milliseconds kTogether{100};

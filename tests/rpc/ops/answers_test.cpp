@@ -39,6 +39,7 @@ pb::GetFrameRequest frameOf(const std::string& session, int edge, pb::FrameForma
   request.set_width(edge);
   request.set_height(edge);
   request.set_format(format);
+  request.set_samples(1);  // what is asked here is about bytes
   *request.mutable_camera() = camera({0.3, 0.2, 0.9}, {0, 0, 0});
   return request;
 }

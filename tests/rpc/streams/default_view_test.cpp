@@ -84,7 +84,7 @@ TEST_F(DefaultViews, AreTheSameInStreams) {
   subscription.set_width(96);
   subscription.set_height(64);
   subscription.set_format(pb::FRAME_FORMAT_PNG);
-  subscription.set_samples(16);  // as frame() has them
+  subscription.set_samples(32);  // as frame() has them
   std::mutex mutex;
   std::string newest;
   const client::FrameWatcher watcher(client_, subscription, [&](const client::FrameResult& result) {

@@ -57,7 +57,7 @@ TEST_F(SharpenTest, OneFollowsWhenEverythingRests) {
   ASSERT_EQ(made.frames.size(), 1U);
   EXPECT_FALSE(made.frames[0].reduced);
   EXPECT_EQ(made.frames[0].view, 0U);
-  EXPECT_EQ(made.frames[0].samples, 16);
+  EXPECT_EQ(made.frames[0].samples, 32);
   EXPECT_FALSE(made.transported || made.injected);
   acknowledge(subscriber, sharp.meta.resultId);
   waitLongEnough();

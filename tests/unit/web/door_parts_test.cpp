@@ -70,6 +70,7 @@ TEST(PlacesTest, AreFewForAnAddressAndNotManyForAll) {
 TEST(FilesTest, OfAFolder) {
   const std::string folder = testing::TempDir() + "lpv-page-files";
   std::filesystem::create_directories(folder + "/assets");
+  std::ofstream(folder + "/notices.txt") << "licences";
   std::ofstream(folder + "/assets/page-1.js") << "script";
   std::ofstream(folder + "/assets/page-1.js.gz") << "packed";
   EXPECT_THAT(Files::of(folder).status().message(), HasSubstr("index.html"));
@@ -79,6 +80,7 @@ TEST(FilesTest, OfAFolder) {
   ASSERT_TRUE(files->hasPage());
   EXPECT_EQ(files->at("/")->plain, "document");
   EXPECT_EQ(files->at("/")->type, "text/html; charset=utf-8");
+  EXPECT_EQ(files->at("/notices.txt")->type, "text/plain; charset=utf-8");
   EXPECT_FALSE(files->at("/")->named);
   const File* script = files->at("/assets/page-1.js");
   ASSERT_NE(script, nullptr);

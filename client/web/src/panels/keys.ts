@@ -30,6 +30,7 @@ export function helpDialog(actions: readonly Action[]): HTMLDialogElement {
   const dialog = el("dialog", { "aria-label": "Keys" }, el("h2", {}, "Keys"),
     el("table", {}, ...actions.map((action) => row(action.keys, action.does)), ...STEERING.map(([keys, does]) => row(keys, does))),
     el("p", { class: "quiet" }, "Pointer: drag orbits, with Shift or the right button pans, with Alt looks around; the wheel or two fingers come closer."),
+    el("p", { class: "quiet" }, el("a", { href: "notices.txt", target: "_blank" }, "Licences of what this page contains")),
     el("form", { method: "dialog" }, el("button", {}, "Close")));
   return dialog;
 }
