@@ -64,7 +64,8 @@ bool looksApart(const SessionState& s, const FrameRequest& frame) {
          (s.shadowed || s.bounces.turns > 0);
 }
 
-/// Samples apart are a part of their pixel: half of the rays tell as much of it; and half of these where light has no edges.
+/// Samples apart are a part of their pixel: half of the rays tell as much of it, and half of these where light has no
+/// edges.
 ShadowCasters castersForApart(ShadowCasters all) {
   all.turns = (all.turns + 1) / 2;
   for (int* turns : {&all.reflectedTurns, &all.foldTurns}) *turns = (*turns + 3) / 4;

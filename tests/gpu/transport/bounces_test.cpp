@@ -962,9 +962,9 @@ TEST_F(BouncesTest, AutoIsAsManyAsAreSeen) {
   EXPECT_LE(differenceOf(*automatic, *many), 0.01);
 }
 
-// Patches and pieces of folds may be more than a picture has columns, and each gets its own light: the room with as many
-// bounces as the wanted error asks for is the one with the most. Broken by: lists of pixels for them, in which the last ones
-// were the first ones again (a fifth too bright, and so was a living room).
+// Patches and pieces of folds may be more than a picture has columns, and each gets its own light: the room with as
+// many bounces as the wanted error asks for is the one with the most. Broken by: lists of pixels for them, in which the
+// last ones were the first ones again (a fifth too bright, and so was a living room).
 TEST_F(BouncesTest, PiecesMayBeMoreThanColumns) {
   const Crates crates = cratesOf({18, 18, 18}, 0.05);
   const auto mean = [this, &crates](int bounces, SessionKey session) {
