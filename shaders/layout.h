@@ -539,12 +539,12 @@ struct HazeParams {
 
 struct SubpixelParams {
   vec2 offset;  // of the sample from the middle of its pixel, pixels
-  int sampleIndex;  // the first begins anew
   int samples;  // of each pixel
   int firstRow;  // of the picture, in the sample's textures
   int firstWanted;  // row of the picture, of those that are summed up
   int endWanted;  // one past the last
   int rays;  // that each pool of lights got from a place apart, at most
+  int pad0;
 };
 
 struct ShadowParams {

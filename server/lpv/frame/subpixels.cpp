@@ -69,7 +69,10 @@ ApartBuffer::ApartBuffer(const glm::ivec2& size)
       normal(texture("normals apart", sizeOfPlaces(size), GL_RG16)),
       light(texture("light apart", sizeOfPlaces(size), GL_RGBA32F)) {}
 
-SampleBuffer::SampleBuffer(const glm::ivec2& size, bool seesPanes, bool isApart) : gbuffer(size), emitters(size) {
+SampleBuffer::SampleBuffer(const glm::ivec2& size, bool seesPanes, bool isApart)
+    : gbuffer(size),
+      emitters(size),
+      drawnParams("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic) {
   if (seesPanes) panes.emplace(size);
   if (isApart) apart.emplace(size);
 }
@@ -141,12 +144,12 @@ GpuTask SubpixelPass::sample(SubpixelBuffer& buffer, SampleBuffer& samples, cons
     layout::FrameParams drawn{};
     drawn.samples = request.samples;
     drawn.clipFromEye = view.clipFromEye(glm::dvec2(params.offset), rows.firstSampled, height);
-    drawnParams_.update(0, gpu::bytesOfValue(drawn));
-    co_await gbuffer_.run(samples.gbuffer, request, scene, resources, drawer, drawnParams_, pacing);
-    co_await emitters_.run(samples.emitters, request, scene, resources, drawer, drawnParams_, pacing);
+    samples.drawnParams.update(0, gpu::bytesOfValue(drawn));
+    co_await gbuffer_.run(samples.gbuffer, request, scene, resources, drawer, samples.drawnParams, pacing);
+    co_await emitters_.run(samples.emitters, request, scene, resources, drawer, samples.drawnParams, pacing);
     if (samples.panes) {
       co_await panes_.run(*samples.panes, samples.gbuffer, samples.emitters, request, scene, resources, drawer,
-                          drawnParams_, pacing);
+                          samples.drawnParams, pacing);
     }
     gpu::memoryBarrier();
     params_.update(0, gpu::bytesOfValue(params));

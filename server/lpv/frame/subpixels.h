@@ -38,8 +38,8 @@ struct SubpixelBuffer {
 
   bool apart;  ///< samples that no middle tells the light of are lit where they are
   gpu::Texture radiance;  ///< RGBA32F: the mean of lights in front, as seen; apart: of all that pixels show
-  gpu::Texture own, first,
-      second;  ///< RGBA16F, not apart: mean albedo of samples that are lit as this pixel, or as one beside it
+  // Not apart: mean albedo of samples that are lit as this pixel, or as one of two beside it; RGBA16F.
+  gpu::Texture own, first, second;
   Cached<SubpixelInputs> shown;
 };
 
@@ -73,6 +73,7 @@ struct SampleBuffer {
   EmitterBuffer emitters;
   std::optional<PaneBuffer> panes;
   std::optional<ApartBuffer> apart;
+  gpu::Buffer drawnParams;  ///< layout::FrameParams of the sample; other pictures may be drawn between its surfaces
 };
 
 /// A picture that is sampled, after its middles are drawn and, where some are lit apart, lit.
@@ -98,7 +99,6 @@ class SubpixelPass {
       : gbuffer_(gbuffer),
         emitters_(emitters),
         panes_(panes),
-        drawnParams_("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic),
         params_("subpixel params", sizeof(layout::SubpixelParams), gpu::BufferUse::kDynamic) {}
 
   /// Before the first rows of a picture.
@@ -135,7 +135,7 @@ class SubpixelPass {
 
   gpu::Programs<Variant> add_{{"frame/subpixels.comp"}};
   gpu::Programs<SumVariant> sum_{{"frame/apart_sum.comp"}};
-  gpu::Buffer drawnParams_, params_;
+  gpu::Buffer params_;
 };
 
 }  // namespace lpv

@@ -152,6 +152,29 @@ TEST_F(SubpixelsTest, AStripThatNoMiddleShowsHasItsOwnLight) {
   }
 }
 
+// Two strips in a pixel, one of them nearer to the light: each has light of its own, so that together they change the
+// pixel by what each of them changes it. Broken by: one place for all of a pixel's samples (half as much again).
+TEST_F(SubpixelsTest, TwoStripsOfAPixelHaveTheirOwnLight) {
+  const auto shown = [this](bool far, bool near, SessionKey session) {
+    Scene scene = fence(40.1, 40.4, 0);
+    Surface& second = test::addSurface(scene, "near strip", reference::quad());
+    second.transform.scale = {0.3 * kPixel, 4.0, 1.0};
+    second.transform.translation = {(40.75 - 32.0) * kPixel * (1.0 - 0.4 / 2.0), 0.0, 0.4};  // of 2 m away
+    second.albedo = glm::dvec3(0.9);
+    if (!far) scene.surfaces.erase("strip");
+    if (!near) scene.surfaces.erase("near strip");
+    return frame(scene, sampled(16), session);
+  };
+  const FramePtr none = shown(false, false, 1), both = shown(true, true, 2);
+  const FramePtr onlyFar = shown(true, false, 3), onlyNear = shown(false, true, 4);
+  for (const int y : {20, 31, 45}) {
+    const auto at = [y, &none](const FramePtr& f) { return pixel(*f, 40, y).x - pixel(*none, 40, y).x; };
+    ASSERT_GT(at(onlyNear), 1.5 * at(onlyFar)) << y;
+    ASSERT_GT(at(onlyFar), 0.1 * pixel(*none, 40, y).x) << y;
+    EXPECT_NEAR(at(both), at(onlyFar) + at(onlyNear), 0.05 * at(both)) << y;
+  }
+}
+
 // Half of the light is hidden from the strip, which few rays of each place know.
 // Broken by: places whose light is not the mean with those beside them.
 TEST_F(SubpixelsTest, AStripInAPenumbraIsEven) {
