@@ -16,7 +16,7 @@ namespace {
 std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::size_t(parts.y); }
 
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
-constexpr int kMostShadowPoints = 1 << 15;  // at a time: 352 bytes each
+constexpr int kMostShadowPoints = 1 << 15;  // at a time: 368 bytes each
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
 constexpr double kShareApart = 0.05;  // of a picture's pixels that have samples apart, about: for pacing
 constexpr int kMostLightsOfEvenPoints = 4;  // in a pool: each must be met by a turn's rays

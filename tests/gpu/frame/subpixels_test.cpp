@@ -153,7 +153,7 @@ TEST_F(SubpixelsTest, AStripThatNoMiddleShowsHasItsOwnLight) {
 }
 
 // Two strips in a pixel, one of them nearer to the light: each has light of its own, so that together they change the
-// pixel by what each of them changes it. Broken by: one place for all of a pixel's samples (half as much again).
+// pixel by what each of them changes it. Broken by: one place for all of a pixel's samples (half of it).
 TEST_F(SubpixelsTest, TwoStripsOfAPixelHaveTheirOwnLight) {
   const auto shown = [this](bool far, bool near, SessionKey session) {
     Scene scene = fence(40.1, 40.4, 0);
