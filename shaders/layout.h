@@ -118,7 +118,7 @@ LPV_CONST int kSubpixelsOwn = 24;  // of a picture: mean albedo of samples (shad
 LPV_CONST int kSubpixelsFirst = 25;
 LPV_CONST int kSubpixelsSecond = 26;
 LPV_CONST int kApartAlbedo =
-    20;  // of pictures of places of such samples: their mean albedo (shaders/frame/subpixels.glsl)
+    20;  // of pictures of places where samples are lit: their mean albedo (shaders/frame/subpixels.glsl)
 LPV_CONST int kApartLight = 29;  // of them: E in W/m^2; a: the mean of what it would be with nothing in the way
 LPV_CONST int kApartPlace = 30;  // of them: the first sample's place, grid space; a: its depth
 LPV_CONST int kApartNormal = 31;  // and its normal

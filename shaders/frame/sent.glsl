@@ -1,5 +1,5 @@
 // What a part of a pixel shows of a surface whose light is known. LPV_GLOSS: surfaces have lobes (frame/gloss.glsl); LPV_HAZE:
-// some of it is lost in haze, which shines itself (frame/haze.comp). A part has both of the pixel that it is most like.
+// some of it is lost in haze, which shines itself (frame/haze.comp). Lobe and shine are those of the pixel that the part is most like.
 #include "common/sh.glsl"
 
 #ifndef LPV_GLOSS

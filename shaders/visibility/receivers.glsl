@@ -1,6 +1,7 @@
 // Receivers that light is summed at: pixels of a picture, or, with LPV_PATCHES, patches of the surfaces, whose number
 // stands for the pixel's column; or, with LPV_MET, the places that the pixels' reflections have met; or, with LPV_APART, places
-// of samples that are lit as no pixel's middle (frame/subpixels.comp), which stand for columns far to the right. Rays begin at rayStart().
+// of samples that are lit as no pixel's middle (frame/subpixels.comp), of which each pixel
+// has several, in pictures side by side. Rays begin at rayStart().
 #include "frame/position.glsl"
 #ifndef LPV_PATCHES
 #error "LPV_PATCHES: 0 or 1"
