@@ -295,9 +295,9 @@ GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces&
     buffer.points.bindStorage(layout::kNearFieldPoints);
   };
   const int blocks = int(count(partsOf(places.apart.size(), kBlock)));
-  constexpr int kMostBlocks = kMostShadowPoints / kPointsOfBlock;
-  for (int first = 0; first < blocks; first += kMostBlocks) {
-    const int wanted = std::min(kMostBlocks, blocks - first);
+  const int most = int(buffer.shadows.count()) / kPointsOfBlock;  // places may be more than pixels
+  for (int first = 0; first < blocks; first += most) {
+    const int wanted = std::min(most, blocks - first);
     const layout::NearFieldParams params = {.stride = {0, 0}, .first = first, .spacing = 1};
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kNearFieldParams);
@@ -406,8 +406,11 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
 GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
                            const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, sources, frameParams};
-  const std::size_t points =
-      std::min<std::size_t>(count(partsOf(buffer.size, kBlock)) * kPointsOfBlock, kMostShadowPoints);
+  constexpr std::size_t kGroupPoints = std::size_t(layout::kNearFieldGroup) * kPointsOfBlock;
+  static_assert(kMostShadowPoints % kGroupPoints == 0);
+  const std::size_t blocks = count(partsOf(buffer.size, kBlock));
+  const std::size_t groups = (blocks + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup;
+  const std::size_t points = std::min<std::size_t>(groups * kGroupPoints, kMostShadowPoints);
   if (sources.shadows != nullptr && !buffer.shadows) buffer.shadows = ShadowPoints("shadow points", points);
   const auto keep = [&buffer](gpu::Texture& picture, const char* label) {
     if (!picture) picture = gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);

@@ -19,6 +19,8 @@ class ShadowPoints {
   /// Makes room for what patches send to each point, the first time.
   void keepPatchSums();
   explicit operator bool() const { return count_ > 0; }
+  /// That there is room for.
+  std::size_t count() const { return count_; }
 
  private:
   std::string label_;

@@ -1,6 +1,8 @@
 // Several samples of each pixel: what edges and textures become, and that light stays what it is.
 
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "gpu/engine/engine_rig.h"
 #include "gpu/frame/light_views.h"
@@ -173,6 +175,45 @@ TEST_F(SubpixelsTest, TwoStripsOfAPixelHaveTheirOwnLight) {
     ASSERT_GT(at(onlyFar), 0.1 * pixel(*none, 40, y).x) << y;
     EXPECT_NEAR(at(both), at(onlyFar) + at(onlyNear), 0.05 * at(both)) << y;
   }
+}
+
+/// Two slats before a wall in each of 64 columns, one nearer than the other.
+Scene slats() {
+  Scene scene = fence(40.1, 40.4, 0);
+  scene.surfaces.erase("strip");
+  for (const float z : {0.0F, 0.4F}) {
+    const float column = float(kPixel) * (1.0F - 0.5F * z);  // of 2 m away
+    const float from = z > 0.0F ? 0.15F : 0.55F;
+    Mesh mesh;
+    for (int i = -32; i < 32; ++i) {
+      const float left = (float(i) + from) * column, right = left + 0.3F * column;
+      const auto first = std::uint32_t(mesh.positions.size());
+      for (const glm::vec3& p :
+           {glm::vec3(left, -2, z), glm::vec3(right, -2, z), glm::vec3(right, 2, z), glm::vec3(left, 2, z)})
+        mesh.positions.push_back(p);
+      mesh.triangles.emplace_back(first, first + 1, first + 2);
+      mesh.triangles.emplace_back(first, first + 2, first + 3);
+    }
+    EXPECT_TRUE(finishMesh(mesh).ok());
+    const auto shared = std::make_shared<const Mesh>(std::move(mesh));
+    test::addSurface(scene, z > 0.0F ? "near slats" : "far slats", shared).albedo = glm::dvec3(0.9);
+  }
+  return scene;
+}
+
+// There are more places with light of their own than pixels in so small a picture, and it is as bright as a large one.
+// Broken by: room for as many places as there are pixels (a third of the light).
+TEST_F(SubpixelsTest, MorePlacesThanPixelsHaveTheirLight) {
+  const auto mean = [this](int size, SessionKey session) {
+    const FramePtr picture = frame(slats(), sampled(16, glm::ivec2(size)), session);
+    double sum = 0.0;
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) sum += pixel(*picture, x, y).x;
+    }
+    return sum / (size * size);
+  };
+  const double small = mean(64, 1), large = mean(256, 2);
+  EXPECT_NEAR(small, large, 0.02 * large);
 }
 
 // Half of the light is hidden from the strip, which few rays of each place know.
