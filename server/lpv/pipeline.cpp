@@ -261,18 +261,39 @@ GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene)
   if (s.glossy) made.glossScene.update(scene, s.lights, made.pools, made.pooled.stamp());
 }
 
+/// The same ones as before where lights that have moved ask for no others.
+void Pipeline::Stages::findPieceSizes(SessionState& s, const Scene& scene, const PatchedInputs& patched) {
+  StageProducts& made = *s.products;
+  PieceSizeInputs inputs = {patched.surfaces, patched.pieces, made.pooled.stamp()};
+  if (made.pieceSizes.madeFrom(inputs)) return;
+  const std::vector<LightInPoints> lights = lightsInPoints(s.lights, s.field().grid, made.lightPoints);
+  auto sizes = std::make_shared<const PieceSizes>(pieceSizesNear(lights, scene, largestPiece(scene, inputs.pieces)));
+  PieceSizesPtr before = made.pieceSizes.product();
+  made.pieceSizes.set(std::move(inputs), before != nullptr && *before == *sizes ? std::move(before) : std::move(sizes));
+}
+
 /// Those with pieces serve ticks that do not look for them, too.
 void Pipeline::Stages::patchSurfaces(SessionState& s, const TickRequest& request) {
   StageProducts& made = *s.products;
   const Scene& scene = *request.scene;
-  PatchedInputs inputs = {
-      {}, litSpace(scene), patchesWanted(scene.options), s.reflectionsBlocked ? piecesWanted(scene.options) : 0};
+  PatchedInputs inputs = {{},
+                          litSpace(scene),
+                          patchesWanted(scene.options),
+                          s.reflectionsBlocked ? piecesWanted(scene.options) : 0,
+                          nullptr};
   inputs.surfaces.reserve(scene.surfaces.size());
   for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  const bool looks = inputs.pieces > 0 && looksForPieces(request);
+  if (looks) findPieceSizes(s, scene, inputs);
+  inputs.sizes = made.pieceSizes.product();
   if (made.patched.madeFrom(inputs)) return;
-  if (!looksForPieces(request)) inputs.pieces = 0;
+  if (!looks) {
+    inputs.pieces = 0;
+    inputs.sizes = nullptr;
+  }
   if (made.patched.holds(inputs)) return;
-  auto patched = std::make_shared<const PatchedScene>(patchedScene(scene, inputs.count, inputs.pieces));
+  const PieceSizes sizes = inputs.sizes != nullptr ? *inputs.sizes : PieceSizes();
+  auto patched = std::make_shared<const PatchedScene>(patchedScene(scene, inputs.count, inputs.pieces, sizes));
   made.patched.set(std::move(inputs), std::move(patched));
 }
 

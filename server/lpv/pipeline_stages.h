@@ -29,6 +29,7 @@
 #include "lpv/voxelize/voxelize.h"
 #include "scene/patches.h"
 #include "scene/patches_near_lights.h"
+#include "scene/piece_sizes.h"
 
 namespace lpv {
 
@@ -65,12 +66,22 @@ struct CountInputs {
   bool operator==(const CountInputs&) const = default;
 };
 
+/// What says how fine pieces of folds are.
+struct PieceSizeInputs {
+  std::vector<SurfacePtr> surfaces;
+  std::size_t pieces = 0;
+  Stamp lights = 0;
+
+  bool operator==(const PieceSizeInputs&) const = default;
+};
+
 /// What the surfaces' patches are made from, before any is halved.
 struct PatchedInputs {
   std::vector<SurfacePtr> surfaces;
   LitSpace space;
   std::size_t count = 0;
   std::size_t pieces = 0;  ///< of folds
+  PieceSizesPtr sizes;  ///< of them
 
   bool operator==(const PatchedInputs&) const = default;
 };
@@ -157,6 +168,7 @@ struct StageProducts {
   GpuOccluders occluders;
   GlossScene glossScene;
   CellVisibilities cellVisibilities;
+  Cached<PieceSizeInputs, PieceSizesPtr> pieceSizes;
   Cached<PatchedInputs, PatchedScenePtr> patched;  ///< the surfaces
   Cached<HalvingInputs, std::vector<std::uint32_t>> halvings;
   Cached<PatchInputs, std::unique_ptr<PatchSet>> patches;
@@ -201,6 +213,7 @@ struct Pipeline::Stages {
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   GpuTask listEmitters(SessionState& s, double openingRatio);
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
+  void findPieceSizes(SessionState& s, const Scene& scene, const PatchedInputs& patched);
   void patchSurfaces(SessionState& s, const TickRequest& request);
   GpuTask findPatches(SessionState& s, const TickRequest& request);
   GpuTask reflect(SessionState& s, const TickRequest& request);

@@ -36,6 +36,8 @@ std::vector<float> alphaFactors(const Surface& surface) {
   return out;
 }
 
+bool albedoVaries(const Surface& surface) { return surface.albedoTexture != nullptr && !surface.mesh->uvs.empty(); }
+
 constexpr double kBefore = 1e-5;  // of the surfaces' diagonal: what is no further before a side is on its plane
 
 /// Whether all surfaces and lights are behind a side, so that no light comes there or goes from there: the outside of a
@@ -65,7 +67,7 @@ class Triangles {
   Triangles(const Surface& surface, std::size_t number)
       : surface_(surface),
         number_(number),
-        varies_(surface.albedoTexture != nullptr && !surface.mesh->uvs.empty()),
+        varies_(albedoVaries(surface)),
         albedo_(alphaVaries(surface) ? surface.albedo : alphaOf(surface, 255) * surface.albedo),
         texture_(varies_ ? std::make_unique<CoarseTexture>(*surface.albedoTexture, alphaFactors(surface)) : nullptr) {
     const glm::dmat4 worldFromObject = surface.transform.worldFromObject();
@@ -73,9 +75,7 @@ class Triangles {
       positions_.emplace_back(worldFromObject * glm::dvec4(glm::dvec3(p), 1.0));
   }
 
-  const std::vector<glm::uvec3>& all() const {
-    return varies_ ? surface_.mesh->triangles : surface_.mesh->evenTriangles();
-  }
+  const std::vector<glm::uvec3>& all() const { return patchedTriangles(surface_); }
   double area(const glm::uvec3& t) const { return 0.5 * glm::length(cross(t)); }
   /// How many sides of a triangle light may come to.
   int litSides(const glm::uvec3& t, const LitSpace& space) const {
@@ -223,7 +223,8 @@ constexpr double kMostPiecesOfTriangle = 64.0;  // half of what halving makes of
 /// that face about the same way and are nearest.
 class SmallPieces {
  public:
-  explicit SmallPieces(double most) : most_(most) {}
+  /// `coarser`: those of `sizes` are so many steps larger.
+  SmallPieces(double most, const PieceSizes& sizes, int coarser) : most_(most), sizes_(sizes), coarser_(coarser) {}
 
   /// Of one surface, which one patch stands for.
   void add(std::span<const SmallTriangle> together) {
@@ -233,15 +234,16 @@ class SmallPieces {
     for (const SmallTriangle& t : together) {
       const glm::uvec3& corners = of.all()[t.index];
       const double area = of.area(corners);
-      if (area > most_) {
+      const double most = std::min(most_, sizes_.most(of.number(), t.index, coarser_));
+      if (area > most) {
         const std::size_t first = pieces_.size();
-        of.split(corners, std::max(most_, area / kMostPiecesOfTriangle), pieces_);
+        of.split(corners, std::max(most, area / kMostPiecesOfTriangle), pieces_);
         for (std::size_t i = first; i < pieces_.size(); ++i) pieces_[i].triangle.reset();
         ranges_[&of][t.index] = {std::uint32_t(first), std::uint32_t(pieces_.size() - first)};
         continue;
       }
       const Patch patch = of.patch(corners, glm::dvec2(1.0 / 3.0), area);
-      byDirection[directionOf(patch.normal)].push_back({patch, t.index});
+      byDirection[directionOf(patch.normal)].push_back({patch, t.index, most});
     }
     for (auto& [direction, members] : byDirection) addMembers(of, members);
     patchOf_.resize(pieces_.size(), together.front().patch);
@@ -255,6 +257,7 @@ class SmallPieces {
   struct Member {
     Patch patch;
     std::uint32_t index = 0;  ///< in Triangles::all
+    double most = 0.0;  ///< m^2, of a piece with it
   };
 
   /// Which of some fifty, 25 degrees or so apart.
@@ -267,15 +270,16 @@ class SmallPieces {
   void addMembers(const Triangles& of, std::span<Member> members) {
     if (members.empty()) return;
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
-    double area = 0.0;
+    double area = 0.0, most = most_;
     for (const Member& m : members) {
+      most = std::min(most, m.most);
       low = glm::min(low, m.patch.position);
       high = glm::max(high, m.patch.position);
       area += double(m.patch.area);
     }
     const glm::vec3 size = high - low, middle = 0.5F * (low + high);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    if (area > most_ && members.size() > 1) {
+    if (area > most && members.size() > 1) {
       std::stable_sort(members.begin(), members.end(), [axis](const Member& a, const Member& b) {
         return a.patch.position[axis] < b.patch.position[axis];
       });
@@ -292,6 +296,8 @@ class SmallPieces {
   }
 
   double most_;
+  const PieceSizes& sizes_;
+  int coarser_;
   std::vector<Patch> pieces_;
   std::vector<std::uint32_t> patchOf_;
   std::map<const Triangles*, std::vector<Folds::Range>> ranges_;  ///< by Triangles::all
@@ -304,6 +310,8 @@ Patch turned(Patch p) {
 }
 
 constexpr float kFoldReach = 3.0F;  // of folds, in sizes of the patch that stands for them: beyond it is nearly a point
+constexpr double kMostNearLights = 3.0;  // times as many pieces as without lights,
+constexpr int kMostCoarser = 8;  // where so many steps do not leave more
 constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
 
 /// Whether a ray ends at whatever of the surface it meets, so that what it sees there is all that it sees.
@@ -351,8 +359,7 @@ void addPatches(const LitSpace& space, bool apart, double most, Sides& of, std::
   }
 }
 
-void addPieces(const Sides& of, double most, Folds& out) {
-  SmallPieces pieces(most);
+void addPieces(const Sides& of, SmallPieces pieces, Folds& out) {
   for (std::size_t first = 0, end = 0; first < of.small.size(); first = end) {
     const auto isOther = [&](const SmallTriangle& t) {
       return t.of != of.small[first].of || t.patch != of.small[first].patch;
@@ -398,6 +405,13 @@ double mayBeLeft(const LightingSettings& options) {
 
 }  // namespace
 
+double PieceSizes::most(std::size_t surface, std::size_t triangle, int coarser) const {
+  if (surface >= exponents.size() || triangle >= exponents[surface].size())
+    return std::numeric_limits<double>::infinity();
+  const std::int8_t exponent = exponents[surface][triangle];
+  return exponent == kAny ? std::numeric_limits<double>::infinity() : std::exp2(2.0 * (exponent + coarser));
+}
+
 LitSpace litSpace(const Scene& scene) {
   LitSpace out;
   Bounds lights;
@@ -417,7 +431,7 @@ LitSpace litSpace(const Scene& scene) {
   return out;
 }
 
-PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces) {
+PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces, const PieceSizes& sizes) {
   const LitSpace space = litSpace(scene);
   double area = 0.0;
   Sides kinds[2] = {{.sides = 1, .surfaces = {}, .small = {}, .backs = {}},
@@ -434,15 +448,27 @@ PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pie
   for (Sides& of : kinds) addPatches(space, apart, kPieces * area / double(count), of, out.patches);
   const double folded = areaOfSmall(kinds[0]) + areaOfSmall(kinds[1]);
   if (pieces == 0 || !(folded > 0.0)) return out;
-  out.folds.surfaces.resize(scene.surfaces.size());
   const double most = kPieces * folded / double(pieces);
-  for (const Sides& of : kinds) {
-    addPieces(of, most, out.folds);
+  for (int coarser = 0; coarser <= kMostCoarser; ++coarser) {
+    out.folds = {};
+    out.folds.surfaces.resize(scene.surfaces.size());
+    for (const Sides& of : kinds) addPieces(of, SmallPieces(most, sizes, coarser), out.folds);
+    if (double(out.folds.pieces.size()) <= kMostNearLights * double(pieces)) break;
   }
   return out;
 }
 
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count) { return patchedScene(scene, count, 0).patches; }
+
+const std::vector<glm::uvec3>& patchedTriangles(const Surface& surface) {
+  return albedoVaries(surface) ? surface.mesh->triangles : surface.mesh->evenTriangles();
+}
+
+double largestPiece(const Scene& scene, std::size_t pieces) {
+  double area = 0.0;
+  for (const auto& [name, surface] : scene.surfaces) area += areaOf(*surface);
+  return kPieces * area / double(pieces);
+}
 
 int bouncesFor(const Scene& scene) {
   const double highest = highestAlbedo(scene);

@@ -48,6 +48,20 @@ struct PatchedScene {
 };
 using PatchedScenePtr = std::shared_ptr<const PatchedScene>;
 
+/// How large pieces of a scene's triangles may be. Steps of four, so that a light that moves a little leaves them as
+/// they are.
+struct PieceSizes {
+  static constexpr std::int8_t kAny = 127;
+  /// By surface, in the order of names, and by triangle of patchedTriangles(): e for 4^e m^2. Empty: kAny for all.
+  std::vector<std::vector<std::int8_t>> exponents;
+
+  /// m^2; infinite where no light is near. `coarser`: exponents are so much higher.
+  double most(std::size_t surface, std::size_t triangle, int coarser) const;
+  bool operator==(const PieceSizes&) const = default;
+};
+
+using PieceSizesPtr = std::shared_ptr<const PieceSizes>;
+
 /// From where light may come: out of the box around a scene's surfaces, and from those of its six sides that lights are
 /// beyond. From all six without lights, or with a sky.
 struct LitSpace {
@@ -65,13 +79,20 @@ inline constexpr std::size_t kAccuratePatches = 2048;
 inline constexpr std::size_t kFastPieces = 32768;
 inline constexpr std::size_t kAccuratePieces = 65536;
 
+/// The triangles of a surface that patches are made of: those of its mesh, flat ones merged where its albedo is even.
+const std::vector<glm::uvec3>& patchedTriangles(const Surface& surface);
+
+/// The most that a piece of a scene's folds may have, m^2, where no light is near, at the most.
+double largestPiece(const Scene& scene, std::size_t pieces);
+
 /// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their
 /// neighbours. Every surface has one for each of its sides at least, unless there are more surfaces than half of
 /// `count`; twice `count` are the most. No large triangle has any on a side to which no light comes, such as the
 /// outside of a room. The same surfaces and litSpace() give the same patches.
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count);
-/// The same patches with about `pieces` of their folds, and some for each patch in which triangles face many ways.
-PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces);
+/// The same patches with about `pieces` of their folds, and some for each patch in which triangles face many ways; half
+/// as many more where `sizes` asks for small ones.
+PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces, const PieceSizes& sizes = {});
 
 /// The number of bounces after which what light is still under way is less than a third of the wanted error, bounded by
 /// the highest albedo; `bounces` itself where it is not kAutoBounces. 0 without surfaces that reflect.

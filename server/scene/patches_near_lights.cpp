@@ -22,17 +22,6 @@ double radiusOf(const Patch& p) {
   return out;
 }
 
-/// A light, with a ball around its points.
-struct Ball {
-  explicit Ball(const LightInPoints& light) : of(light) {
-    for (const LightPoint& p : light.points) middle += glm::dvec3(p.position) / double(light.points.size());
-    for (const LightPoint& p : light.points) radius = std::max(radius, glm::distance(glm::dvec3(p.position), middle));
-  }
-  const LightInPoints& of;
-  glm::dvec3 middle{0.0};
-  double radius = 0.0;
-};
-
 double brightnessOf(const LightPoint& p) { return double(p.factor.r + p.factor.g + p.factor.b) / 3.0; }
 
 /// W, as if nothing were in the way.
@@ -44,7 +33,7 @@ double sentBy(const LightInPoints& light) {
 
 /// W that a patch gets from near points of a light and does not send straight back to it, by how much of the patch each
 /// point has before it.
-double unevenFrom(const Patch& patch, double radius, const Ball& light) {
+double unevenFrom(const Patch& patch, double radius, const LightBall& light) {
   const double reach = kNearRadii * radius;
   const glm::dvec3 at(patch.position), n(patch.normal);
   if (glm::distance(at, light.middle) > reach + light.radius) return 0.0;
@@ -91,9 +80,14 @@ void cutInHalf(std::vector<Patch>& patches, std::uint32_t which) {
 
 }  // namespace
 
+LightBall::LightBall(const LightInPoints& light) : of(light) {
+  for (const LightPoint& p : light.points) middle += glm::dvec3(p.position) / double(light.points.size());
+  for (const LightPoint& p : light.points) radius = std::max(radius, glm::distance(glm::dvec3(p.position), middle));
+}
+
 std::vector<std::uint32_t> halvingsNearLights(const std::vector<Patch>& patches,
                                               const std::vector<LightInPoints>& lights, std::size_t most) {
-  std::vector<Ball> balls;
+  std::vector<LightBall> balls;
   balls.reserve(lights.size());
   double sent = 0.0;
   for (const LightInPoints& light : lights) {
@@ -110,7 +104,7 @@ std::vector<std::uint32_t> halvingsNearLights(const std::vector<Patch>& patches,
     if (!all[i].triangle) return;
     const double radius = radiusOf(all[i]);
     double watts = 0.0;
-    for (const Ball& ball : balls) watts += unevenFrom(all[i], radius, ball);
+    for (const LightBall& ball : balls) watts += unevenFrom(all[i], radius, ball);
     if (!(watts > 0.0)) return;
     uneven += watts;
     open.emplace(watts, std::uint32_t(i));

@@ -18,6 +18,15 @@ struct LightInPoints {
   bool twoSided = false;
 };
 
+/// A light, with a ball around its points.
+struct LightBall {
+  explicit LightBall(const LightInPoints& light);
+
+  const LightInPoints& of;
+  glm::dvec3 middle{0.0};
+  double radius = 0.0;
+};
+
 /// Which patches to halve, in turn: halving patch i puts one half in its place and the other behind the last, and later
 /// halvings count these. Those come first that get the most light from points within twice their radius, of which the
 /// light itself does not see most, until all together get less than a hundredth of what lights send, or `most` have
