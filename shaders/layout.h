@@ -255,6 +255,7 @@ LPV_CONST float kSectorBorder = 0.1f;  // sine of the angle up to which two of t
 #define LPV_PASS_WEIGHTS 0
 #define LPV_PASS_FIRST 1
 #define LPV_PASS_BETWEEN 2
+#define LPV_PASS_LATTICE 3
 
 /// A block of receivers as kReceiverBlocks lists it; numbers of blocks along x, y and z below 2^kBlockBits.
 LPV_CONST int kBlockBits = 8;
@@ -566,6 +567,8 @@ struct ShadowParams {
   int darkTurns;  // that see nothing before a point is taken for dark, at least 1
   int patchBatch;  // patches to one of kPatchSums, a power of two, kLeastPatchBatch at least
   int smoothedBy;  // pixels between receivers whose rays go to different places, to be smoothed; 0: to the same
+  int turnStep;  // from place to place of a turn, in an order in which the first few are spread, too
+  int pad0, pad1, pad2;
 };
 
 struct DrawParams {
@@ -619,7 +622,7 @@ static_assert(sizeof(ExposureParams) == 16 && sizeof(FrameParams) == 192);
 static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 80 && sizeof(CellVisibility) == 32 &&
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
-static_assert(sizeof(BuriedParams) == 16 && sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 64 &&
+static_assert(sizeof(BuriedParams) == 16 && sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 80 &&
               sizeof(SubpixelParams) == 32 && sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 &&
               sizeof(HazeLight) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);

@@ -64,6 +64,15 @@ bool looksApart(const SessionState& s, const FrameRequest& frame) {
          (s.shadowed || s.bounces.turns > 0);
 }
 
+/// Light of all surfaces has no edges as fine as this, radians, but those of what is seen, where every pixel looks.
+constexpr double kLatticeAngle = 4e-3;
+
+/// Pixels from one that looks at what surfaces reflect to the next.
+int latticeOf(const FrameRows& frame) {
+  const double heights = frame.camera.clipFromView(1.0)[1][1];  // of the picture, in half its distance
+  return 2.0 / (heights * frame.pictureHeight) <= kLatticeAngle ? 2 : 1;
+}
+
 /// Samples apart are a part of their pixel: half of the rays tell as much of it, and half of these where light has no
 /// edges.
 ShadowCasters castersForApart(ShadowCasters all) {
@@ -98,6 +107,7 @@ GpuTask Pipeline::Stages::lookAtLights(SessionState& s, const Scene& scene, cons
   const NearFieldSources sources = {{&made.emitters, s.looksAtLights ? nullptr : &s.field().textures->emitterDistance},
                                     inTheWay ? &shadows : nullptr,
                                     frame.reduced,
+                                    latticeOf(frame),
                                     frame.firstRow,
                                     inTheWay ? poolPictures(s, scene, frame, view) : std::vector<PoolPictureInputs>()};
   co_await nearFieldPass.run(*view.nearField, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,

@@ -10,12 +10,11 @@
 // between the last known ones the mean will do, or what is beside on the same plane. A thread has a tile, or a block of
 // points, and lists those to be evaluated (near_field_evaluate.comp).
 #include "layout.h"
-#include "common/octahedral.glsl"
 #include "frame/position.glsl"
 #include "frame/point_list.glsl"
 
-#if !defined LPV_PASS || LPV_PASS < LPV_PASS_WEIGHTS || LPV_PASS > LPV_PASS_BETWEEN
-#error "LPV_PASS: LPV_PASS_WEIGHTS, _FIRST or _BETWEEN (shaders/layout.h)"
+#if !defined LPV_PASS || LPV_PASS < LPV_PASS_WEIGHTS || LPV_PASS > LPV_PASS_LATTICE
+#error "LPV_PASS: LPV_PASS_WEIGHTS, _FIRST, _BETWEEN or _LATTICE (shaders/layout.h)"
 #endif
 #ifndef LPV_EVERYWHERE
 #error "LPV_EVERYWHERE: 0 or 1"
@@ -31,12 +30,12 @@ layout(local_size_x = kNearFieldGroup) in;
 
 layout(std140, binding = kParams) uniform FrameBlock { FrameParams frame; };
 layout(std140, binding = kNearFieldParams) uniform NearFieldBlock { NearFieldParams params; };
-layout(binding = kNormal) uniform sampler2D normal;
-layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
 layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 /// rgb: E in W/m^2; a: its weight beside the volume's, 0 where E is not known.
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;
 layout(std430, binding = kNearFieldTiles) buffer Tiles { uint tiles[]; };
+#include "frame/plane.glsl"
+#include "frame/lattice.glsl"
 
 #if LPV_POOL
 const float kTolerance = 0.08;
@@ -96,7 +95,10 @@ void main() {
 }
 #else
 
-#if LPV_PASS == LPV_PASS_FIRST
+#if LPV_PASS == LPV_PASS_LATTICE
+ivec2 pointSpacing() { return ivec2(1); }
+bool toEvaluate(ivec2 pixel) { return imageLoad(nearField, pixel).w > 0.0 && !liesBetween(pixel); }
+#elif LPV_PASS == LPV_PASS_FIRST
 /// From a point of this pass to the next one.
 ivec2 pointSpacing() { return ivec2(params.spacing); }
 bool toEvaluate(ivec2 pixel) { return imageLoad(nearField, pixel).w > 0.0; }
@@ -105,8 +107,6 @@ ivec2 pointSpacing() {
   const int s = params.stride.x + params.stride.y;
   return params.stride.x > 0 ? ivec2(2 * s) : ivec2(s, 2 * s);
 }
-
-vec3 normalAt(ivec2 pixel) { return unitFromOctahedral(texelFetch(normal, pixel, 0).xy); }
 
 float largest(vec3 v) { return max(max(v.r, v.g), v.b); }
 

@@ -17,6 +17,7 @@ layout(std140, binding = kNearFieldParams) uniform NearFieldBlock { NearFieldPar
 #include "frame/plane_shares.glsl"
 layout(binding = kPoolLight) uniform sampler2D poolLight;
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
+#include "frame/lattice.glsl"
 
 const int kReach = 3;                // pixels on each side
 
@@ -44,12 +45,14 @@ struct Around {
 uint bitOf(ivec2 off) { return uint((off.y + kReach) * (2 * kReach + 1) + off.x + kReach); }
 bool holds(Around set, ivec2 off) { return ((bitOf(off) < 32u ? set.bits.x : set.bits.y) >> (bitOf(off) & 31u) & 1u) == 1u; }
 
-/// Those on the plane through x.
-Around onPlane(ivec2 pixel, ivec2 size, vec3 x, vec3 n) {
+/// Those on the plane through x, `step` pixels apart, and between one and the next.
+Around onPlane(ivec2 pixel, ivec2 size, int step, vec3 x, vec3 n) {
   Around set = Around(uvec2(0u));
   for (int i = 0; i < (2 * kReach + 1) * (2 * kReach + 1); ++i) {
     const ivec2 off = ivec2(i % (2 * kReach + 1), i / (2 * kReach + 1)) - kReach;
-    const uint bit = uint(isOnPlane(pixel + off, size, x, n)) << (uint(i) & 31u);
+    bool on = isOnPlane(pixel + step * off, size, x, n);
+    if (step > 1) on = on && isOnPlane(pixel + step * off - sign(off), size, x, n);
+    const uint bit = uint(on) << (uint(i) & 31u);
     set.bits |= i < 32 ? uvec2(bit, 0u) : uvec2(0u, bit);
   }
   return set;
@@ -78,7 +81,8 @@ bool stays(ivec2 pixel, ivec2 size, vec4 share) {
 vec3 shareAround(ivec2 pixel, ivec2 size, vec4 own) {
   const vec3 x = positionAt(pixel), n = normalAt(pixel);
 #if LPV_REFLECTED
-  const Around plane = onPlane(pixel, size, x, n);
+  const int step = isOnLattice(pixel) ? params.spacing : 1;
+  const Around plane = onPlane(pixel, size, step, x, n);
   vec4 sum = own.w * vec4(own.rgb, 1.0);
 #else
   vec4 sum = vec4(own.rgb, 1.0);
@@ -88,7 +92,7 @@ vec3 shareAround(ivec2 pixel, ivec2 size, vec4 own) {
     const ivec2 off = ivec2(i % width, i / width) - kReach;
 #if LPV_REFLECTED
     if (!reaches(plane, off) || !reaches(plane, -off)) continue;
-    const vec4 a = texelFetch(poolShare, pixel + off, 0), b = texelFetch(poolShare, pixel - off, 0);
+    const vec4 a = texelFetch(poolShare, pixel + step * off, 0), b = texelFetch(poolShare, pixel - step * off, 0);
     if (min(a.w, b.w) <= 0.0) continue;
     sum += a.w * vec4(a.rgb, 1.0) + b.w * vec4(b.rgb, 1.0);
 #else
@@ -108,6 +112,7 @@ void main() {
   const vec4 known = imageLoad(nearField, pixel);
   if (known.w <= 0.0) return;
   const vec4 own = texelFetch(poolShare, pixel, 0);
+  if (own.w == kNoShare) return;  // it lies between others
   const vec3 share = own.w <= 0.0 || stays(pixel, size, own) ? own.rgb : shareAround(pixel, size, own);
   imageStore(nearField, pixel, vec4(known.rgb + texelFetch(poolLight, pixel, 0).rgb * share, known.w));
 }

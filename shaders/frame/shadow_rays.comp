@@ -12,8 +12,14 @@
 
 layout(local_size_x = 4 * kNearFieldGroup) in;
 
+#if !LPV_PATCHES && !LPV_MET && !LPV_APART
+layout(binding = kNearFieldOut, rgba32f) readonly uniform image2D nearField;  // as in near_field.comp
+#endif
+
 const float kMixed = -2.0;  // for the rays of a point that arrived (ShadowPoint): each with another share
 const float kSameShare = 1e-3;
+const float kOwnShare = 0.25;  // of what a pool sends, beside other light, before it is known how much arrives
+const float kFullTurns = 2.0;  // where a pool sends half of what is there it has all turns
 const uint kFoursBeside = 2u;  // on either side: the other half of a row of eight, and the rows above and below
 
 /// What first rays met, as ShadowPoint::light.a: `shares` of the `sent` ones, -1 for the others.
@@ -71,6 +77,24 @@ bool isDecided(uint point, uint four) {
   return shadowPoints[point].seen.a == 1.0;
 }
 
+/// What has arrived of other pools already.
+vec3 otherLight(uint point, ivec2 pixel) {
+#if LPV_PATCHES
+  return vec3(0.0);
+#elif LPV_MET || LPV_APART
+  return shadow.pool > 0 ? shadowPoints[point].sum.rgb : vec3(0.0);
+#else
+  return shadow.apart > 0 ? imageLoad(nearField, pixel).rgb : vec3(0.0);
+#endif
+}
+
+/// How many turns a point has: fewer where what the pool sends is little beside what has come from elsewhere. What its own
+/// rays meet must not say: those that were lucky would be the last.
+float turnsOf(uint point, ivec2 pixel) {
+  const float light = dot(shadowPoints[point].light.rgb, vec3(1.0)), other = dot(otherLight(point, pixel), vec3(1.0));
+  return ceil(float(shadow.turns) * min(kFullTurns * light / (other + kOwnShare * light), 1.0));
+}
+
 /// A sequence over the picture whose neighbours, so many pixels apart, differ much (Roberts 2018).
 float shiftAt(ivec2 pixel, int apart) {
   return fract(dot(vec2(pixel & 1023) / float(apart), vec2(0.7548776662, 0.5698402910)));
@@ -80,7 +104,8 @@ float shiftAt(ivec2 pixel) { return shiftAt(pixel, 1); }
 /// Where in a quarter of the weights this turn's rays go. All turns together cover it evenly; which comes first differs
 /// from pixel to pixel, so that the first rays of four neighbours see much of the light.
 float placeAt(ivec2 pixel) {
-  const int turn = (shadow.turn + int(shiftAt(pixel.yx + 255) * float(shadow.turns))) % shadow.turns;
+  const int first = int(shiftAt(pixel.yx + 255) * float(shadow.turns));
+  const int turn = (first + shadow.turn * shadow.turnStep) % shadow.turns;
   return (float(turn) + (shadow.smoothedBy == 0 ? 0.5 : shiftAt(pixel, shadow.smoothedBy))) / float(shadow.turns);
 }
 
@@ -180,6 +205,12 @@ void main() {
   const uint point = gl_GlobalInvocationID.x, four = point / 4u;
   if (four >= list.count) return;
   const vec3 light = shadowPoints[point].light.rgb;
-  if (max(max(light.r, light.g), light.b) <= 0.0 || (shadow.turn > 0 && isDecided(point, four))) return;
-  sendRays(point, receiverOf(points[four][point % 4u]));
+  if (max(max(light.r, light.g), light.b) <= 0.0) return;
+  const ivec2 pixel = receiverOf(points[four][point % 4u]);
+  if (shadow.turn == 0) {
+    shadowPoints[point].sent.a = turnsOf(point, pixel);
+  } else if (float(shadow.turn) >= shadowPoints[point].sent.a || isDecided(point, four)) {
+    return;
+  }
+  sendRays(point, pixel);
 }

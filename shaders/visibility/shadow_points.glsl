@@ -10,7 +10,8 @@ struct ShadowPoint {
   vec4 seen;   // rgb: of those that arrived; a: where darkness is believed later, how many
                // did, or their shares' largest, after even turns; else 1 where first rays agreed
   vec4 sum;    // rgb: E of the pools before; a: of this one's light what haze leaves (shadow_rays.comp), 0: none is there
-  vec4 sent;   // rgb: what the pools before would send with nothing between, of samples that are lit apart
+  vec4 sent;   // rgb: what the pools before would send with nothing between, of samples that are lit apart; a: turns of
+               // rays to this one, at most
 };
 
 layout(std140, binding = kShadowParams) uniform ShadowBlock { ShadowParams shadow; };

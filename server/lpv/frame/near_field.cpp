@@ -1,9 +1,12 @@
 #include "lpv/frame/near_field.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "gpu/gl.h"
 #include "lpv/frame/parts.h"
@@ -18,6 +21,7 @@ std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::
 constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 15;  // at a time: 368 bytes each
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
+constexpr double kShareOffLattice = 0.35;  // of a picture's pixels that it is found at, about: for pacing
 constexpr double kShareApart = 0.05;  // of a picture's pixels that have samples apart, about: for pacing
 constexpr int kMostLightsOfEvenPoints = 4;  // in a pool: each must be met by a turn's rays
 
@@ -35,6 +39,14 @@ PoolTurns turnsFor(const LightPool& pool, int turns, bool patches, bool reduced)
   if (patches) return {turns, turns};
   if (reduced) return {2 * turns, 2 * turns};
   return {3 * turns / 2, std::max(turns / 4, 1)};
+}
+
+/// From the place of a turn's rays to the next one's: about .618 of all, so that the first few are spread, too, and
+/// each comes once.
+int turnStep(int turns) {
+  int step = std::max(int(std::lround(0.618 * turns)), 1);
+  while (std::gcd(step, turns) > 1) ++step;
+  return step;
 }
 
 /// How many of so many patches send a point one sum (shaders/visibility/patch_sums.glsl).
@@ -65,8 +77,9 @@ struct NearFieldPass::Inputs {
   const gpu::Buffer& frameParams;
   std::optional<std::size_t> pool = std::nullopt;  ///< what is made is of it alone; none: of all together
   const gpu::Texture* poolPicture = nullptr;  ///< where it is kept; null: the buffer's
+  int lattice = 1;  ///< of an unreduced picture: pixels from one that looks to the next, where what lies between may
 
-  int spacing() const { return sources.reduced ? layout::kNearFieldSpacing : 1; }
+  int spacing() const { return sources.reduced ? layout::kNearFieldSpacing : lattice; }
   bool everywhere() const { return sources.lights.emitterDistance == nullptr; }
 
   void bind() const {
@@ -130,11 +143,16 @@ struct NearFieldPass::Pass {
   glm::ivec2 part{0};  ///< pixels across and down of what a thread has
   glm::ivec2 stride{0};  ///< of NearFieldParams
   NearFieldWork work;  ///< of a thread
+  double points = double(kPointsOfBlock);  ///< that it lists, about
 
   /// The two that begin.
   static Pass weights() { return {LPV_PASS_WEIGHTS, kTile, {0, 0}, {.weighed = double(kTile.x) * kTile.y}}; }
   static Pass first(int spacing) {
     return {LPV_PASS_FIRST, kBlock * spacing, {0, 0}, {.evaluated = double(kPointsOfBlock)}};
+  }
+  static Pass lattice() {
+    constexpr double kPoints = kShareOffLattice * kPointsOfBlock;
+    return {LPV_PASS_LATTICE, kBlock, {0, 0}, {.evaluated = kPoints}, kPoints};
   }
 };
 
@@ -175,6 +193,19 @@ std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, co
   return steps;
 }
 
+layout::ShadowParams NearFieldPass::reflectedParams(const Look& from, layout::ShadowParams params) {
+  const ShadowCasters& shadows = from.shadows;
+  params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
+  params.turnStep = turnStep(params.turns);
+  params.darkTurns = from.receivers == Receivers::kPatches ? params.turns : 1;
+  params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;
+  params.apart = from.smoothed ? 2 : 2 * params.apart;
+  params.smoothedBy = from.smoothed ? layout::kNearFieldSpacing : params.jitter;
+  params.pointCount = shadows.reflected->count;
+  params.patchBatch = patchesOfBatch(params.pointCount);
+  return params;
+}
+
 /// What is sent, how much of it arrives, and the sum so far.
 GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
   layout::ShadowParams params = at.params;
@@ -199,7 +230,7 @@ GpuTask NearFieldPass::look(const Look& from, const LookAt& at, Pacing pacing) {
   co_yield submitted(Stage::kShade, queued);
 }
 
-/// Pool by pool, and last at what surfaces reflect.
+/// What surfaces reflect first, and then pool by pool: what is dim beside what has come before needs fewer rays.
 GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   const ShadowCasters& shadows = from.shadows;
   layout::ShadowParams params = {};
@@ -208,10 +239,18 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
   const bool patches = from.receivers == Receivers::kPatches && !from.reflected;
   params.jitter = from.reduced || patches ? 0 : 1;
   params.apart = from.receivers == Receivers::kPixels ? params.jitter : 0;
-  for (const LightPool& pool : from.pools) {
+  if (from.reflected) {
+    from.known.keepPatchSums();
+    co_await look(from, {reflectedParams(from, params), shadows.reflected->lightTexels, true}, pacing);
+    params.pool++;
+  }
+  const std::vector<std::size_t> order = brightestFirst(from.pools);
+  for (const std::size_t i : order) {
+    const LightPool& pool = from.pools[i];
     if (patches) params.jitter = pool.distant ? 1 : 0;
     const PoolTurns turns = turnsFor(pool, shadows.turns, patches, from.reduced);
     params.turns = turns.most;
+    params.turnStep = turnStep(turns.most);
     params.darkTurns = turns.dark;
     params.smoothedBy = params.jitter;
     const bool few = pool.lightsEnd - pool.firstLight <= kMostLightsOfEvenPoints;
@@ -223,18 +262,6 @@ GpuTask NearFieldPass::look(const Look& from, Pacing pacing) {
     co_await look(from, {params, shadows.pools->view, false}, pacing);
     params.pool++;
   }
-  if (!from.reflected) co_return;
-  params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
-  params.darkTurns = from.receivers == Receivers::kPatches ? params.turns : 1;
-  params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;
-  params.even = 0;
-  params.apart = from.smoothed ? 2 : 2 * params.apart;
-  params.smoothedBy = from.smoothed ? layout::kNearFieldSpacing : params.jitter;
-  params.firstPoint = 0;
-  params.pointCount = shadows.reflected->count;
-  params.patchBatch = patchesOfBatch(params.pointCount);
-  from.known.keepPatchSums();
-  co_await look(from, {params, shadows.reflected->lightTexels, true}, pacing);
 }
 
 GpuTask NearFieldPass::lookFrom(PatchSet& patches, const PatchList& list, const EmitterBufferList& emitters,
@@ -328,7 +355,7 @@ GpuTask NearFieldPass::filter(const Inputs& inputs, Pacing pacing) {
   constexpr double kUnits = 60.0 * layout::kNearFieldTile * layout::kNearFieldTile;  // of a tile: pixels shaded
   for (int first = 0; first < tiles;) {
     const int wanted = std::clamp(int(pacing.unitsFor(Stage::kShade) / kUnits), 1, tiles - first);
-    const layout::NearFieldParams params = {.stride = {0, 0}, .first = first, .spacing = 1};
+    const layout::NearFieldParams params = {.stride = {0, 0}, .first = first, .spacing = inputs.spacing()};
     params_.update(0, gpu::bytesOfValue(params));
     params_.bindUniform(layout::kNearFieldParams);
     inputs.bind();
@@ -339,6 +366,18 @@ GpuTask NearFieldPass::filter(const Inputs& inputs, Pacing pacing) {
     first += wanted;
     co_yield submitted(Stage::kShade, wanted * kUnits);
   }
+}
+
+/// Pixels between those of the lattice, which have what they get.
+GpuTask NearFieldPass::fill(const Inputs& inputs) {
+  const glm::ivec2 groups = partsOf(inputs.buffer.size, kTile);
+  const layout::NearFieldParams params = {.stride = {0, 0}, .first = 0, .spacing = inputs.spacing()};
+  params_.update(0, gpu::bytesOfValue(params));
+  params_.bindUniform(layout::kNearFieldParams);
+  inputs.bind();
+  fill_.get({}).dispatch(std::uint32_t(groups.x), std::uint32_t(groups.y));
+  gpu::memoryBarrier();
+  co_yield submitted(Stage::kShade, NearFieldWork{.weighed = double(count(inputs.buffer.size))}.units());
 }
 
 /// What the points of a pass get, from what they would get and the share that arrives at those around.
@@ -379,7 +418,7 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
     gpu::memoryBarrier();
     first += groups * layout::kNearFieldGroup;
     if (shadowed) {
-      const double points = double(groups) * layout::kNearFieldGroup * kPointsOfBlock;
+      const double points = double(groups) * layout::kNearFieldGroup * pass.points;
       const Look receivers = {.shadows = *inputs.sources.shadows,
                               .pools = inputs.lookedAt(),
                               .reflected = inputs.looksAtReflections(),
@@ -428,13 +467,25 @@ GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, cons
   }
 }
 
-/// Pool by pool from every pixel, so that the share of each can be smoothed by itself.
+/// What surfaces reflect, and then pool by pool from every pixel, so that the share of each can be smoothed by itself.
 GpuTask NearFieldPass::runFiltered(const Inputs& inputs, Pacing pacing) {
   co_await run(inputs, Pass::weights(), pacing);
-  for (std::size_t i = 0; i < inputs.pools(); ++i) {
+  const std::size_t lights = inputs.sources.shadows->pools->pools.size();
+  if (inputs.sources.shadows->reflected != nullptr) {
+    inputs.buffer.poolShare.fill({0.0F, 0.0F, 0.0F, layout::kNoShare});
+    Inputs part = inputs;
+    part.pool = lights;
+    part.lattice = inputs.sources.lattice;
+    const bool between = part.lattice > 1;
+    co_await run(part, between ? Pass::lattice() : Pass::first(1), pacing);
+    co_await filter(part, pacing);
+    if (between) co_await fill(part);
+  }
+  const std::vector<std::size_t> order = brightestFirst(inputs.sources.shadows->pools->pools);
+  for (const std::size_t i : order) {
     Inputs part = inputs;
     part.pool = i;
-    co_await run(part, Pass::first(inputs.spacing()), pacing);
+    co_await run(part, Pass::first(1), pacing);
     co_await filter(part, pacing);
   }
 }

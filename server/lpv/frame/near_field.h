@@ -71,6 +71,7 @@ struct NearFieldSources {
   NearLights lights;
   const ShadowCasters* shadows = nullptr;  ///< null: nothing stands in the way
   bool reduced = true;  ///< some pixels look, others lie between; else each does
+  int lattice = 1;  ///< of an unreduced picture: pixels from one that looks at what surfaces reflect to the next
   int firstRow = 0;  ///< of the pixels, in the picture that they are some rows of
   /// Of a reduced picture with shadows or bounces: what each pool's part of it is made from, last what surfaces
   /// reflect. Empty: all pools are looked at together.
@@ -138,12 +139,14 @@ class NearFieldPass {
   struct LookStep;
   GpuTask lookFrom(PatchSet& patches, const PatchList& list, const EmitterBufferList& emitters,
                    const ShadowCasters& shadows, Pacing pacing);
+  static layout::ShadowParams reflectedParams(const Look& from, layout::ShadowParams params);
   std::vector<LookStep> stepsOf(const Look& from, const LookAt& at);
   GpuTask run(const Inputs& inputs, const Pass& pass, Pacing pacing);
   GpuTask runPasses(const Inputs& inputs, Pacing pacing);
   GpuTask runPools(const Inputs& inputs, Pacing pacing);
   GpuTask runFiltered(const Inputs& inputs, Pacing pacing);
   GpuTask filter(const Inputs& inputs, Pacing pacing);
+  GpuTask fill(const Inputs& inputs);
   GpuTask smooth(const Inputs& inputs, const Pass& pass);
   GpuTask runSmoothed(const Inputs& inputs, const Pass& pass, Pacing pacing);
   GpuTask look(const Look& from, Pacing pacing);
@@ -205,6 +208,7 @@ class NearFieldPass {
   gpu::Programs<RayVariant> folds_{{"frame/fold_rays.comp"}};
   gpu::Programs<ReceiverVariant> sum_{{"frame/shadow_sum.comp"}};
   gpu::Programs<FilterVariant> filter_{{"frame/near_field_filter.comp"}};
+  gpu::ProgramVariants fill_{{"frame/near_field_fill.comp"}};
   gpu::ProgramVariants smooth_{{"frame/near_field_smooth.comp"}};
   gpu::ProgramVariants addPool_{{"frame/near_field_sum.comp"}};
   gpu::ProgramVariants listApart_{{"frame/apart_list.comp"}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <glm/gtx/component_wise.hpp>
+#include <numeric>
 #include <span>
 
 #include "shaders/layout.h"
@@ -28,6 +29,13 @@ void appendPoints(const EmittingLight& light, LightPool& range, const LightPoint
 }
 
 }  // namespace
+
+std::vector<std::size_t> brightestFirst(std::span<const LightPool> pools) {
+  std::vector<std::size_t> out(pools.size());
+  std::iota(out.begin(), out.end(), std::size_t(0));
+  std::ranges::stable_sort(out, [pools](std::size_t a, std::size_t b) { return pools[a].power > pools[b].power; });
+  return out;
+}
 
 LightPointsPtr LightPointCache::get(const EmittingLight& light) {
   if (light.source != nullptr && light.source->points != nullptr) return light.source->points;
@@ -63,6 +71,7 @@ void LightPools::make(const std::vector<EmittingLight>& lights, LightPointCache&
       LightPool& one = ranges.emplace_back(
           LightPool{.firstLight = l, .lightsEnd = l + 1, .firstPoint = pointsSoFar(), .distant = distant});
       appendPoints(lights[std::size_t(l)], one, *cache.get(lights[std::size_t(l)]), points);
+      pool.power += one.power;
     }
     pool.points = pointsSoFar() - pool.firstPoint;
   }

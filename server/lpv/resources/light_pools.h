@@ -1,7 +1,9 @@
 #pragma once
 // Where shadow rays go: points of the lights' surfaces on the GPU, pool by pool (MATHS.md 3d).
 
+#include <cstddef>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -19,9 +21,12 @@ struct LightPool {
   int firstPoint = 0;
   int points = 0;
   double area = 0.0;   ///< of one side, cells^2
-  double power = 0.0;  ///< the same times the brightest channel of its radiance
+  double power = 0.0;  ///< sum over one side of area times the brightest channel of radiance
   bool distant = false;  ///< all of its lights are: seen through windows, of which rays miss many
 };
+
+/// Their numbers, those of the most power first.
+std::vector<std::size_t> brightestFirst(std::span<const LightPool> pools);
 
 /// Lights in so many pools at most: each its own, while there are no more.
 inline constexpr std::size_t kMostPools = 16;

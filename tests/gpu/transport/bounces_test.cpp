@@ -732,26 +732,57 @@ Scene lampOnAShelf() {
   return scene;
 }
 
-// Of a shelf that is two pixels high the wall shows on both sides, on one plane: pixels below it keep what they see.
-// Broken by: shares of what surfaces reflect that are the mean of all pixels on the plane.
-TEST_F(BouncesTest, AWallBelowAShelfIsNotLitByWhatIsAbove) {
-  const Scene scene = lampOnAShelf();
+constexpr int kSide = 96;  // pixels, of pictures of the shelf
+
+Camera belowTheShelf(double fovDegrees) {
   Camera camera;
   camera.eye = {0.0, -0.3, 0.95};
   camera.target = {0.0, -0.1, -1.0};
   camera.up = {0.0, 1.0, 0.0};
-  camera.fovDegrees = 40.0;
-  constexpr int kSide = 96;
+  camera.fovDegrees = fovDegrees;
+  return camera;
+}
+
+/// Of the wall.
+glm::dvec3 placeOfPixel(const Camera& camera, int x, int y) {
+  const glm::dvec3 ray = camera.rayDirection((x + 0.5) / kSide, (y + 0.5) / kSide, 1.0);
+  return camera.eye - ray * ((camera.eye.z + 1.0) / ray.z);
+}
+
+// Where pixels are fine, every other one of every other row looks at what surfaces reflect, and what lies between on
+// the wall is as bright. Broken by: pixels between that nothing is put into; corners of another cell; weights of
+// another pixel.
+TEST_F(BouncesTest, PixelsBetweenThoseThatLookAreAsBright) {
+  const Scene scene = lampOnAShelf();
+  const Camera camera = belowTheShelf(16.0);
+  const FramePtr frame = frameOf(scene, test::linearFrame(camera, {kSide, kSide}));
+  ASSERT_NE(frame, nullptr);
+  glm::dmat2 shown(0.0), wanted(0.0);  // by column and row, even and odd
+  for (int y = 0; y < kSide; y += 5) {
+    for (int x = 0; x < kSide; x += 5) {
+      const glm::dvec3 at = placeOfPixel(camera, x, y);
+      if (at.y > -0.03) continue;
+      shown[x % 2][y % 2] += test::pixel(*frame, x, y).x;
+      wanted[x % 2][y % 2] += probed(scene, {{at, {0.0, 0.0, 1.0}}})[0].x * 0.8 / sh::kPi;
+    }
+  }
+  for (const int column : {0, 1}) {
+    for (const int row : {0, 1}) EXPECT_NEAR(shown[column][row] / wanted[column][row], 1.0, 0.05) << column << row;
+  }
+}
+
+// Of a shelf that is two pixels high the wall shows on both sides, on one plane: pixels below it keep what they see.
+// Broken by: shares of what surfaces reflect that are the mean of all pixels on the plane.
+TEST_F(BouncesTest, AWallBelowAShelfIsNotLitByWhatIsAbove) {
+  const Scene scene = lampOnAShelf();
+  const Camera camera = belowTheShelf(40.0);
   const FramePtr frame = frameOf(scene, test::linearFrame(camera, {kSide, kSide}));
   ASSERT_NE(frame, nullptr);
   double shown = 0.0, wanted = 0.0;
   for (int x = kSide / 4; x < 3 * kSide / 4; ++x) {
     int y = 0;
     glm::dvec3 at(1.0);
-    while (at.y > -0.002) {  // the first pixel of the column below the shelf
-      const glm::dvec3 ray = camera.rayDirection((x + 0.5) / kSide, (y++ + 0.5) / kSide, 1.0);
-      at = camera.eye - ray * ((camera.eye.z + 1.0) / ray.z);
-    }
+    while (at.y > -0.002) at = placeOfPixel(camera, x, y++);  // the first pixel of the column below the shelf
     shown += test::pixel(*frame, x, y - 1).x;
     wanted += probed(scene, {{at, {0.0, 0.0, 1.0}}})[0].x * 0.8 / sh::kPi;
   }
