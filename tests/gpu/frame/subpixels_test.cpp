@@ -183,10 +183,10 @@ Scene slats() {
   scene.surfaces.erase("strip");
   for (const float z : {0.0F, 0.4F}) {
     const float column = float(kPixel) * (1.0F - 0.5F * z);  // of 2 m away
-    const float from = z > 0.0F ? 0.15F : 0.55F;
+    const float from = z > 0.0F ? 0.125F : 0.5625F;  // 5 of 16 samples each
     Mesh mesh;
     for (int i = -32; i < 32; ++i) {
-      const float left = (float(i) + from) * column, right = left + 0.3F * column;
+      const float left = (float(i) + from) * column, right = left + 0.3125F * column;
       const auto first = std::uint32_t(mesh.positions.size());
       for (const glm::vec3& p :
            {glm::vec3(left, -2, z), glm::vec3(right, -2, z), glm::vec3(right, 2, z), glm::vec3(left, 2, z)})
@@ -202,7 +202,7 @@ Scene slats() {
 }
 
 // There are more places with light of their own than pixels in so small a picture, and it is as bright as a large one.
-// Broken by: room for as many places as there are pixels (a third of the light).
+// Broken by: room for as many places as there are pixels (two thirds of the light).
 TEST_F(SubpixelsTest, MorePlacesThanPixelsHaveTheirLight) {
   const auto mean = [this](int size, SessionKey session) {
     const FramePtr picture = frame(slats(), sampled(16, glm::ivec2(size)), session);
