@@ -217,7 +217,7 @@ class Patches {
   double pending_ = 0.0;
 };
 
-constexpr double kMostPiecesOfTriangle = 64.0;  // half of what halving makes of it: who sees one looks for the nearest
+constexpr double kMostPiecesOfTriangle = 127.0;  // halving makes up to twice as many of it, which kPieceBits can tell
 
 /// The pieces of small triangles: one that is larger than a piece is cut; others share one with those of their patch
 /// that face about the same way and are nearest.

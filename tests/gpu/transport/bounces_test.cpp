@@ -750,8 +750,7 @@ glm::dvec3 placeOfPixel(const Camera& camera, int x, int y) {
 }
 
 // Where pixels are fine, every other one of every other row looks at what surfaces reflect, and what lies between on
-// the wall is as bright. Broken by: pixels between that nothing is put into; corners of another cell; weights of
-// another pixel.
+// the wall is as bright. Broken by: pixels between that nothing is put into.
 TEST_F(BouncesTest, PixelsBetweenThoseThatLookAreAsBright) {
   const Scene scene = lampOnAShelf();
   const Camera camera = belowTheShelf(16.0);
