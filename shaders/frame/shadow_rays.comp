@@ -101,17 +101,19 @@ float shiftAt(ivec2 pixel, int apart) {
 }
 float shiftAt(ivec2 pixel) { return shiftAt(pixel, 1); }
 
+/// Turns come in an order in which the first few are spread, too.
+int turnInOrder() { return shadow.turn * shadow.turnStep % shadow.turns; }
+
 /// Where in a quarter of the weights this turn's rays go. All turns together cover it evenly; which comes first differs
 /// from pixel to pixel, so that the first rays of four neighbours see much of the light.
 float placeAt(ivec2 pixel) {
-  const int first = int(shiftAt(pixel.yx + 255) * float(shadow.turns));
-  const int turn = (first + shadow.turn * shadow.turnStep) % shadow.turns;
+  const int turn = (turnInOrder() + int(shiftAt(pixel.yx + 255) * float(shadow.turns))) % shadow.turns;
   return (float(turn) + (shadow.smoothedBy == 0 ? 0.5 : shiftAt(pixel, shadow.smoothedBy))) / float(shadow.turns);
 }
 
 /// Which points are weighed.
 float candidatesAt(ivec2 pixel) {
-  return fract(0.6180339887 * float(shadow.turn) + (shadow.jitter == 0 ? 0.5 : shiftAt(pixel.yx + 511)));
+  return fract(0.6180339887 * float(turnInOrder()) + (shadow.jitter == 0 ? 0.5 : shiftAt(pixel.yx + 511)));
 }
 
 #if LPV_FROM_PATCHES
