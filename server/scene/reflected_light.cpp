@@ -43,9 +43,13 @@ glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
   return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
 }
 
-/// Whether a patch is near enough that its pieces are seen instead.
-bool looksForPieces(const Patch& patch, const glm::dvec3& at) {
-  return glm::distance(glm::dvec3(patch.position), at) < double(patch.reach);
+constexpr double kFoldedUpTo = 1.7;  // as in shaders/visibility/shadow_points.glsl
+
+/// Of what a patch sends, what its pieces are seen instead: all within its reach, nothing well beyond.
+double foldedShare(const Patch& patch, const glm::dvec3& at) {
+  if (!(patch.reach > 0.0F)) return 0.0;
+  const double from = glm::distance(glm::dvec3(patch.position), at) / double(patch.reach);
+  return 1.0 - glm::smoothstep(1.0, kFoldedUpTo, from * from);
 }
 
 }  // namespace
@@ -65,8 +69,8 @@ std::optional<glm::dvec3> ReflectedLight::pieceAt(const LightVisibility::Sight& 
     least = std::min(least, distance);
   }
   if (!sight.hit.front) nearest += surface.toBack;
-  if (!looksForPieces(of->patches[folds.patchOf[nearest]], at)) return std::nullopt;
-  return pieceRadiance[nearest];
+  const double share = foldedShare(of->patches[folds.patchOf[nearest]], at);
+  return share > 0.0 ? std::optional(share * pieceRadiance[nearest]) : std::nullopt;
 }
 
 /// Of the pieces whose patches are near: rays all around see the nearest of what they meet.
@@ -89,11 +93,11 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
   double all = 0.0;
   bool folded = false;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    if (visibility != nullptr && !of->folds.pieces.empty() && looksForPieces(patches[i], at)) {
-      folded = true;
-      continue;
-    }
-    sent[i] = weightOf(patches[i], at, n) * radiance[i];
+    const bool looks = visibility != nullptr && !of->folds.pieces.empty();
+    const double share = looks ? foldedShare(patches[i], at) : 0.0;
+    folded = folded || share > 0.0;
+    if (share == 1.0) continue;
+    sent[i] = (1.0 - share) * weightOf(patches[i], at, n) * radiance[i];
     sum += sent[i];
     all += glm::compMax(sent[i]);
   }
@@ -125,12 +129,11 @@ LightAround ReflectedLight::around(const glm::dvec3& at, const LightVisibility* 
     const Patch& patch = of->patches[i];
     const glm::dvec3 place(patch.position);
     if (!(glm::dot(glm::dvec3(patch.normal), at - place) > 0.0) || radiance[i] == glm::dvec3(0.0)) continue;
-    if (visibility != nullptr && !of->folds.pieces.empty() && looksForPieces(patch, at)) {
-      folded = true;
-      continue;
-    }
+    const double inPieces = visibility != nullptr && !of->folds.pieces.empty() ? foldedShare(patch, at) : 0.0;
+    folded = folded || inPieces > 0.0;
+    if (inPieces == 1.0) continue;
     const glm::dvec3 share = visibility == nullptr ? glm::dvec3(1.0) : visibility->seen(at, onNoSurface, place);
-    if (share != glm::dvec3(0.0)) out.addPatch(patch, at, share * radiance[i]);
+    if (share != glm::dvec3(0.0)) out.addPatch(patch, at, (1.0 - inPieces) * share * radiance[i]);
   }
   for (int k = 0; folded && k < kAround; ++k) {
     const glm::dvec3 direction = directionAround(k, kAround);

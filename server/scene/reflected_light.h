@@ -31,7 +31,7 @@ struct ReflectedLight {
   LightAround around(const glm::dvec3& at, const LightVisibility* visibility) const;
 
  private:
-  /// What a sight shows of pieces whose patches are near: their radiance.
+  /// What a sight shows of pieces whose patches are near: their radiance, as much of it as they stand for.
   std::optional<glm::dvec3> pieceAt(const LightVisibility::Sight& sight, const glm::dvec3& at) const;
   glm::dvec3 fromPieces(const glm::dvec3& at, const glm::dvec3& n, const LightVisibility& visibility) const;
 };

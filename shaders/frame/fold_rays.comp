@@ -29,15 +29,17 @@ vec3 directionAbout(vec3 n, ivec2 pixel, int k) {
   return sqrt(at.x) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - at.x) * n;
 }
 
-/// What is seen from x in a direction, as far as that is long, if it counts.
-int pieceSeen(vec3 x, vec3 direction, inout int rounds, out vec3 place) {
+/// What is seen from x in a direction, as far as that is long, if it counts; `share`: how much.
+int pieceSeen(vec3 x, vec3 direction, inout int rounds, out vec3 place, out float share) {
   const Sight sight = firstHit(x, x + direction, rounds);
   place = x + sight.at * direction;
+  share = 0.0;
   const int piece = pieceAt(sight, place, shadow.pointCount);
   if (piece == kNoPiece) return kNoPiece;
   const int of = int(patches[shadow.pointCount + piece].of);
   const vec3 d = patches[of].place.xyz - x;
-  return dot(d, d) < patches[of].corners[2].w ? piece : kNoPiece;
+  share = foldedShare(dot(d, d), kFromFolds - patches[of].corners[2].w);
+  return share > 0.0 ? piece : kNoPiece;
 }
 
 vec3 arrivesOf(int piece, vec3 x, vec3 place, inout int rounds) {
@@ -61,9 +63,10 @@ void main() {
   int rays = 0, rounds = 0;
   for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays) {
     vec3 place;
+    float share;
     const int k = shadow.turn * kFoldRays + rays;
-    const int piece = pieceSeen(x, reach * directionAbout(n, inPicture(pixel), k), rounds, place);
-    sum += arrivesOf(piece, x, place, rounds);
+    const int piece = pieceSeen(x, reach * directionAbout(n, inPicture(pixel), k), rounds, place, share);
+    sum += share * arrivesOf(piece, x, place, rounds);
 #if LPV_PATCHES
     foldHits[(pixel.x - shadow.pointCount) * shadow.foldTurns * kFoldRays + k] = piece;
 #endif

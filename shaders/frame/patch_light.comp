@@ -35,13 +35,13 @@ vec3 farLight(int first, int end, vec3 x, vec3 n, inout float sent, out uint oth
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;
-    const bool folded = isFolded(dot(d, d), colour.a);
-    const bool far = dot(d, d) >= -kNearPatch * emits.w && !folded;
-    const bool beside = dot(emits.xyz, n) > kBesideCosine && !folded;
-    others |= far || beside ? 0u : 1u << (i - first);
+    const float folded = foldedShare(dot(d, d), colour.a);
+    const bool far = dot(d, d) >= -kNearPatch * emits.w;
+    const bool beside = dot(emits.xyz, n) > kBesideCosine;
+    others |= folded == 0.0 && (far || beside) ? 0u : 1u << (i - first);
     const float weight = place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n);
-    sum += far ? weight * colour.rgb : vec3(0.0);
-    sent += isAsked(dot(d, d), -emits.w, colour.a) ? 0.0 : weight;
+    sum += far ? (1.0 - folded) * weight * colour.rgb : vec3(0.0);
+    sent += shareToAsk(dot(d, d), -emits.w, colour.a) * weight;
   }
   return sum;
 }
@@ -88,8 +88,8 @@ struct Arriving {
 
 /// What pieces of folds send is not known yet: as much is asked for as patches like these send to all sides, so that what
 /// they are found to send is smoothed like a share of it.
-void addFold(int i, vec3 d, inout Arriving arriving) {
-  arriving.asked += patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
+void addFold(int i, vec3 d, float share, inout Arriving arriving) {
+  arriving.asked += share * patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
   arriving.foldsWithin = max(arriving.foldsWithin, length(d) + sqrt(patches[i].corners[2].w));
 }
 
@@ -119,8 +119,9 @@ Arriving arrivingAt(uint point, vec3 x, vec3 n, ivec2 pixel) {
     for (; others != 0u; others &= others - 1u) {
       const int i = first + findLSB(others);
       const vec3 d = patches[i].place.xyz - x;
-      if (isFolded(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a)) {
-        addFold(i, d, arriving);
+      const float folded = foldedShare(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a);
+      if (folded > 0.0) {
+        addFold(i, d, folded, arriving);
       } else {
         addNear(i, d, x, n, pixel, rounds, arriving);
       }

@@ -26,8 +26,8 @@ float pointWeight(int i, vec3 x, vec3 n) {
   const vec3 d = place.xyz - x;
 #if LPV_FROM_PATCHES
   const float area = -emits.w;
-  const bool asked = isAsked(dot(d, d), area, texelFetch(lightPoints, kLightPointTexels * i + 2).a);
-  return asked ? 0.0 : place.w * patchWeightPerArea(d, area, emits.xyz, n);
+  const float share = shareToAsk(dot(d, d), area, texelFetch(lightPoints, kLightPointTexels * i + 2).a);
+  return share * place.w * patchWeightPerArea(d, area, emits.xyz, n);
 #else
   const float along = -dot(emits.xyz, d), towards = emits.w > 1.5 ? abs(along) : max(along, 0.0);
   const float r2 = dot(d, d) + 1e-8;

@@ -6,8 +6,8 @@
 
 layout(std430, binding = kPatchSums) buffer PatchSums { float patchSums[]; };
 
-/// Whether a patch of an area has been asked by itself already, or its pieces have: no rays are sent to it then.
-bool isAsked(float r2, float area, float from) { return r2 < kAskedPatch * area || isFolded(r2, from); }
+/// Of what a patch of an area sends, what rays to it are to know: not what has been asked by itself already, or its pieces have.
+float shareToAsk(float r2, float area, float from) { return r2 < kAskedPatch * area ? 0.0 : 1.0 - foldedShare(r2, from); }
 
 int batchOf(int patchIndex) { return patchIndex / shadow.patchBatch; }
 

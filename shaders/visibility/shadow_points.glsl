@@ -20,9 +20,19 @@ layout(std430, binding = kShadowPoints) buffer ShadowPoints { ShadowPoint shadow
 /// A pixel's place in the picture, whose rows are made some at a time: each sends rays of its own.
 ivec2 inPicture(ivec2 pixel) { return pixel + ivec2(0, shadow.firstRow); }
 
-/// Whether pieces of a patch are looked for instead of it, by the square of its distance and what its texel of the list
-/// has in the place of a light (visibility/light_points.glsl).
-bool isFolded(float r2, float from) { return shadow.foldTurns > 0 && from <= kFromFolds && r2 < kFromFolds - from; }
+/// Of what a patch sends, what its pieces are looked for instead, by the square of its distance and what its texel of the
+/// list has in the place of a light (visibility/light_points.glsl): all within its reach, from there on less and less, or a
+/// wall would show where that ends. Patches and pieces themselves look within reach alone.
+const float kFoldedUpTo = 1.7;  // by the square of the distance, of the reach's
+float foldedShare(float r2, float from) {
+  if (shadow.foldTurns == 0 || from > kFromFolds) return 0.0;
+  const float beyond = r2 / (kFromFolds - from);
+#if LPV_PATCHES
+  return beyond < 1.0 ? 1.0 : 0.0;
+#else
+  return 1.0 - smoothstep(1.0, kFoldedUpTo, beyond);
+#endif
+}
 
 /// The block of a picture's pixels that a four is of: all of a block are listed one after the other.
 ivec2 blockOf(uint four) {

@@ -596,6 +596,39 @@ TEST_F(BouncesTest, WhatIsNearSmallTrianglesSeesThem) {
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(got[i].x, truth[i], 0.02 * largest) << i;
 }
 
+// Further and further from the ball, 2 % a step: mean E of points all around below it, beside the truth. Where its
+// patch stands for it there is none, since that faces up. Broken by: pieces up to a distance, and from there on the
+// patch (.17 a step).
+TEST_F(BouncesTest, PatchesTakeOverFromPiecesGradually) {
+  const Scene scene = ballUnderLamp();
+  const glm::dvec3 middle(0.0, 0.0, -0.4);
+  constexpr int kSteps = 22, kAround = 48;
+  const auto distance = [](int step) { return 3.8 * std::pow(1.02, step); };
+  std::vector<reference::Receiver> points;
+  for (int step = 0; step < kSteps; ++step) {
+    for (int k = 0; k < kAround; ++k) {
+      const double z = 0.4 + 0.5 * (k + 0.5) / kAround, turn = 2.399963 * k;
+      const glm::dvec3 to(std::sqrt(1.0 - z * z) * std::cos(turn), std::sqrt(1.0 - z * z) * std::sin(turn), z);
+      points.push_back({middle + distance(step) * to, -to});
+    }
+  }
+  const auto got = probed(scene, points);
+  ASSERT_EQ(got.size(), points.size());
+  std::vector<double> ratios;
+  for (int step = 0; step < kSteps; ++step) {
+    double sum = 0.0, truth = 0.0;
+    for (int k = 0; k < kAround; ++k) {
+      const auto i = std::size_t(kAround * step + k);
+      sum += got[i].x;
+      truth += reflectedBy(scene, *scene.surfaces.at("floor"), points[i]).x;
+    }
+    ratios.push_back(sum / truth);
+  }
+  for (std::size_t i = 1; i < ratios.size(); ++i) EXPECT_NEAR(ratios[i], ratios[i - 1], 0.13) << i;
+  EXPECT_GT(ratios.front(), 0.7);
+  EXPECT_LT(ratios.back(), 0.1);
+}
+
 // Pixels further from all that blocks light than it is wide.
 // Broken by: rays as long as its box (nothing). So many pixels, or the few rays that meet it decide: 64 x 64 are 6 %
 // off.
