@@ -48,7 +48,7 @@ struct PatchedScene {
 };
 using PatchedScenePtr = std::shared_ptr<const PatchedScene>;
 
-/// How large pieces of a scene's triangles may be. Steps of four, so that a light that moves a little leaves them as
+/// How large pieces of a scene's triangles may be, in steps of four, so that a light that moves a little leaves them as
 /// they are.
 struct PieceSizes {
   static constexpr std::int8_t kAny = 127;
@@ -82,7 +82,7 @@ inline constexpr std::size_t kAccuratePieces = 65536;
 /// The triangles of a surface that patches are made of: those of its mesh, flat ones merged where its albedo is even.
 const std::vector<glm::uvec3>& patchedTriangles(const Surface& surface);
 
-/// The most that a piece of a scene's folds may have, m^2, where no light is near, at the most.
+/// No piece of a scene's folds has a larger area, m^2.
 double largestPiece(const Scene& scene, std::size_t pieces);
 
 /// About `count`, of about the same area: large triangles are cut evenly, of small ones some stand for their
@@ -90,8 +90,8 @@ double largestPiece(const Scene& scene, std::size_t pieces);
 /// `count`; twice `count` are the most. No large triangle has any on a side to which no light comes, such as the
 /// outside of a room. The same surfaces and litSpace() give the same patches.
 std::vector<Patch> patchesOf(const Scene& scene, std::size_t count);
-/// The same patches with about `pieces` of their folds, and some for each patch in which triangles face many ways; half
-/// as many more where `sizes` asks for small ones.
+/// The same patches with about `pieces` of their folds, and some for each patch in which triangles face many ways; with
+/// smaller ones where `sizes` asks for them, up to three times as many.
 PatchedScene patchedScene(const Scene& scene, std::size_t count, std::size_t pieces, const PieceSizes& sizes = {});
 
 /// The number of bounces after which what light is still under way is less than a third of the wanted error, bounded by
