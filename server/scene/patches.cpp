@@ -311,7 +311,7 @@ Patch turned(Patch p) {
 
 constexpr float kFoldReach = 3.0F;  // of folds, in sizes of the patch that stands for them: beyond it is nearly a point
 constexpr double kMostNearLights = 3.0;  // times as many pieces as are wanted,
-constexpr int kMostCoarser = 8;          // if so many steps leave no more
+constexpr int kMostCoarser = 8;  // if so many steps leave no more
 constexpr double kPieces = 1.4;  // halving leaves pieces of half to all of what is allowed
 
 /// Whether a ray ends at whatever of the surface it meets, so that what it sees there is all that it sees.
