@@ -193,10 +193,13 @@ page() {
 }
 
 # shows_page PORT AUTHORITY NAME: whether a browser that trusts the authority gets the page there, by its published name.
+# What openssl says at its end does not count: lpvd ends the connection without TLS's close_notify, after as many bytes as
+# the answer has said. Where the certificate is not trusted there is no answer.
 shows_page() {
-  printf 'GET / HTTP/1.1\r\nHost: localhost:8443\r\nConnection: close\r\n\r\n' |
-    openssl s_client -quiet -connect "localhost:$1" -CAfile "$2" -verify_hostname "$3" -verify_return_error -ign_eof 2>/dev/null |
-    grep -qi '^content-security-policy:'
+  local answer
+  answer=$(printf 'GET / HTTP/1.1\r\nHost: localhost:8443\r\nConnection: close\r\n\r\n' |
+    openssl s_client -quiet -connect "localhost:$1" -CAfile "$2" -verify_hostname "$3" -verify_return_error -ign_eof 2>/dev/null) || true
+  grep -qi '^content-security-policy:' <<<"$answer"
 }
 
 sees_it() { page "$1" '/api/v1/query?query=up%7Bjob%3D%22lpvd%22%7D' 2>/dev/null | grep -q '"value":\[[0-9.]*,"1"\]'; }
