@@ -5,7 +5,8 @@
 // edges, small objects and what is close to a light get E of their own.
 //
 // LPV_PASS: weights, and which tiles have a near field at all; the first points; those between, params.stride from what
-// is known. LPV_EVERYWHERE: the lights themselves are looked at wherever a surface is seen. LPV_POOL: the picture is that of
+// is known; or, of what surfaces reflect to a single frame, those that do not lie between points of a lattice
+// (frame/lattice.glsl). LPV_EVERYWHERE: the lights themselves are looked at wherever a surface is seen. LPV_POOL: the picture is that of
 // one pool of lights, also of what lights in front hide, and points that only rays can know are taken from fewer: halfway
 // between the last known ones the mean will do, or what is beside on the same plane. A thread has a tile, or a block of
 // points, and lists those to be evaluated (near_field_evaluate.comp).

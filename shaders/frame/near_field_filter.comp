@@ -19,7 +19,7 @@ layout(binding = kPoolLight) uniform sampler2D poolLight;
 layout(binding = kNearFieldOut, rgba32f) uniform image2D nearField;  // as in near_field.comp
 #include "frame/lattice.glsl"
 
-const int kReach = 3;                // pixels on each side
+const int kReach = 3;                // pixels on each side, or points of the lattice
 
 float mean(vec3 v) { return dot(v, vec3(1.0 / 3.0)); }
 
