@@ -246,19 +246,36 @@ GpuTask Pipeline::Stages::listEmitters(SessionState& s, double openingRatio) {
   made.listed.set(inputs);
 }
 
+/// What single rays of lobes, and through haze, meet.
+void Pipeline::Stages::findShownLights(SessionState& s, const Scene& scene) {
+  StageProducts& made = *s.products;
+  if (!s.glossy && scene.options.haze == 0.0) {
+    made.finePools = {};
+    made.finePooled.forget();
+    made.glossScene = {};
+    return;
+  }
+  if (!made.finePooled.holds(s.arranged.stamp())) {
+    made.fineLightPoints.setTimes(
+        std::max(kFineTimes * kMostFineLights / std::max(s.lights.size(), kMostFineLights), std::size_t(1)));
+    made.finePools.make(s.lights, made.fineLightPoints);
+    made.finePooled.set(s.arranged.stamp());
+  }
+  made.glossScene.update(scene, s.glossy, s.lights, made.finePools, made.finePooled.stamp());
+}
+
 /// Where shadow rays go, and what they can meet.
 GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
   StageProducts& made = *s.products;
-  if (!s.glossy) made.glossScene = {};
+  findShownLights(s, scene);
   if (!s.shadowed && s.bounces.turns == 0 && !s.glossy) co_return;
   if (!made.pooled.holds(s.arranged.stamp())) {
     made.pools.make(s.lights, made.lightPoints);
     made.pooled.set(s.arranged.stamp());
   }
   std::vector<Occluder> occluders;  // not a temporary: GCC 12 destroys those of a conditional in co_await twice
-  if (s.reflectionsBlocked || s.glossy) occluders = occludersOf(scene);
+  if (s.reflectionsBlocked || s.glossy || scene.options.haze > 0.0) occluders = occludersOf(scene);
   co_await made.occluders.update(std::move(occluders), s.field().grid, hazeOf(scene));
-  if (s.glossy) made.glossScene.update(scene, s.lights, made.pools, made.pooled.stamp());
 }
 
 /// The same ones as before where lights that have moved ask for no others.

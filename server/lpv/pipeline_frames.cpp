@@ -123,9 +123,13 @@ GpuTask Pipeline::Stages::reflectLikeMirrors(SessionState& s, const Scene& scene
   const StageProducts& made = *s.products;
   ShadowCasters shadows = shadowCasters(s, scene, frame);
   shadows.turns = (shadows.turns + layout::kGlossPlaces - 1) / layout::kGlossPlaces;
-  const GlossSources sources = {made.glossScene, made.emitters,
-                                shadows,         glossTurns(frame, scene.options),
-                                s.shadowed,      frame.reduced ? layout::kGlossReach : 1,
+  const GlossSources sources = {made.glossScene,
+                                made.finePools,
+                                made.emitters,
+                                shadows,
+                                glossTurns(frame, scene.options),
+                                s.shadowed,
+                                frame.reduced ? layout::kGlossReach : 1,
                                 frame.firstRow};
   co_await glossPass.run(*view.gloss, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                          pacing(s));
@@ -141,7 +145,8 @@ GpuTask Pipeline::Stages::scatter(SessionState& s, const Scene& scene, const Fra
   const StageProducts& made = *s.products;
   const Grid& grid = s.field().grid;
   const HazeSources sources = {s.lights,
-                               made.pools,
+                               made.finePools,
+                               made.glossScene,
                                made.emitters,
                                made.occluders,
                                made.reflecting(),

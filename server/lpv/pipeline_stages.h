@@ -165,6 +165,9 @@ struct StageProducts {
   Cached<Stamp> pooled;  ///< of the lights
   LightPools pools;
   LightPointCache lightPoints;
+  Cached<Stamp> finePooled;  ///< the same for gloss and haze, with more points of each light
+  LightPools finePools;
+  LightPointCache fineLightPoints;
   GpuOccluders occluders;
   GlossScene glossScene;
   CellVisibilities cellVisibilities;
@@ -213,6 +216,7 @@ struct Pipeline::Stages {
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   GpuTask listEmitters(SessionState& s, double openingRatio);
   GpuTask findShadowCasters(SessionState& s, const Scene& scene);
+  static void findShownLights(SessionState& s, const Scene& scene);
   void findPieceSizes(SessionState& s, const Scene& scene, const PatchedInputs& patched);
   void patchSurfaces(SessionState& s, const TickRequest& request);
   GpuTask findPatches(SessionState& s, const TickRequest& request);

@@ -34,14 +34,15 @@ std::vector<Occluder> occludersOf(const Scene& scene) {
     out.push_back({surface->mesh, surface->transform.worldFromObject(), kAllLights, std::move(coverage), number, -1,
                    textured, surface->albedo == glm::dvec3(0.0) ? 0 : sides, surface->visibleToCamera ? sides : 0});
   }
-  const bool reflects = gloss || bouncesFor(scene) > 0;
+  const bool hazy = scene.options.haze > 0.0;  // rays through it look for lights
+  const bool reflects = gloss || hazy || bouncesFor(scene) > 0;
   int index = 0;
   for (const auto& [name, light] : scene.lights) {
     if (!light->enabled || emittedRadiance(*light) == glm::dvec3(0.0)) continue;
     const bool mirrored = gloss && light->distant;  // in nobody's way, and seen in mirrors
     if (blocksItself(*light) || (reflects && light->castsShadow) || mirrored) {
       const int blocks = blocksItself(*light) ? index : kFromSurfaces;
-      const bool textured = gloss && light->texture != nullptr && !light->mesh->uvs.empty();
+      const bool textured = (gloss || hazy) && light->texture != nullptr && !light->mesh->uvs.empty();
       out.push_back({light->mesh, light->transform.worldFromObject(), blocks, {}, -1, index, textured});
     }
     ++index;

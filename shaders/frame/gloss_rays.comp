@@ -32,15 +32,17 @@ const float kGoldenStep = 0.6180339887;
 const int kCandidates = 8;  // points of lights that are weighed for a ray
 const int kEvenPoints = 256;  // of a light in a list, at most, that has few polygons: they are spread evenly over it
 const float kFewEven = 16.0;  // of a light's points in a lobe: half of their share is left to rays of the lobe;
-const float kFewOthers = 8192.0;  // the same of any other light's
+const float kFewOthers = 32768.0;  // the same of any other light's
 const float kLeastTurns = 4.0;
 const float kEvenEnough = 0.05;  // standard error of what is seen of lights, as a share of it, that ends a pixel's turns
+const float kLeastUp = 0.2;  // cosine: rays along the surface begin no further ahead, where something may stand on it
 const float kNearest = 4.0 * kShadowOffset;  // cells: a ray below the triangle of its own start meets it at once
 
 /// Where reflections begin.
 struct Receiver {
   vec3 x, n, v;
   Lobe lobe;
+  float off;     // of x from the surface
   float beyond;  // all that there is is nearer
   vec2 shift;    // of the pixel's sequences
   uint seed;     // of its choices, which are not like those beside it: sequences would make patterns of them
@@ -61,6 +63,7 @@ Receiver receiverAt(ivec2 pixel) {
   const vec3 place = surfacePosition(frame, pixel);
   r.n = surfaceNormal(pixel);
   r.x = rayStart(frame, place, r.n, texelFetch(surfaceDepth, pixel, 0).x);
+  r.off = dot(r.x - place, r.n);
   r.v = normalize(frame.eye - place);
   r.lobe = lobeAt(frame, pixel);
   const vec3 lower = lowestOccluder(), upper = highestOccluder();
@@ -113,17 +116,24 @@ void offer(inout GlossPoint p, vec3 reflected, vec4 place, vec3 n, float choice)
   p.normal.xyz = n;
 }
 
+/// Where a ray begins that goes on through the pixel's place on its surface: else a mirror's picture is moved.
+vec3 startTowards(Receiver r, vec3 direction) {
+  const float up = dot(direction, r.n);
+  return r.x + r.off / max(up, kLeastUp) * (direction - up * r.n);
+}
+
 /// A ray in a direction of the lobe: what it shows of a light.
 vec3 rayOfLobe(Receiver r, int k, inout GlossPoint p, inout int rounds) {
   vec3 direction;
   const vec3 worth = reflectedTo(r.lobe, r.n, r.v, fract(r.shift + float(k) * kRayStep), direction);
   if (worth == vec3(0.0)) return vec3(0.0);
-  const Sight sight = firstHit(r.x, r.x + r.beyond * direction, rounds);
+  const vec3 x = startTowards(r, direction);
+  const Sight sight = firstHit(x, x + r.beyond * direction, rounds);
   const float distance_ = sight.at * r.beyond;
   if (sight.at >= 1.0 || distance_ < kNearest) return vec3(0.0);
-  const vec3 place = r.x + distance_ * direction;
+  const vec3 place = x + distance_ * direction;
   const Met met = metAt(sight, place);
-  const vec3 arrives = worth * throughAir(r.x, place, rounds);
+  const vec3 arrives = worth * throughAir(x, place, rounds);
   if (met.light >= 0) return arrives * fromLight(r, met, distance_ * distance_, direction, sight.front);
   if (met.surface >= 0) {
     const float choice = randomOf(r.seed, 2u * uint(k));

@@ -3,7 +3,9 @@
 // first: the place is chosen by the angle under which it sees the view (equi-angular: Kulla and Fajardo 2012). A mesh is
 // looked at from a place that its middle chooses, since half of it faces away. Of kHazeCandidates such pairs one is asked
 // for, by what it scatters (Talbot, Cline and Egbert 2005). Beside a light, where 1 / r^2 of a single point says little,
-// several places come first, and of all points one is asked for. What nothing is in the way of counts whole either way.
+// several places come first, and of all points one is asked for. There, of a mesh or a picture, a ray goes where haze
+// scatters from, too, and what it meets of the light is weighed against points. What nothing is in the way of counts whole
+// either way.
 // A thread has a pixel.
 #include "layout.h"
 #include "common/sh.glsl"
@@ -14,7 +16,9 @@
 #define LPV_FROM_PATCHES 0
 #include "visibility/light_points.glsl"
 #include "visibility/occluders.glsl"
+#include "visibility/first_hit.glsl"
 #include "transport/polygons.glsl"
+#include "frame/gloss_scene.glsl"
 
 layout(local_size_x = kNearFieldTile, local_size_y = kNearFieldTile) in;
 
@@ -38,8 +42,9 @@ const float kLeastApartOfPatch = 0.3;  // and of a patch, which sends what it do
 const float kFewPolygons = 32.0;
 const int kPlacesByPolygons = 8;   // on the view, of a ray to a light of few polygons beside it,
 const int kPlacesOfPolygons = 12;  // and on the polygons, for each
-const int kPlacesByPoints = 2;     // the same beside any other light,
-const int kPointsOfNearPart = 4;   // and of each of its parts that is near
+const int kPlacesByPoints = 4;     // the same beside any other light,
+const int kPointsOfNearPart = 8;   // and of each of its parts that is near
+const float kEvenPoints = 128.0;   // as which points of a light count beside rays that go where haze sends light from
 const int kPointsAtOnce = 4;       // seen from one place, of a light of many triangles that is passed at a distance
 const float kSmallAngle = 1e-2;    // below, a triangle looks alike from all of it
 const float kBeside = 1.5;         // radii of a light's sphere from its middle: nearer views are beside it
@@ -270,9 +275,49 @@ vec3 allOfPolygons(View v, int i, float t, vec4 u, uint seed, out Scattered chos
   return sum;
 }
 
+/// Whether rays may find the light: all that it sends from a place goes by its normal there.
+bool isMetByRays(int i) { return (shownLight(i).flags & (kGlossDirected | kGlossUnseen)) == 0u; }
+
+/// How much of what a place of a light scatters at x is found by its points, and not by rays that haze chooses (multiple
+/// importance sampling, the balance heuristic: Veach and Guibas 1995). Beside the light few of its points are where most
+/// is scattered from. `n`: of the light there.
+float shareOfPoints(View v, float area, vec3 x, vec3 place, vec3 n) {
+  const vec3 to = place - x;
+  const float r2 = dot(to, to) + 1e-12, cosine = abs(dot(n, to)) * inversesqrt(r2);
+  const float byPoints = kEvenPoints / area * r2;
+  return byPoints / (byPoints + cosine * phase(dot(to, v.direction) * inversesqrt(r2)));
+}
+
+/// A direction from which haze scatters light along the view, as often as it does so much; u in [0, 1)^2.
+vec3 directionByHaze(View v, vec2 u) {
+  const float g = params.anisotropy, s = (1.0 - g * g) / (1.0 - g + 2.0 * g * u.x);
+  const float cosine = abs(g) < 1e-3 ? 2.0 * u.x - 1.0 : clamp((1.0 + g * g - s * s) / (2.0 * g), -1.0, 1.0);
+  const float turn = 2.0 * kPi * u.y, sine = sqrt(1.0 - cosine * cosine);
+  const vec3 right = normalize(cross(v.direction, abs(v.direction.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
+  return cosine * v.direction + sine * (cos(turn) * right + sin(turn) * cross(v.direction, right));
+}
+
+/// What a ray by haze finds of a light at t along the view: its share beside the light's points.
+vec3 rayByHaze(View v, int i, float t, vec2 u, inout int rounds) {
+  const vec3 x = frame.eye + t * v.direction, direction = directionByHaze(v, u);
+  const vec3 lower = lowestOccluder(), upper = highestOccluder();
+  const float beyond = length(max(abs(x - lower), abs(x - upper)));
+  const Sight sight = firstHit(x, x + beyond * direction, rounds);
+  if (sight.at >= 1.0) return vec3(0.0);
+  const vec3 place = x + sight.at * beyond * direction;
+  const Met met = metAt(sight, place);
+  if (met.light != i) return vec3(0.0);
+  const ShownLight light = shownLight(i);
+  const float share = 1.0 - shareOfPoints(v, light.area, x, place, met.normal);
+  const vec3 arrives = share * radianceAt(met, light, sight.front) * throughHaze(x, place) / phase(dot(direction, v.direction));
+  return scattersFrom(v, t, x, place) * arrives * transmitted(x, mix(x, place, kShadowEnd), kFromSurfaces, rounds);
+}
+
 /// The same of a light of many triangles, or with a picture, by its points.
 vec3 allOfPoints(View v, int i, float t, vec4 u, uint seed, out Scattered chosen) {
   const HazeLight light = hazeLights[i];
+  const bool met = isMetByRays(i);
+  const float area = shownLight(i).area;
   chosen = kNothing;
   vec3 all = vec3(0.0);
   float weights = 0.0;
@@ -283,7 +328,8 @@ vec3 allOfPoints(View v, int i, float t, vec4 u, uint seed, out Scattered chosen
     for (int k = 0; k < taken; ++k) {
       const int point = p.begin + (p.one - p.begin + k * count / taken) % count;
       Scattered s = scatteredAt(v, t, point, pointPosition(point), light.pointArea);
-      s.light *= worth;
+      const vec3 n = texelFetch(lightPoints, kLightPointTexels * point + 1).xyz;
+      s.light *= met ? worth * shareOfPoints(v, area, s.at, s.place, n) : worth;
       all += s.light;
       choose(s, randomOf(seed, uint(part * kPointsOfNearPart + k)), chosen, weights);
     }
@@ -295,10 +341,10 @@ vec3 allOfPoints(View v, int i, float t, vec4 u, uint seed, out Scattered chosen
 /// From a light that the view passes beside, over several places; `chance`: that it was chosen.
 Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout int rounds) {
   const HazeLight light = hazeLights[i];
-  const bool few = isFewPolygons(i);
+  const bool few = isFewPolygons(i), met = !few && isMetByRays(i);
   float apart;
   const float along = alongView(v, light, apart);
-  vec3 all = vec3(0.0);
+  vec3 all = vec3(0.0), byHaze = vec3(0.0);
   float weights = 0.0;
   Scattered chosen = kNothing;
   const int places = few ? kPlacesByPolygons : kPlacesByPoints;
@@ -317,11 +363,15 @@ Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout
     vec3 here;
     if (few) here = allOfPolygons(v, i, t, u, hashed(seed + uint(n)), one);
     else here = allOfPoints(v, i, t, u, hashed(seed + uint(n)), one);
+    if (met) byHaze += rayByHaze(v, i, t, fract(u.zw + 0.5), rounds) / density;
     all += here / density;
     one.light /= density;
     choose(one, randomOf(seed, 2u * uint(n)), chosen, weights);
   }
-  return found(all, few ? 0.0 : kUnevenness * largest(all), chosen, weights, 1.0 / (float(places) * chance), rounds);
+  const float worth = 1.0 / (float(places) * chance);
+  Found of = found(all, few ? 0.0 : kUnevenness * largest(all), chosen, weights, worth, rounds);
+  of.all += worth * byHaze;
+  return of;
 }
 
 /// About what a light that the view passes beside scatters; 0 of others.

@@ -83,7 +83,7 @@ GpuTask GlossPass::runBand(const Inputs& inputs, layout::GlossParams band, Pacin
       band.last = band.turn + 1 == sources.turns ? 1 : 0;
       bind(inputs, band);
       inputs.seenLights.depth.bind(layout::kEmitterDepth);
-      sources.shadows.pools->view.bind(layout::kLightPoints);
+      sources.points.view.bind(layout::kLightPoints);
       sources.shadows.occluders->bind();
       buffer.list.bindStorage(layout::kNearFieldPoints);
       rays.dispatch(std::uint32_t(wanted));

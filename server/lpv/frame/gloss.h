@@ -30,6 +30,7 @@ struct GlossBuffer {
 /// What reflections show, and how long they look.
 struct GlossSources {
   const GlossScene& scene;
+  const LightPools& points;  ///< those of `scene`
   const EmitterBufferList& emitters;
   const ShadowCasters& shadows;  ///< for the places that are met
   int turns = 1;         ///< of layout::kGlossRays rays in directions of the lobe, and as many to lights

@@ -114,6 +114,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
       picture.bind();
       points.bind(layout::kLightPoints);
       sources.occluders.bind();
+      sources.shown.bind();
       sources.emitters.view.bind(layout::kDirect);
       picture.buffer.sum.bindImage(layout::kHazeSumOut, GL_READ_WRITE);
       rays_.get({}).dispatch(std::uint32_t(some));

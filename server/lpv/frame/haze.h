@@ -11,6 +11,7 @@
 #include "lpv/frame/gbuffer.h"
 #include "lpv/pacing/gpu_task.h"
 #include "lpv/pacing/stage_clock.h"
+#include "lpv/resources/gloss_scene.h"
 #include "lpv/resources/light_pools.h"
 #include "lpv/resources/lights.h"
 #include "lpv/resources/occluders.h"
@@ -31,6 +32,7 @@ struct HazeBuffer {
 struct HazeSources {
   const std::vector<EmittingLight>& lights;  ///< those of `pools`; there are some
   const LightPools& pools;
+  const GlossScene& shown;  ///< what rays meet of them
   const EmitterBufferList& emitters;  ///< the same lights
   const GpuOccluders& occluders;  ///< of a scene with haze
   const PatchSet* reflected = nullptr;  ///< null: nothing

@@ -40,10 +40,11 @@ const GlossScene::Packed& GlossScene::pictureOf(const TexturePtr& texture) {
   return packed;
 }
 
-void GlossScene::update(const Scene& scene, const std::vector<EmittingLight>& lights, const LightPools& pools,
-                        Stamp pooled) {
+void GlossScene::update(const Scene& scene, bool surfaces, const std::vector<EmittingLight>& lights,
+                        const LightPools& pools, Stamp pooled) {
   Inputs inputs = {{}, pooled};
-  for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
+  if (surfaces)
+    for (const auto& [name, surface] : scene.surfaces) inputs.surfaces.push_back(surface);
   if (made_.holds(inputs)) return;
   std::set<TexturePtr> used;
   const std::size_t firstLight = 1 + layout::kGlossSurfaceTexels * inputs.surfaces.size();

@@ -1,6 +1,6 @@
 #pragma once
-// What reflections show of a scene, on the GPU (MATHS.md 3e): what its surfaces reflect and its lights send, with their
-// pictures, coarsely. Shapes are those of shadow rays (lpv/resources/occluders.h).
+// What reflections, and rays through haze, meet of a scene, on the GPU (MATHS.md 3e, 3g): what its surfaces reflect and
+// its lights send, with their pictures, coarsely. Shapes are those of shadow rays (lpv/resources/occluders.h).
 
 #include <map>
 #include <vector>
@@ -20,8 +20,10 @@ inline constexpr int kMostReflectedBoxes = 256;
 
 class GlossScene {
  public:
-  /// Makes what differs from the last scene. `pooled`: of `pools`, which are those of `lights`.
-  void update(const Scene& scene, const std::vector<EmittingLight>& lights, const LightPools& pools, Stamp pooled);
+  /// Makes what differs from the last scene. `pooled`: of `pools`, which are those of `lights`. `surfaces`: that rays
+  /// ask what they reflect; else lights alone are here.
+  void update(const Scene& scene, bool surfaces, const std::vector<EmittingLight>& lights, const LightPools& pools,
+              Stamp pooled);
   void bind() const;
 
  private:

@@ -37,11 +37,21 @@ std::vector<std::size_t> brightestFirst(std::span<const LightPool> pools) {
   return out;
 }
 
+void LightPointCache::setTimes(std::size_t times) {
+  if (times == times_) return;
+  times_ = times;
+  kept_.clear();
+}
+
 LightPointsPtr LightPointCache::get(const EmittingLight& light) {
   if (light.source != nullptr && light.source->points != nullptr) return light.source->points;
   Kept& kept = kept_[{light.mesh, light.texture}];
-  if (kept.points == nullptr)
-    kept.points = std::make_shared<const LightPoints>(lightPoints(*light.mesh, light.texture.get()));
+  if (kept.points == nullptr) {
+    LightPoints points = lightPoints(*light.mesh, light.texture.get());
+    if (times_ > 1 && points.size() > kPointsOfFewPolygons)
+      points = lightPoints(*light.mesh, light.texture.get(), times_);
+    kept.points = std::make_shared<const LightPoints>(std::move(points));
+  }
   kept.used = true;
   return kept.points;
 }

@@ -31,9 +31,17 @@ std::vector<std::size_t> brightestFirst(std::span<const LightPool> pools);
 /// Lights in so many pools at most: each its own, while there are no more.
 inline constexpr std::size_t kMostPools = 16;
 
+/// As many points of a light of many polygons, or with a picture, as shadow rays choose from, for what sees only some
+/// of a light at a time, a lobe or a view through haze beside it: it would meet the same few however long it looks.
+inline constexpr std::size_t kFineTimes = 16;
+/// Of so many lights: of more, fewer of each.
+inline constexpr std::size_t kMostFineLights = 16;
+
 /// The points of meshes in object space, kept while lights have them.
 class LightPointCache {
  public:
+  /// From now on `times` as many of lights that have more than few polygons, or a picture.
+  void setTimes(std::size_t times);
   LightPointsPtr get(const EmittingLight& light);
   /// Lets go of what was not asked for since the last call.
   void sweep();
@@ -43,6 +51,7 @@ class LightPointCache {
     LightPointsPtr points;
     bool used = false;
   };
+  std::size_t times_ = 1;
   std::map<std::pair<MeshPtr, TexturePtr>, Kept> kept_;
 };
 

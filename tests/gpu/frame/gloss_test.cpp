@@ -4,6 +4,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "gpu/engine/engine_rig.h"
+#include "reference/emitter.h"
 #include "reference/textures.h"
 #include "scene/gloss.h"
 
@@ -79,6 +80,20 @@ glm::dvec3 lobeOfLamp(const GlossLobe& lobe, const glm::dvec3& at, const glm::dv
   return sum * glossShare(glm::dot(n, v), lobe.alpha).gain(lobe.straight) * glm::dvec3(3.0, 2.0, 1.0);
 }
 
+/// What it makes of small triangles of a convex mesh, each by its middle.
+glm::dvec3 lobeOf(const GlossLobe& lobe, const std::vector<reference::Emitter>& triangles, const glm::dvec3& at,
+                  const glm::dvec3& v) {
+  const glm::dvec3 n(0.0, 1.0, 0.0);
+  glm::dvec3 sum(0.0);
+  for (const reference::Emitter& t : triangles) {
+    const glm::dvec3 d = t.positionAt(glm::dvec3(1.0 / 3.0)) - at;
+    const double r2 = glm::dot(d, d);
+    const glm::dvec3 l = d / std::sqrt(r2);
+    sum += lobe.single(n, v, l) * t.radiance * (std::max(l.y, 0.0) * std::max(-glm::dot(t.areaNormal(), l), 0.0) / r2);
+  }
+  return sum * glossShare(glm::dot(n, v), lobe.alpha).gain(lobe.straight);
+}
+
 struct Errors {
   double relative = 0.0;  ///< L2
   int pixels = 0;
@@ -123,26 +138,81 @@ TEST_F(GlossTest, ABlackDielectricReflectsALamp) {
   }
 }
 
-// Red where the mirror looks at what is behind it, or shows its own colour twice.
-TEST_F(GlossTest, AMirrorShowsTheLampWhereItIs) {
-  const Scene scene = floorAndLamp(0.0, 1.0, glm::dvec3(0.5));
-  const FramePtr got = frame(scene, above());
+/// Of a mirror's picture of the lamp: pixels that show it, where all but those within `edge` metres of its edges show
+/// what they should.
+int litPixels(const Frame& got, const Camera& camera, double edge) {
   int lit = 0;
   for (int y = 0; y < kSize.y; ++y) {
     for (int x = 0; x < kSize.x; ++x) {
-      const glm::dvec3 ray = rayThrough(above(), x, y);
-      const double at = -above().eye.y / ray.y;
-      const glm::dvec3 place = above().eye + at * ray, to(ray.x, -ray.y, ray.z);
+      const glm::dvec3 ray = rayThrough(camera, x, y);
+      const double at = -camera.eye.y / ray.y;
+      const glm::dvec3 place = camera.eye + at * ray, to(ray.x, -ray.y, ray.z);
       if (at <= 0.0 || place.z < -0.95) continue;
       const glm::dvec3 there = place + to * ((-1.0 - place.z) / to.z);
       const double inside = 0.5 - std::max(std::abs(there.x), std::abs(there.y - 0.6));
-      if (to.z >= 0.0 || std::abs(inside) < 0.05) continue;
-      const double edge = std::pow(1.0 - to.y, 5.0), share = inside > 0.0 ? 0.5 + 0.5 * edge : 0.0;
-      EXPECT_NEAR(pixel(*got, x, y).x, 3.0 * share, 0.01) << x << ", " << y;
+      if (to.z >= 0.0 || std::abs(inside) < edge) continue;
+      const double fresnel = std::pow(1.0 - to.y, 5.0), share = inside > 0.0 ? 0.5 + 0.5 * fresnel : 0.0;
+      EXPECT_NEAR(pixel(got, x, y).x, 3.0 * share, 0.01) << x << ", " << y;
       lit += inside > 0.0 ? 1 : 0;
     }
   }
-  EXPECT_GT(lit, 100);
+  return lit;
+}
+
+// A lobe below a mesh that all but touches the floor has a small part of it in it. Red where the points of the mesh are
+// those of shadow rays, which are too few for that (.017).
+TEST_F(GlossTest, AMetalFloorReflectsAMeshJustAboveIt) {
+  const glm::dvec3 albedo(0.9, 0.6, 0.3);
+  for (const double roughness : {0.3, 0.6}) {
+    Scene scene = floorAndLamp(roughness, 1.0, albedo);
+    Light& light = test::lightOf(scene);
+    light.mesh = reference::sphereOf(80, 40);
+    const glm::dvec3 middle(0.0, 0.46, 0.0);
+    light.transform = {middle, {1, 0, 0, 0}, glm::dvec3(0.45)};
+    Camera low = above();
+    low.eye = {0.0, 0.25, 2.0};
+    low.target = {0.0, 0.0, 0.25};
+    low.fovDegrees = 20.0;
+    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+    const GlossLobe lobe = GlossLobe::of(albedo, roughness, 1.0);
+    const FramePtr got = frame(scene, low);
+    double squared = 0.0, all = 0.0, ours = 0.0, wanted = 0.0;
+    int count = 0;
+    for (int y = 1; y < kSize.y; y += 3) {
+      for (int x = 1; x < kSize.x; x += 3) {
+        const glm::dvec3 ray = rayThrough(low, x, y), place = low.eye - low.eye.y / ray.y * ray;
+        const glm::dvec3 past = middle - low.eye - glm::dot(middle - low.eye, ray) * ray;
+        if (ray.y >= 0.0 || glm::length(past) < 0.46) continue;  // the lamp is seen
+        const glm::dvec3 want = lobeOf(lobe, emitters, place, -ray), off = pixel(*got, x, y) - want;
+        squared += glm::dot(off, off);
+        all += glm::dot(want, want);
+        ours += pixel(*got, x, y).y;
+        wanted += want.y;
+        ++count;
+      }
+    }
+    EXPECT_GT(count, 60);
+    EXPECT_NEAR(ours / wanted, 1.0, 0.01) << roughness;
+    EXPECT_LT(std::sqrt(squared / all), 0.015) << roughness;
+  }
+}
+
+// Red where the mirror looks at what is behind it, or shows its own colour twice.
+TEST_F(GlossTest, AMirrorShowsTheLampWhereItIs) {
+  const Scene scene = floorAndLamp(0.0, 1.0, glm::dvec3(0.5));
+  EXPECT_GT(litPixels(*frame(scene, above()), above(), 0.05), 100);
+}
+
+// Rays begin off the surface. Red where they begin straight above the pixel's place, and not on the way through it.
+TEST_F(GlossTest, AMirrorsPictureIsNotMoved) {
+  const Scene scene = floorAndLamp(0.0, 1.0, glm::dvec3(0.5));
+  Camera far = above();
+  far.eye *= 4.0;
+  far.target = {0.4878, 0.0, -0.7317};  // what shows the lamp's corner; a pixel is about a millimetre
+  far.fovDegrees = 0.4;
+  const int lit = litPixels(*frame(scene, far), far, 1.5e-3);
+  EXPECT_GT(lit, 500);
+  EXPECT_LT(lit, kSize.x * kSize.y - 500);
 }
 
 /// A sphere in a closed box of light of radiance 1.
