@@ -535,7 +535,8 @@ struct HazeParams {
   int ofSurfaces;  // 1: points are those of patches, of which few are looked at
   float scattering;  // per cell
   float anisotropy;
-  int pad0, pad1, pad2;
+  int panes;  // 1: the picture has some, which take from what is scattered behind them
+  int pad0, pad1;
 };
 
 struct SubpixelParams {

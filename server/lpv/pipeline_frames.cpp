@@ -154,7 +154,8 @@ GpuTask Pipeline::Stages::scatter(SessionState& s, const Scene& scene, const Fra
                                options.haze * (1.0 - options.hazeAbsorption) * grid.cell,
                                options.hazeAnisotropy,
                                hazeTurns(frame, options),
-                               frame.firstRow};
+                               frame.firstRow,
+                               PaneRenderer::needed(frame, scene)};
   co_await hazePass.run(*view.haze, *view.gbuffer, view.targets->emitters, sources, view.targets->frameParams,
                         pacing(s));
 }

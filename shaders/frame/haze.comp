@@ -265,7 +265,7 @@ vec3 allOfPolygons(View v, int i, float t, vec4 u, uint seed, out Scattered chos
     const float angle = solidAngleOf(at, x, where.z);
     for (before += angle; next < before && k < kPlacesOfPolygons; next += each, ++k) {
       const vec3 place = placeWithin(at, x, angle, fract(u.xz + float(k) * kRayStep));
-      const float share = scattersFrom(v, t, x, place) * throughHaze(x, place);
+      const vec3 share = scattersFrom(v, t, x, place) * throughHaze(x, place);
       const Scattered s = Scattered(each * share * radiance.rgb, x, place, source);
       sum += s.light;
       choose(s, randomOf(seed, uint(k)), chosen, weights);

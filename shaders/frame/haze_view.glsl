@@ -28,9 +28,28 @@ float phase(float cosine) {
   return (1.0 - g * g) / (4.0 * kPi * d * sqrt(d));
 }
 
+/// What panes leave of light between two places on a view. Where a mask stops it the view ends, or it is beside that.
+vec3 throughPanes(vec3 from, vec3 to) {
+  const int instances = firstInstance(), end = endOfInstanceNodes();
+  const SegmentBox box = segmentBox(from, to - from, kTopMargin);
+  vec3 share = vec3(1.0);
+  int rounds = 0;
+  for (int at = kOccluderHeader; at < end && rounds < kMostRayRounds; ++rounds) {
+    const uint leaf = nextLeaf(at, kOccluderHeader, end, box, 1.0, rounds);
+    const int instance = instances + kInstanceTexels * int(leaf / uint(kLeafItems));
+    if (leaf == 0u || stopsAll(instance)) continue;
+    const mat4x3 object = objectFromGrid(instance);
+    const vec3 origin = object * vec4(from, 1.0), direction = object * vec4(to - from, 0.0);
+    const vec3 here = throughMesh(instance, texelFetch(occluders, instance + 3), origin, direction, rounds);
+    if (here != vec3(0.0)) share *= here;
+  }
+  return share;
+}
+
 /// Towards the camera, of light that comes to x, at t along the view, from a place.
-float scattersFrom(View v, float t, vec3 x, vec3 place) {
-  return params.scattering * phase(dot(normalize(place - x), v.direction)) * exp(-hazeExtinction() * (t - v.begin));
+vec3 scattersFrom(View v, float t, vec3 x, vec3 place) {
+  const float scatters = phase(dot(normalize(place - x), v.direction)) * exp(-hazeExtinction() * (t - v.begin));
+  return params.scattering * scatters * (params.panes == 1 ? throughPanes(frame.eye, x) : vec3(1.0));
 }
 
 /// How often placeOnView() comes to t, per cell.

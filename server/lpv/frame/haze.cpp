@@ -98,6 +98,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
   params.turns = sources.turns;
   params.ofSurfaces = ofSurfaces ? 1 : 0;
   params.firstRow = sources.firstRow;
+  params.panes = sources.panes ? 1 : 0;
   params.lights = int(lights.size());
   params.scattering = float(sources.scattering);
   params.anisotropy = float(sources.anisotropy);

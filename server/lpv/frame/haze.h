@@ -41,6 +41,7 @@ struct HazeSources {
   double anisotropy = 0.0;
   int turns = 1;            ///< of layout::kHazeRays rays to lights, and as many to surfaces
   int firstRow = 0;         ///< of the pixels, in the picture that they are some rows of
+  bool panes = false;       ///< in the picture
 };
 
 class HazePass {

@@ -351,6 +351,28 @@ TEST_F(HazeTest, TakesFromVolumes) {
   }
 }
 
+// Broken by: what haze shines behind a pane as it is without one; a pane behind all haze that takes of it.
+TEST_F(HazeTest, IsSeenThroughPanes) {
+  const Scene open = hazyScene(0.5, 0.3);
+  const FramePtr without = frame(open, outside());
+  const glm::dvec3 colour(0.8, 0.5, 0.25);
+  for (const bool before : {true, false}) {
+    Scene scene = open;
+    Surface& pane = test::addSurface(scene, "pane", reference::quad());
+    pane.transform = {{0.0, 0.0, before ? 3.5 : -3.0}, {1, 0, 0, 0}, glm::dvec3(9.0)};
+    pane.alphaMode = AlphaMode::kBlend;
+    pane.opacity = 0.0;
+    pane.transmission = colour;
+    const FramePtr got = frame(scene, outside(), false, before ? 2 : 3);
+    for (int y = 1; y < kPicture.y; y += 6) {
+      for (int x = 1; x < kPicture.x; x += 6) {
+        const glm::dvec3 want = (before ? colour : glm::dvec3(1.0)) * pixel(*without, x, y);
+        EXPECT_LE(glm::length(pixel(*got, x, y) - want), 0.01 * glm::length(want)) << before << ": " << x << ", " << y;
+      }
+    }
+  }
+}
+
 // A wall stands beside the lamp. Broken by: haze that shines where the lamp does not.
 TEST_F(HazeTest, LiesInTheShadowOfAWall) {
   Scene scene = hazyScene(0.5, 0.0);
