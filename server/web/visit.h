@@ -162,11 +162,20 @@ class Visit final : public Guest, public std::enable_shared_from_this<Visit<Stre
     });
   }
 
-  /// What the client still sends is read for a while, so that closing does not reset the connection before it has read.
+  /// Over TLS the client hears that this is all (RFC 8446, section 6.1: close_notify), and need not take it for one
+  /// that was cut off.
   void finish() {
+    beast::get_lowest_layer(stream_).expires_after(kCloseTime);
+    if constexpr (std::is_same_v<Stream, Secured>) {
+      stream_.async_shutdown([self = this->shared_from_this()](Error) { self->endSending(); });
+    } else {
+      endSending();
+    }
+  }
+  /// What the client still sends is read for a while, so that closing does not reset the connection before it has read.
+  void endSending() {
     Error ignored;
     beast::get_lowest_layer(stream_).socket().shutdown(Tcp::socket::shutdown_send, ignored);
-    beast::get_lowest_layer(stream_).expires_after(kCloseTime);
     leftOver();
   }
   void leftOver() {

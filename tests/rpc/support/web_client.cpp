@@ -52,6 +52,7 @@ class WebSocketClient::Tls {
   bool connect() { return SSL_connect(ssl_.get()) == 1; }
   ssize_t read(char* into, std::size_t size) { return SSL_read(ssl_.get(), into, int(size)); }
   ssize_t write(const char* from, std::size_t size) { return SSL_write(ssl_.get(), from, int(size)); }
+  bool serverSaidItEnds() const { return (SSL_get_shutdown(ssl_.get()) & SSL_RECEIVED_SHUTDOWN) != 0; }
 
  private:
   std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context_;
@@ -94,6 +95,12 @@ WebSocketClient::WebSocketClient(int port, Knock knock) : socket_(connectTo(port
 
 WebSocketClient::~WebSocketClient() {
   if (socket_ >= 0) close(socket_);
+}
+
+bool WebSocketClient::endsInOrder() {
+  while (fill(in_.size() + 1)) {
+  }
+  return tls_ != nullptr && tls_->serverSaidItEnds();
 }
 
 bool WebSocketClient::sendRaw(const std::string& bytes) {

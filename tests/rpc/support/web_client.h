@@ -45,6 +45,8 @@ class WebSocketClient {
 
   int status() const { return status_; }  ///< of HTTP; 101: open
   const std::string& answer() const { return answer_; }  ///< HTTP's header and body where it is not open
+  /// Over TLS: reads to the end, and whether the server said that it is the end (close_notify).
+  bool endsInOrder();
   /// Bytes as they are.
   bool sendRaw(const std::string& bytes);
   /// A frame; `announced` instead of the payload's size where it is given.

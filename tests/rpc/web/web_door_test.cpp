@@ -200,6 +200,16 @@ TEST(WebDoor, CertificatesAreTakenUpWhenTheyChange) {
       << "open sockets stay";
 }
 
+// Broken by: an end of TCP alone, which strict clients take for an answer that was cut off.
+TEST(WebDoor, AnswersOverTlsEndAsTlsDoes) {
+  const Authority authority("authority");
+  const CertificateFiles files = authority.issue("files");
+  Browsers secured({"--tls-cert", files.certificate, "--tls-key", files.key});
+  WebSocketClient refused(secured.port(), {.origin = "https://evil.example", .authority = authority.file()});
+  EXPECT_EQ(refused.status(), 403);
+  EXPECT_TRUE(refused.endsInOrder());
+}
+
 /// Sends as fast as the server takes, until it is told to stop or is cut off.
 class Flood {
  public:
