@@ -46,7 +46,7 @@ inline int glossTurns(const FrameRequest& frame, const LightingSettings& options
 }
 /// Of rays of a pixel through haze. A power of two: so many are spread evenly (shaders/frame/haze.comp).
 inline int hazeTurns(const FrameRequest& frame, const LightingSettings& options) {
-  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 16 : 8;
+  return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 32 : 8;
 }
 inline int shadowTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? shadowTurns(options) / 2 : shadowTurns(options);
