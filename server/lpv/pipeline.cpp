@@ -360,8 +360,8 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   made.reflected.set(inputs);
 }
 
-/// How often pieces of folds get from each other what they sent the time before, where all light is wanted. Patches say
-/// what they send first: too much in a pocket, of which the rest of a patch is brighter.
+/// How often pieces of folds get from each other what they sent the time before, where all light is wanted, or as many
+/// bounces. Patches say what they send first: too much in a pocket, of which the rest of a patch is brighter.
 constexpr int kTurnsOfPieces = 16;
 
 /// The pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it
@@ -374,7 +374,7 @@ GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& 
   if (!look) co_return;
   const ShadowCasters shadows = {
       &made.pools, &made.occluders, 0, &patches, shadowTurns(scene.options), foldTurns(scene.options)};
-  const bool allLight = s.bounces.albedo > 0.0 && !made.occluders.transparent();
+  const bool allLight = (s.bounces.albedo > 0.0 || turns >= kTurnsOfPieces) && !made.occluders.transparent();
   patches.forgetFoldHits(shadows.foldTurns);
   co_await nearFieldPass.lookFromPieces(patches, made.emitters, shadows, pacing(s));
   co_await bouncePass.run(patches, s.bounces, turns - 1, turns, pacing(s));

@@ -16,6 +16,7 @@
 #include "scene/merged_triangles.h"
 #include "scene/shadowing.h"
 #include "scene/transparency.h"
+#include "scene/triangle_pools.h"
 
 namespace lpv {
 
@@ -175,8 +176,12 @@ struct SmallTriangle {
   std::uint32_t patch = 0;  ///< that stands for it
 };
 
-/// Large triangles in pieces, which tile a flat wall evenly; small ones together, one of them for all, until their area
-/// is that of a piece.
+constexpr double kTurned =
+    3.0;  // in sizes of a patch, as how far apart small triangles count whose normals differ by 1
+constexpr double kPoolsOfPatch = 2.0;  // for as much area of small triangles as a patch may have
+
+/// Large triangles in pieces, which tile a flat wall evenly; small ones in pools, of each the one next to its middle
+/// for all.
 class Patches {
  public:
   explicit Patches(double most) : most_(most) {}
@@ -187,34 +192,71 @@ class Patches {
       const glm::uvec3& t = triangles.all()[i];
       const double area = triangles.area(t);
       if (!(area > 0.0) || triangles.litSides(t, space) == 0) continue;
-      if (area > 0.5 * most_) {
+      if (area > 0.5 * most_)
         triangles.split(t, most_, patches_);
-        continue;
-      }
-      if (pending_ < 0.5 * most_) last_ = triangles.patch(t, glm::dvec2(1.0 / 3.0), 0.0);
-      small_.push_back({&triangles, i, 0});
-      pending_ += area;
-      if (pending_ >= most_) flush();
+      else
+        small_.push_back({&triangles, i, 0});
     }
   }
-  /// What is left of small triangles gets a patch.
+  /// What there is of small triangles since the last time gets patches.
   void flush() {
-    if (pending_ <= 0.0) return;
-    for (; resolved_ < small_.size(); ++resolved_) small_[resolved_].patch = std::uint32_t(patches_.size());
-    patches_.push_back(last_);
-    patches_.back().area = float(pending_);
-    pending_ = 0.0;
+    const std::span<SmallTriangle> fresh = std::span(small_).subspan(pooled_);
+    std::vector<Patch> own;
+    std::vector<PooledTriangle> triangles;
+    double area = 0.0;
+    for (const SmallTriangle& t : fresh) {
+      const glm::uvec3& corners = t.of->all()[t.index];
+      const Patch& patch = own.emplace_back(t.of->patch(corners, glm::dvec2(1.0 / 3.0), t.of->area(corners)));
+      triangles.push_back({patch.position, patch.normal, double(patch.area)});
+      area += double(patch.area);
+    }
+    const auto count = std::max(std::size_t(1), std::size_t(std::llround(kPoolsOfPatch * area / most_)));
+    const std::vector<std::uint32_t> pools = poolsOf(triangles, count, kTurned * std::sqrt(most_));
+    const std::size_t before = patches_.size();
+    for (std::size_t i = 0; i < fresh.size(); ++i) fresh[i].patch = std::uint32_t(before) + pools[i];
+    addPools(own, pools);
+    std::ranges::stable_sort(fresh, {}, &SmallTriangle::patch);
+    pooled_ = small_.size();
   }
   std::vector<Patch>& all() { return patches_; }
   const std::vector<SmallTriangle>& small() const { return small_; }
 
  private:
+  /// `own`: what each triangle would be by itself.
+  void addPools(const std::vector<Patch>& own, const std::vector<std::uint32_t>& pools) {
+    struct Sum {
+      double area = 0.0;
+      glm::dvec3 middle{0.0}, normal{0.0}, albedo{0.0};
+    };
+    std::vector<Sum> sums;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (pools[i] >= sums.size()) sums.resize(pools[i] + 1);
+      Sum& sum = sums[pools[i]];
+      const double area = own[i].area;
+      sum.area += area;
+      sum.middle += area * glm::dvec3(own[i].position);
+      sum.normal += area * glm::dvec3(own[i].normal);
+      sum.albedo += area * glm::dvec3(own[i].albedo);
+    }
+    std::vector<std::pair<double, std::size_t>> nearest(sums.size(), {std::numeric_limits<double>::infinity(), 0});
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const Sum& sum = sums[pools[i]];
+      const glm::dvec3 off = glm::dvec3(own[i].position) - sum.middle / sum.area;
+      const glm::dvec3 turned = glm::dvec3(own[i].normal) - sum.normal / sum.area;
+      const double distance = glm::dot(off, off) + kTurned * kTurned * most_ * glm::dot(turned, turned);
+      nearest[pools[i]] = std::min(nearest[pools[i]], {distance, i});
+    }
+    for (std::size_t pool = 0; pool < sums.size(); ++pool) {
+      Patch& patch = patches_.emplace_back(own[nearest[pool].second]);
+      patch.area = float(sums[pool].area);
+      patch.albedo = glm::vec3(sums[pool].albedo / sums[pool].area);
+    }
+  }
+
   double most_;
   std::vector<Patch> patches_;
   std::vector<SmallTriangle> small_;
-  std::size_t resolved_ = 0;  ///< of them, those whose patch is known
-  Patch last_;
-  double pending_ = 0.0;
+  std::size_t pooled_ = 0;  ///< of them
 };
 
 constexpr double kMostPiecesOfTriangle = 127.0;  // halving makes up to twice as many of it, which kPieceBits can tell

@@ -1,6 +1,7 @@
 // How much of a pool of lights is seen from the points of a list: rays to points of the lights, four
 // a dispatch (MATHS.md 3d). A point goes on after the first four only if these, or those of the points beside it,
-// disagree: elsewhere it is in the light or in the dark, or behind an even pane. Threads per point.
+// disagree: elsewhere it is in the light or in the dark, or behind an even pane. A patch that is a triangle looks from another
+// place each turn, and has all turns. Threads per point.
 #include "layout.h"
 #include "visibility/patch_weight.glsl"
 #include "visibility/receivers.glsl"
@@ -176,7 +177,11 @@ float keptInHaze(vec3 x, vec3 n, ivec2 pixel) {
 #endif
 
 void sendRays(uint point, ivec2 pixel) {
+#if LPV_PATCHES
+  const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n, turnInOrder());
+#else
   const vec3 n = receiverNormal(pixel), x = rayStart(pixel, n);
+#endif
   vec4 weights;
   const ivec4 chosen = raysTo(point, x, n, inPicture(pixel), weights);
   vec4 all = vec4(0.0), shares = vec4(-1.0);
@@ -211,7 +216,7 @@ void main() {
   const ivec2 pixel = receiverOf(points[four][point % 4u]);
   if (shadow.turn == 0) {
     shadowPoints[point].sent.a = turnsOf(point, pixel);
-  } else if (float(shadow.turn) >= shadowPoints[point].sent.a || isDecided(point, four)) {
+  } else if (float(shadow.turn) >= shadowPoints[point].sent.a || (!isTriangle(pixel) && isDecided(point, four))) {
     return;
   }
   sendRays(point, pixel);

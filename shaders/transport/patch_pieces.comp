@@ -1,9 +1,8 @@
 // Pieces of folds, and the patches that stand for them. LPV_STEP:
-//   0: what comes to a patch from the lights is what comes to its pieces in the mean, of those that face as it does: a bar
-//      before a window is bright where it sends nothing into the room
+//   0: what comes to a patch from the lights is what comes to its pieces in the mean
 //   1: what pieces send, as long as nobody has looked from them: what comes to their patch from others comes to each
 //   2: the same once they have been looked from
-//   3: what a patch sends is what these of its pieces send in the mean
+//   3: what a patch sends is what its pieces send in the mean
 //   4: what comes to pieces from each other, again: what they send is better known than when they were looked from
 // A thread has a patch in steps 0 and 3, a piece in 1, 2 and 4.
 #include "layout.h"
@@ -52,8 +51,6 @@ void main() {
   pieceLights[i] = vec4(patches[piece].albedo.rgb * (patches[piece].direct.rgb + reflected) / kPi, 0.0);
 }
 #else
-const float kAlike = 0.9;
-
 vec3 ofPiece(int i) {
 #if LPV_STEP == 0
   return patches[params.count + i].direct.rgb;
@@ -68,8 +65,7 @@ void main() {
   const int first = int(patches[a].normal.w), end = first + int(patches[a].albedo.w);
   vec4 sum = vec4(0.0);
   for (int i = first; i < end; ++i) {
-    const bool alike = dot(patches[params.count + i].normal.xyz, patches[a].normal.xyz) > kAlike;
-    sum += alike ? patches[params.count + i].place.w * vec4(ofPiece(i), 1.0) : vec4(0.0);
+    sum += patches[params.count + i].place.w * vec4(ofPiece(i), 1.0);
   }
   if (sum.w <= 0.0) return;
   const vec3 mean = sum.rgb / sum.w;

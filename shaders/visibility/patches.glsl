@@ -19,6 +19,12 @@ struct Patch {
 
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };
 
+/// A place on one that is a triangle; u in [0, 1)^2.
+vec3 placeOn(Patch p, vec2 u) {
+  if (u.x + u.y > 1.0) u = 1.0 - u;
+  return p.corners[0].xyz + u.x * (p.corners[1].xyz - p.corners[0].xyz) + u.y * (p.corners[2].xyz - p.corners[0].xyz);
+}
+
 /// A share per colour in ten bits each.
 uint packedShare(vec3 share) {
   const uvec3 s = uvec3(share * 1023.0 + 0.5);

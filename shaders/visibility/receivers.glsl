@@ -25,8 +25,19 @@ ivec2 receiverOf(uint listed) { return ivec2(listed, 0); }
 vec3 receiverNormal(ivec2 pixel) { return patches[pixel.x].normal.xyz; }
 vec3 receiverPosition(ivec2 pixel) { return patches[pixel.x].place.xyz; }
 vec3 rayStart(ivec2 pixel, vec3 n) { return receiverPosition(pixel) + kShadowOffset * n; }
+
+bool isTriangle(ivec2 pixel) { return patches[pixel.x].corners[0].w != 0.0; }
+
+/// Of a turn's rays: from another place of a patch each turn (Roberts 2018), since some of it may be in the dark.
+vec3 rayStart(ivec2 pixel, vec3 n, int turn) {
+  if (!isTriangle(pixel)) return rayStart(pixel, n);
+  const vec2 shift = float(pixel.x & 1023) * vec2(0.5698402910, 0.6180339887);
+  return placeOn(patches[pixel.x], fract(shift + float(turn) * vec2(0.7548776662, 0.5698402910))) + kShadowOffset * n;
+}
 #else
 #include "common/octahedral.glsl"
+
+bool isTriangle(ivec2 pixel) { return false; }
 
 ivec2 receiverOf(uint listed) { return unpackedPixel(listed); }
 

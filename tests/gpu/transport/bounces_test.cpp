@@ -557,7 +557,7 @@ TEST_F(BouncesTest, StreamsSeeWhatFramesDoBetweenCrates) {
 
 /// A ball of which one patch stands for all.
 Scene ballUnderLamp() {
-  return underLamp(reference::sphereOf(48, 24), {{0.0, 0.0, -0.4}, glm::dquat(1, 0, 0, 0), glm::dvec3(0.8)}, 40.0);
+  return underLamp(reference::sphereOf(48, 24), {{0.0, 0.0, -0.4}, glm::dquat(1, 0, 0, 0), glm::dvec3(0.8)}, 50.0);
 }
 
 /// E of one reflection by a convex surface, triangle by triangle; what comes to each at its middle.
@@ -597,8 +597,8 @@ TEST_F(BouncesTest, WhatIsNearSmallTrianglesSeesThem) {
 }
 
 // Further and further from the ball, 2 % a step: mean E of points all around below it, beside the truth. Where its
-// patch stands for it there is none, since that faces up. Broken by: pieces up to a distance, and from there on the
-// patch (.17 a step).
+// patch stands for it there is none, since that faces elsewhere. Broken by: pieces up to a distance, and from there on
+// the patch (.37 a step).
 TEST_F(BouncesTest, PatchesTakeOverFromPiecesGradually) {
   const Scene scene = ballUnderLamp();
   const glm::dvec3 middle(0.0, 0.0, -0.4);
@@ -609,7 +609,9 @@ TEST_F(BouncesTest, PatchesTakeOverFromPiecesGradually) {
     for (int k = 0; k < kAround; ++k) {
       const double z = 0.4 + 0.5 * (k + 0.5) / kAround, turn = 2.399963 * k;
       const glm::dvec3 to(std::sqrt(1.0 - z * z) * std::cos(turn), std::sqrt(1.0 - z * z) * std::sin(turn), z);
-      points.push_back({middle + distance(step) * to, -to});
+      // Askew, each otherwise: rays of all points are alike, and would leave the ball together.
+      const glm::dvec3 aside(0.3 * std::sin(1.7 * k), 0.3 * std::cos(2.9 * k), 0.3 * std::sin(4.1 * k));
+      points.push_back({middle + distance(step) * to, glm::normalize(aside - to)});
     }
   }
   const auto got = probed(scene, points);
@@ -822,6 +824,39 @@ TEST_F(BouncesTest, AWallBelowAShelfIsNotLitByWhatIsAbove) {
 }
 
 // Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
+/// A floor of 4 m below a small lamp, and, if it is asked for, black slats half way up, whose shadows are as wide as
+/// the gaps between them. Patches of the floor have legs of .25 m, so their middles lie .083 m from one of the lines
+/// along which all shadows are centred: between shadows.
+Scene floorBelowSlats(bool slats) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.bounces = 1;
+  scene.grid = {glm::dvec3(-2.5, -1.25, -2.5), 0.5, glm::ivec3(10, 16, 10)};
+  Light& lamp = test::lightOf(scene);
+  lamp.mesh = reference::quad();
+  lamp.transform = {{0.0, 6.0, 0.0}, rotationFromEulerDegrees({90.0, 0.0, 0.0}), glm::dvec3(0.01)};
+  lamp.radiance = glm::dvec3(1e5);
+  const auto add = [&scene](const std::string& name, const glm::dvec3& at, const glm::dvec3& size, double albedo) {
+    Surface& plate = test::addSurface(scene, name, reference::quad());
+    plate.transform = {at, rotationFromEulerDegrees({-90.0, 0.0, 0.0}), size};
+    plate.albedo = glm::dvec3(albedo);
+    plate.twoSided = false;
+  };
+  add("floor", {0.0, 0.0, 0.0}, {4.0, 4.0, 1.0}, 0.8);
+  add("below", {0.0, -1.0, 0.0}, {4.0, 2.5, 1.0}, 0.0);  // patches are as large as they are for all areas together
+  for (int i = 0; slats && i <= 16; ++i)
+    add("slat " + std::to_string(i), {0.5 * (0.25 * i - 2.0), 3.0, 0.0}, {0.0625, 2.4, 1.0}, 0.0);
+  return scene;
+}
+
+// Broken by: patches that look from their middles alone, all of which are in the light (1.0).
+TEST_F(BouncesTest, WhatIsHalfInTheDarkReflectsHalf) {
+  const std::vector<reference::Receiver> facingDown = {{{0.0, 1.5, 0.0}, {0.0, -1.0, 0.0}},
+                                                       {{0.9, 1.2, -0.7}, {0.0, -1.0, 0.0}}};
+  const auto open = probed(floorBelowSlats(false), facingDown), half = probed(floorBelowSlats(true), facingDown, 2);
+  for (std::size_t i = 0; i < open.size(); ++i) EXPECT_NEAR(half[i].x / open[i].x, 0.5, 0.03) << i;
+}
+
 TEST_F(BouncesTest, TheDarkSideReflectsNothing) {
   Scene scene = lampOverFloor();
   scene.options.visibility = Visibility::kOn;  // AUTO looks at what stands between lights and surfaces
