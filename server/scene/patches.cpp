@@ -211,10 +211,11 @@ class Patches {
       area += double(patch.area);
     }
     const auto count = std::max(std::size_t(1), std::size_t(std::llround(kPoolsOfPatch * area / most_)));
-    const std::vector<std::uint32_t> pools = poolsOf(triangles, count, kTurned * std::sqrt(most_));
+    const TrianglePools pools = poolsOf(triangles, count, kTurned * std::sqrt(most_));
     const std::size_t before = patches_.size();
-    for (std::size_t i = 0; i < fresh.size(); ++i) fresh[i].patch = std::uint32_t(before) + pools[i];
-    addPools(own, pools);
+    for (const std::uint32_t i : pools.central) patches_.push_back(own[i]);
+    takeMeans(std::span(patches_).subspan(before), own, pools.poolOf);
+    for (std::size_t i = 0; i < fresh.size(); ++i) fresh[i].patch = std::uint32_t(before) + pools.poolOf[i];
     std::ranges::stable_sort(fresh, {}, &SmallTriangle::patch);
     pooled_ = small_.size();
   }
@@ -222,34 +223,18 @@ class Patches {
   const std::vector<SmallTriangle>& small() const { return small_; }
 
  private:
-  /// `own`: what each triangle would be by itself.
-  void addPools(const std::vector<Patch>& own, const std::vector<std::uint32_t>& pools) {
-    struct Sum {
-      double area = 0.0;
-      glm::dvec3 middle{0.0}, normal{0.0}, albedo{0.0};
-    };
-    std::vector<Sum> sums;
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      if (pools[i] >= sums.size()) sums.resize(pools[i] + 1);
-      Sum& sum = sums[pools[i]];
-      const double area = own[i].area;
-      sum.area += area;
-      sum.middle += area * glm::dvec3(own[i].position);
-      sum.normal += area * glm::dvec3(own[i].normal);
-      sum.albedo += area * glm::dvec3(own[i].albedo);
+  /// Each pool has the area and the mean albedo of its triangles.
+  static void takeMeans(std::span<Patch> pools, const std::vector<Patch>& triangles,
+                        const std::vector<std::uint32_t>& poolOf) {
+    std::vector<double> areas(pools.size(), 0.0);
+    std::vector<glm::dvec3> reflecting(pools.size(), glm::dvec3(0.0));
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      areas[poolOf[i]] += double(triangles[i].area);
+      reflecting[poolOf[i]] += double(triangles[i].area) * glm::dvec3(triangles[i].albedo);
     }
-    std::vector<std::pair<double, std::size_t>> nearest(sums.size(), {std::numeric_limits<double>::infinity(), 0});
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const Sum& sum = sums[pools[i]];
-      const glm::dvec3 off = glm::dvec3(own[i].position) - sum.middle / sum.area;
-      const glm::dvec3 turned = glm::dvec3(own[i].normal) - sum.normal / sum.area;
-      const double distance = glm::dot(off, off) + kTurned * kTurned * most_ * glm::dot(turned, turned);
-      nearest[pools[i]] = std::min(nearest[pools[i]], {distance, i});
-    }
-    for (std::size_t pool = 0; pool < sums.size(); ++pool) {
-      Patch& patch = patches_.emplace_back(own[nearest[pool].second]);
-      patch.area = float(sums[pool].area);
-      patch.albedo = glm::vec3(sums[pool].albedo / sums[pool].area);
+    for (std::size_t i = 0; i < pools.size(); ++i) {
+      pools[i].area = float(areas[i]);
+      pools[i].albedo = glm::vec3(reflecting[i] / areas[i]);
     }
   }
 

@@ -13,9 +13,9 @@ using Place = std::array<double, 6>;  // of a triangle's middle, and of its norm
 
 struct Pool {
   std::size_t begin = 0, end = 0;  // of the order
-  std::size_t axis = 0;            // of Place, along which it is widest
-  double mean = 0.0;               // along that
-  double spread = 0.0;             // in all
+  Place mean{};
+  std::size_t axis = 0;  // along which it is widest
+  double spread = 0.0;   // in all
 
   bool operator<(const Pool& other) const { return spread < other.spread; }
 };
@@ -32,32 +32,46 @@ class Halving {
   }
 
   Pool pool(std::size_t begin, std::size_t end) const {
-    Place sum{}, squares{};
+    Place mean{}, squares{};
     double area = 0.0;
     for (std::size_t i = begin; i < end; ++i) {
       const double a = triangles_[order_[i]].area;
       area += a;
-      for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += a * places_[order_[i]][k];
+      for (std::size_t k = 0; k < mean.size(); ++k) mean[k] += a * places_[order_[i]][k];
     }
+    for (double& m : mean) m /= area;
     for (std::size_t i = begin; i < end; ++i) {
-      const double a = triangles_[order_[i]].area;
-      for (std::size_t k = 0; k < sum.size(); ++k) {
-        const double off = places_[order_[i]][k] - sum[k] / area;
-        squares[k] += a * off * off;
+      for (std::size_t k = 0; k < mean.size(); ++k) {
+        const double off = places_[order_[i]][k] - mean[k];
+        squares[k] += triangles_[order_[i]].area * off * off;
       }
     }
     const auto axis = std::size_t(std::max_element(squares.begin(), squares.end()) - squares.begin());
-    return {begin, end, axis, sum[axis] / area, std::accumulate(squares.begin(), squares.end(), 0.0)};
+    return {begin, end, mean, axis, std::accumulate(squares.begin(), squares.end(), 0.0)};
   }
 
   /// Where its second half begins; its begin or end: it has none.
   std::size_t halve(const Pool& pool) {
     const auto first = order_.begin() + std::ptrdiff_t(pool.begin), last = order_.begin() + std::ptrdiff_t(pool.end);
-    const auto isBefore = [&](std::uint32_t i) { return places_[i][pool.axis] < pool.mean; };
+    const auto isBefore = [&](std::uint32_t i) { return places_[i][pool.axis] < pool.mean[pool.axis]; };
     return std::size_t(std::stable_partition(first, last, isBefore) - order_.begin());
   }
 
-  std::uint32_t at(std::size_t i) const { return order_[i]; }
+  std::span<const std::uint32_t> trianglesOf(const Pool& pool) const {
+    return std::span(order_).subspan(pool.begin, pool.end - pool.begin);
+  }
+
+  std::uint32_t central(const Pool& pool) const {
+    const auto distance2 = [&](std::uint32_t i) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < pool.mean.size(); ++k) {
+        const double off = places_[i][k] - pool.mean[k];
+        sum += off * off;
+      }
+      return sum;
+    };
+    return std::ranges::min(trianglesOf(pool), {}, distance2);
+  }
 
  private:
   std::span<const PooledTriangle> triangles_;
@@ -67,8 +81,8 @@ class Halving {
 
 }  // namespace
 
-std::vector<std::uint32_t> poolsOf(std::span<const PooledTriangle> triangles, std::size_t count, double turned) {
-  std::vector<std::uint32_t> out(triangles.size());
+TrianglePools poolsOf(std::span<const PooledTriangle> triangles, std::size_t count, double turned) {
+  TrianglePools out{std::vector<std::uint32_t>(triangles.size()), {}};
   if (triangles.empty()) return out;
   Halving halving(triangles, turned);
   std::priority_queue<Pool> open;
@@ -87,8 +101,9 @@ std::vector<std::uint32_t> poolsOf(std::span<const PooledTriangle> triangles, st
   }
   for (; !open.empty(); open.pop()) pools.push_back(open.top());
   std::ranges::sort(pools, {}, &Pool::begin);
-  for (std::uint32_t i = 0; i < pools.size(); ++i) {
-    for (std::size_t k = pools[i].begin; k < pools[i].end; ++k) out[halving.at(k)] = i;
+  for (const Pool& pool : pools) {
+    for (const std::uint32_t i : halving.trianglesOf(pool)) out.poolOf[i] = std::uint32_t(out.central.size());
+    out.central.push_back(halving.central(pool));
   }
   return out;
 }

@@ -15,10 +15,15 @@ struct PooledTriangle {
   double area = 0.0;       ///< m^2
 };
 
+struct TrianglePools {
+  std::vector<std::uint32_t> poolOf;   ///< by triangle
+  std::vector<std::uint32_t> central;  ///< by pool, the triangle nearest to its mean
+};
+
 /// In so many pools at the most, fewer only where triangles are the same, whose triangles are close to each other and
 /// face alike: the pool with the largest sum of area times the squared distance from its mean is halved, along the axis
 /// along which it is widest, until there are as many. `turned`: metres, as how far apart normals count that differ by
-/// 1. By triangle, the number of its pool.
-std::vector<std::uint32_t> poolsOf(std::span<const PooledTriangle> triangles, std::size_t count, double turned);
+/// 1.
+TrianglePools poolsOf(std::span<const PooledTriangle> triangles, std::size_t count, double turned);
 
 }  // namespace lpv

@@ -42,7 +42,7 @@ std::size_t countOf(const std::vector<std::uint32_t>& pools) { return std::set(p
 // Red where triangles are pooled in the order of the mesh: its sides are on four bars.
 TEST(TrianglePools, AreOfOneBarWhereThereAreEnough) {
   const std::vector<PooledTriangle> triangles = bars();
-  const std::vector<std::uint32_t> few = poolsOf(triangles, 4, 0.1), more = poolsOf(triangles, 16, 1.0);
+  const std::vector<std::uint32_t> few = poolsOf(triangles, 4, 0.1).poolOf, more = poolsOf(triangles, 16, 1.0).poolOf;
   EXPECT_EQ(countOf(few), 4U);
   EXPECT_LE(widest(triangles, few).apart, 1.0F);
   EXPECT_EQ(countOf(more), 16U);
@@ -50,20 +50,31 @@ TEST(TrianglePools, AreOfOneBarWhereThereAreEnough) {
   EXPECT_GE(widest(triangles, more).cosine, 0.99F);
 }
 
+// In the middle of a bar, of the side that faces as the mean does.
+TEST(TrianglePools, HaveOneNearTheirMean) {
+  const std::vector<PooledTriangle> triangles = bars();
+  const TrianglePools pools = poolsOf(triangles, 16, 1.0);
+  ASSERT_EQ(pools.central.size(), 16U);
+  for (std::uint32_t pool = 0; pool < 16; ++pool) {
+    EXPECT_EQ(pools.poolOf[pools.central[pool]], pool);
+    EXPECT_NEAR(triangles[pools.central[pool]].middle.x, 0.475F, 0.03F);
+  }
+}
+
 // How they face counts for as much as is said.
 TEST(TrianglePools, FaceAlikeBeforeTheyAreClose) {
   const std::vector<PooledTriangle> triangles = bars();
-  EXPECT_GE(widest(triangles, poolsOf(triangles, 4, 20.0)).cosine, 0.99F);
+  EXPECT_GE(widest(triangles, poolsOf(triangles, 4, 20.0).poolOf).cosine, 0.99F);
 }
 
 TEST(TrianglePools, AreNoMoreThanAskedForOrThanDiffer) {
   std::vector<PooledTriangle> same(7, {glm::vec3(1.0F), glm::vec3(0.0F, 1.0F, 0.0F), 0.5});
-  EXPECT_EQ(countOf(poolsOf(same, 5, 1.0)), 1U);
-  EXPECT_TRUE(poolsOf({}, 5, 1.0).empty());
+  EXPECT_EQ(countOf(poolsOf(same, 5, 1.0).poolOf), 1U);
+  EXPECT_TRUE(poolsOf({}, 5, 1.0).central.empty());
   const std::vector<PooledTriangle> triangles = bars();
-  EXPECT_EQ(countOf(poolsOf(triangles, 1, 1.0)), 1U);
-  EXPECT_EQ(countOf(poolsOf(triangles, 1000, 1.0)), triangles.size());
-  const std::vector<std::uint32_t> pools = poolsOf(triangles, 9, 1.0);
+  EXPECT_EQ(countOf(poolsOf(triangles, 1, 1.0).poolOf), 1U);
+  EXPECT_EQ(countOf(poolsOf(triangles, 1000, 1.0).poolOf), triangles.size());
+  const std::vector<std::uint32_t> pools = poolsOf(triangles, 9, 1.0).poolOf;
   EXPECT_EQ(countOf(pools), 9U);
   EXPECT_EQ(*std::ranges::max_element(pools), 8U);
 }
