@@ -535,8 +535,7 @@ struct HazeParams {
   int ofSurfaces;  // 1: points are those of patches, of which few are looked at
   float scattering;  // per cell
   float anisotropy;
-  int panes;  // 1: the picture has some, which take from what is scattered behind them
-  int pad0, pad1;
+  int pad0, pad1, pad2;
 };
 
 struct SubpixelParams {

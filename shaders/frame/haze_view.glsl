@@ -1,4 +1,8 @@
-// What of a pixel's view lies in haze, and what that makes of light (MATHS.md 3g).
+// What of a pixel's view lies in haze, and what that makes of light (MATHS.md 3g). LPV_PANES: the picture has panes, which
+// take from what is scattered behind them; the walk is slow even where it meets none.
+#ifndef LPV_PANES
+#error "LPV_PANES: 0 or 1"
+#endif
 layout(binding = kSurfaceDepth) uniform sampler2D surfaceDepth;
 layout(binding = kEmitterDepth) uniform sampler2D emitterDepth;
 
@@ -28,6 +32,7 @@ float phase(float cosine) {
   return (1.0 - g * g) / (4.0 * kPi * d * sqrt(d));
 }
 
+#if LPV_PANES
 /// What panes leave of light between two places on a view. Where a mask stops it the view ends, or it is beside that.
 vec3 throughPanes(vec3 from, vec3 to) {
   const int instances = firstInstance(), end = endOfInstanceNodes();
@@ -45,11 +50,16 @@ vec3 throughPanes(vec3 from, vec3 to) {
   }
   return share;
 }
+#endif
 
 /// Towards the camera, of light that comes to x, at t along the view, from a place.
 vec3 scattersFrom(View v, float t, vec3 x, vec3 place) {
   const float scatters = phase(dot(normalize(place - x), v.direction)) * exp(-hazeExtinction() * (t - v.begin));
-  return params.scattering * scatters * (params.panes == 1 ? throughPanes(frame.eye, x) : vec3(1.0));
+#if LPV_PANES
+  return params.scattering * scatters * throughPanes(frame.eye, x);
+#else
+  return vec3(params.scattering * scatters);
+#endif
 }
 
 /// How often placeOnView() comes to t, per cell.

@@ -98,7 +98,6 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
   params.turns = sources.turns;
   params.ofSurfaces = ofSurfaces ? 1 : 0;
   params.firstRow = sources.firstRow;
-  params.panes = sources.panes ? 1 : 0;
   params.lights = int(lights.size());
   params.scattering = float(sources.scattering);
   params.anisotropy = float(sources.anisotropy);
@@ -118,7 +117,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
       sources.shown.bind();
       sources.emitters.view.bind(layout::kDirect);
       picture.buffer.sum.bindImage(layout::kHazeSumOut, GL_READ_WRITE);
-      rays_.get({}).dispatch(std::uint32_t(some));
+      rays_.get({.panes = sources.panes}).dispatch(std::uint32_t(some));
       gpu::memoryBarrier();
       params.first += some;
       co_yield submitted(Stage::kShade, some * kHazeTurnUnits);

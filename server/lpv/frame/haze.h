@@ -57,9 +57,9 @@ class HazePass {
                bool ofSurfaces, Pacing pacing);
 
   struct Variant {
-    bool transparent = true;
+    bool panes = false;
     bool operator==(const Variant&) const = default;
-    gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
+    gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", true), gpu::define("LPV_PANES", panes)}; }
   };
   gpu::Programs<Variant> rays_{{"frame/haze.comp"}};
   gpu::ProgramVariants filter_{{"frame/haze_filter.comp"}};
