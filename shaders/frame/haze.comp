@@ -7,7 +7,12 @@
 // scatters from, too, and what it meets of the light is weighed against points. What nothing is in the way of counts whole
 // either way.
 // A thread has a pixel.
+//
+// LPV_MESHES: some lights have more than few polygons, or a picture, and rays look for them.
 #include "layout.h"
+#ifndef LPV_MESHES
+#error "LPV_MESHES: 0 or 1"
+#endif
 #include "common/sh.glsl"
 #include "common/colour.glsl"
 #include "common/random.glsl"
@@ -276,7 +281,7 @@ vec3 allOfPolygons(View v, int i, float t, vec4 u, uint seed, out Scattered chos
 }
 
 /// Whether rays may find the light: all that it sends from a place goes by its normal there.
-bool isMetByRays(int i) { return (shownLight(i).flags & (kGlossDirected | kGlossUnseen)) == 0u; }
+bool isMetByRays(int i) { return LPV_MESHES == 1 && (shownLight(i).flags & (kGlossDirected | kGlossUnseen)) == 0u; }
 
 /// How much of what a place of a light scatters at x is found by its points, and not by rays that haze chooses (multiple
 /// importance sampling, the balance heuristic: Veach and Guibas 1995). Beside the light few of its points are where most
@@ -363,7 +368,9 @@ Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout
     vec3 here;
     if (few) here = allOfPolygons(v, i, t, u, hashed(seed + uint(n)), one);
     else here = allOfPoints(v, i, t, u, hashed(seed + uint(n)), one);
+#if LPV_MESHES
     if (met) byHaze += rayByHaze(v, i, t, fract(u.zw + 0.5), rounds) / density;
+#endif
     all += here / density;
     one.light /= density;
     choose(one, randomOf(seed, 2u * uint(n)), chosen, weights);

@@ -89,6 +89,8 @@ HazePass::HazePass() : params_("haze params", sizeof(layout::HazeParams), gpu::B
 GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points, std::vector<layout::HazeLight> lights,
                        bool ofSurfaces, Pacing pacing) {
   const HazeSources& sources = picture.sources;
+  const auto isMesh = [](const LightPool& range) { return !range.distant && range.points > int(kPointsOfFewPolygons); };
+  const Variant variant = {sources.panes, !ofSurfaces && std::ranges::any_of(sources.pools.ranges, isMesh)};
   const std::size_t bytes = std::bit_ceil(lights.size() * sizeof(layout::HazeLight));
   if (lights_.size() < bytes) {
     lights_ = {};  // first the old memory, then the new
@@ -117,7 +119,7 @@ GpuTask HazePass::look(const Picture& picture, const gpu::BufferTexture& points,
       sources.shown.bind();
       sources.emitters.view.bind(layout::kDirect);
       picture.buffer.sum.bindImage(layout::kHazeSumOut, GL_READ_WRITE);
-      rays_.get({.panes = sources.panes}).dispatch(std::uint32_t(some));
+      rays_.get(variant).dispatch(std::uint32_t(some));
       gpu::memoryBarrier();
       params.first += some;
       co_yield submitted(Stage::kShade, some * kHazeTurnUnits);

@@ -58,8 +58,11 @@ class HazePass {
 
   struct Variant {
     bool panes = false;
+    bool meshes = false;  ///< lights of more than few polygons, or with pictures
     bool operator==(const Variant&) const = default;
-    gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", true), gpu::define("LPV_PANES", panes)}; }
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_TRANSPARENT", true), gpu::define("LPV_PANES", panes), gpu::define("LPV_MESHES", meshes)};
+    }
   };
   gpu::Programs<Variant> rays_{{"frame/haze.comp"}};
   gpu::ProgramVariants filter_{{"frame/haze_filter.comp"}};
