@@ -176,9 +176,9 @@ struct SmallTriangle {
   std::uint32_t patch = 0;  ///< that stands for it
 };
 
-constexpr double kTurned =
-    3.0;  // in sizes of a patch, as how far apart small triangles count whose normals differ by 1
-constexpr double kPoolsOfPatch = 2.0;  // for as much area of small triangles as a patch may have
+/// As how far apart small triangles count whose normals differ by 1, in sizes of a patch, and how many pools there are
+/// for as much of their area as a patch may have: tests/bench/NOTES.md has others.
+constexpr double kTurned = 3.0, kPoolsOfPatch = 2.0;
 
 /// Large triangles in pieces, which tile a flat wall evenly; small ones in pools, of each the one next to its middle
 /// for all.

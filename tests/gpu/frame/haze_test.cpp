@@ -87,6 +87,15 @@ class HazeTest : public test::EngineTest {
     EXPECT_GT(all, 0.0);
     return std::sqrt(squared / all);
   }
+  /// Of a frame of a scene whose lamps are not seen, and are in nobody's way.
+  double errorOf(const Scene& scene, const Camera& camera, int step) {
+    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+    const reference::Medium medium = mediumOf(scene);
+    const auto want = [&](const glm::dvec3& eye, const glm::dvec3& ray) {
+      return reference::scattered(emitters, medium, eye, ray, kFar);
+    };
+    return errorOf(*frame(scene, camera), camera, want, step);
+  }
 };
 
 struct Row {
@@ -103,12 +112,7 @@ TEST_P(HazeOfALamp, IsWhatAMarchFinds) {
   const Row row = GetParam();
   const Scene scene = hazyScene(row.depth, row.anisotropy);
   const Camera camera = row.inside ? inside() : outside();
-  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
-  const reference::Medium medium = mediumOf(scene);
-  const double error = errorOf(*frame(scene, camera), camera, [&](const glm::dvec3& eye, const glm::dvec3& ray) {
-    return reference::scattered(emitters, medium, eye, ray, kFar);
-  });
-  EXPECT_LE(error, row.bound);
+  EXPECT_LE(errorOf(scene, camera, 4), row.bound);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, HazeOfALamp,
@@ -125,16 +129,7 @@ TEST_F(HazeTest, OfAMeshIsWhatAMarchFinds) {
     Light& lamp = test::lightOf(scene);
     lamp.mesh = reference::sphere();
     lamp.transform.scale = glm::dvec3(0.6);
-    const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
-    const reference::Medium medium = mediumOf(scene);
-    const double error = errorOf(
-        *frame(scene, outside()), outside(),
-        [&](const glm::dvec3& eye, const glm::dvec3& ray) {
-          // The sphere is not seen, and is in nobody's way.
-          return reference::scattered(emitters, medium, eye, ray, kFar);
-        },
-        7);
-    EXPECT_LE(error, 0.03) << anisotropy;
+    EXPECT_LE(errorOf(scene, outside(), 7), 0.03) << anisotropy;
   }
 }
 
@@ -149,15 +144,7 @@ TEST_F(HazeTest, CloseToAMeshIsWhatAMarchFinds) {
   close.eye = lamp.transform.translation + glm::dvec3(0.2, 0.1, 0.75);
   close.target = lamp.transform.translation + glm::dvec3(0.3, 0.1, 0.0);
   close.fovDegrees = 60.0;
-  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
-  const reference::Medium medium = mediumOf(scene);
-  const double error = errorOf(
-      *frame(scene, close), close,
-      [&](const glm::dvec3& eye, const glm::dvec3& ray) {
-        return reference::scattered(emitters, medium, eye, ray, kFar);
-      },
-      7);
-  EXPECT_LE(error, 0.042);
+  EXPECT_LE(errorOf(scene, close, 7), 0.042);
 }
 
 // Large and smaller, of polygons and of many triangles, coloured, two-sided and mirrored, near the view and far from
