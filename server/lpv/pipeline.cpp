@@ -109,7 +109,7 @@ GpuTask Pipeline::tick(SessionState& s, const TickRequest& request, TickResult& 
     co_await stages.propagate(s, scene);
   } else {
     co_await stages.voxelize(s, request, result.report);
-    co_await stages.findShadowCasters(s, scene);
+    co_await stages.findShadowCasters(s, request);
     co_await stages.gather(s, request);
     co_await stages.listEmitters(s, scene.options.openingRatio());
     co_await stages.reflect(s, request);
@@ -265,10 +265,13 @@ void Pipeline::Stages::findShownLights(SessionState& s, const Scene& scene) {
 }
 
 /// Where shadow rays go, and what they can meet.
-GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const Scene& scene) {
+GpuTask Pipeline::Stages::findShadowCasters(SessionState& s, const TickRequest& request) {
+  const Scene& scene = *request.scene;
   StageProducts& made = *s.products;
   findShownLights(s, scene);
-  if (!s.shadowed && s.bounces.turns == 0 && !s.glossy) co_return;
+  const bool apart = std::any_of(request.frames.begin(), request.frames.end(),
+                                 [&s](const FrameRequest& frame) { return looksApart(s, frame); });
+  if (!s.shadowed && s.bounces.turns == 0 && !s.glossy && !apart) co_return;
   if (!made.pooled.holds(s.arranged.stamp())) {
     made.pools.make(s.lights, made.lightPoints);
     made.pooled.set(s.arranged.stamp());

@@ -57,13 +57,6 @@ void keepSize(std::unique_ptr<Buffer>& buffer, const glm::ivec2& size) {
   buffer = std::make_unique<Buffer>(size);
 }
 
-/// Whether samples that are unlike their pixel's middle are lit where they are: in single frames whose pixels look at
-/// the lights.
-bool looksApart(const SessionState& s, const FrameRequest& frame) {
-  return frame.samples > 1 && !frame.reduced && frame.quantity == FrameQuantity::kRadiance && s.looksAtLights &&
-         (s.shadowed || s.bounces.turns > 0);
-}
-
 /// Light of all surfaces has no edges as fine as this, radians, but those of what is seen, where every pixel looks.
 constexpr double kLatticeAngle = 4e-3;
 
@@ -82,6 +75,11 @@ ShadowCasters castersForApart(ShadowCasters all) {
 }
 
 }  // namespace
+
+bool looksApart(const SessionState& s, const FrameRequest& frame) {
+  return frame.samples > 1 && !frame.reduced && frame.quantity == FrameQuantity::kRadiance && !s.lights.empty() &&
+         s.memory.product()->transport != Transport::kPropagate;
+}
 
 bool drawnInBands(const FrameRequest& frame) {
   const bool exposedAsAWhole = frame.format == PixelFormat::kRgb8 && frame.exposure.automatic;
@@ -253,17 +251,23 @@ GpuTask Pipeline::Stages::drawFrame(SessionState& s, const Scene& scene, const F
   if (sampled) co_await lookAtLights(s, scene, frame, view);
   co_await reflectLikeMirrors(s, scene, frame, view);
   co_await scatter(s, scene, frame, view);
+  IrradianceSources lit = {.transport = field.transport,
+                           .lookup = scene.options.lookup,
+                           .volume = s.looksAtLights ? nullptr : &*field.textures,
+                           .emitters = &s.products->emitters,
+                           .nearField = sampled ? &view.nearField->irradiance : nullptr};
+  if (!sampled && looksApart(s, frame)) {
+    keepSize(view.nearField, frame.size);
+    co_await shadingPass.findIrradiance(view.nearField->irradiance, targets, gbuffer, lit, pacing(s));
+    lit.nearField = &view.nearField->irradiance;
+    lit.volume = nullptr;  // all is known
+  }
   co_await drawSubpixels(s, scene, frame, view);
-  const IrradianceSources lit = {field.transport,
-                                 scene.options.lookup,
-                                 s.looksAtLights ? nullptr : &*field.textures,
-                                 &s.products->emitters,
-                                 sampled ? &view.nearField->irradiance : nullptr,
-                                 view.panes != nullptr ? &view.panes->share : nullptr,
-                                 view.gloss != nullptr ? &view.gloss->gloss : nullptr,
-                                 view.haze.get(),
-                                 &s.products->occluders,
-                                 view.subpixels.get()};
+  lit.panes = view.panes != nullptr ? &view.panes->share : nullptr;
+  lit.gloss = view.gloss != nullptr ? &view.gloss->gloss : nullptr;
+  lit.haze = view.haze.get();
+  lit.hazeBox = &s.products->occluders;
+  lit.subpixels = view.subpixels.get();
   co_await shadingPass.run(targets, gbuffer, lit, frame, pacing(s));
 }
 

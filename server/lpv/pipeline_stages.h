@@ -137,6 +137,10 @@ struct VolumeCopies {
 /// Large pictures that nobody asks for again are made some rows at a time.
 bool drawnInBands(const FrameRequest& frame);
 
+/// Whether samples that are unlike their pixel's middle are lit where they are: in single frames, wherever the lights
+/// can be looked at.
+bool looksApart(const SessionState& s, const FrameRequest& frame);
+
 /// Where each frame of a tick is made: kept views in the session, others here for the tick.
 struct TickViews {
   TickViews(SessionState& session, const TickRequest& request) {
@@ -215,7 +219,7 @@ struct Pipeline::Stages {
   GpuTask gather(SessionState& s, const TickRequest& request);
   GpuTask findReceivers(SessionState& s, const TickRequest& request, ReceiverBlocks& out);
   GpuTask listEmitters(SessionState& s, double openingRatio);
-  GpuTask findShadowCasters(SessionState& s, const Scene& scene);
+  GpuTask findShadowCasters(SessionState& s, const TickRequest& request);
   static void findShownLights(SessionState& s, const Scene& scene);
   void findPieceSizes(SessionState& s, const Scene& scene, const PatchedInputs& patched);
   void patchSurfaces(SessionState& s, const TickRequest& request);

@@ -162,6 +162,15 @@ NearFieldBuffer::NearFieldBuffer(const glm::ivec2& s)
       tiles("near field tiles", count(partsOf(s, kTile)) * sizeof(std::uint32_t)),
       points("near field points", bytesOfPoints(s), gpu::BufferUse::kDynamic, gpu::Undefined{}) {}
 
+void NearFieldBuffer::keepShadows() {
+  constexpr std::size_t kGroupPoints = std::size_t(layout::kNearFieldGroup) * kPointsOfBlock;
+  static_assert(kMostShadowPoints % kGroupPoints == 0);
+  if (shadows) return;
+  const std::size_t blocks = count(partsOf(size, kBlock));
+  const std::size_t groups = (blocks + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup;
+  shadows = ShadowPoints("shadow points", std::min<std::size_t>(groups * kGroupPoints, kMostShadowPoints));
+}
+
 NearFieldPass::NearFieldPass()
     : params_("near field params", sizeof(layout::NearFieldParams), gpu::BufferUse::kDynamic),
       shadowParams_("shadow params", sizeof(layout::ShadowParams), gpu::BufferUse::kDynamic) {}
@@ -321,6 +330,7 @@ GpuTask NearFieldPass::lookFromApart(NearFieldBuffer& buffer, const ApartPlaces&
     places.apart.light.bindImage(layout::kNearFieldOut, GL_READ_WRITE);
     buffer.points.bindStorage(layout::kNearFieldPoints);
   };
+  buffer.keepShadows();
   const int blocks = int(count(partsOf(places.apart.size(), kBlock)));
   const int most = int(buffer.shadows.count()) / kPointsOfBlock;  // places may be more than pixels
   for (int first = 0; first < blocks; first += most) {
@@ -445,12 +455,7 @@ GpuTask NearFieldPass::run(const Inputs& inputs, const Pass& pass, Pacing pacing
 GpuTask NearFieldPass::run(NearFieldBuffer& buffer, const Gbuffer& gbuffer, const EmitterBuffer& seenLights,
                            const NearFieldSources& sources, const gpu::Buffer& frameParams, Pacing pacing) {
   const Inputs inputs = {buffer, gbuffer, seenLights, sources, frameParams};
-  constexpr std::size_t kGroupPoints = std::size_t(layout::kNearFieldGroup) * kPointsOfBlock;
-  static_assert(kMostShadowPoints % kGroupPoints == 0);
-  const std::size_t blocks = count(partsOf(buffer.size, kBlock));
-  const std::size_t groups = (blocks + layout::kNearFieldGroup - 1) / layout::kNearFieldGroup;
-  const std::size_t points = std::min<std::size_t>(groups * kGroupPoints, kMostShadowPoints);
-  if (sources.shadows != nullptr && !buffer.shadows) buffer.shadows = ShadowPoints("shadow points", points);
+  if (sources.shadows != nullptr) buffer.keepShadows();
   const auto keep = [&buffer](gpu::Texture& picture, const char* label) {
     if (!picture) picture = gpu::Texture::make2d(label, buffer.size, GL_RGBA32F, gpu::Sampling::kNearestClamp);
   };

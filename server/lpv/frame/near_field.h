@@ -39,12 +39,13 @@ using PoolPicture = Cached<PoolPictureInputs, gpu::Texture>;
 /// Irradiance from the lights themselves in every pixel that looks at them.
 struct NearFieldBuffer {
   explicit NearFieldBuffer(const glm::ivec2& size);
+  void keepShadows();  ///< makes `shadows`, once
 
   glm::ivec2 size;
   gpu::Texture irradiance;  ///< RGBA32F: E in W/m^2, and its weight beside the volume's: 0 far from lights
   gpu::Buffer tiles;        ///< uint per tile: 1 where it has near pixels
   gpu::Buffer points;       ///< ListHeader, then those to be evaluated, in fours
-  ShadowPoints shadows;     ///< made where rays are sent
+  ShadowPoints shadows;     ///< made where pools of lights are looked at
   gpu::Texture poolLight, poolShare;  ///< RGBA32F: what one pool sends, unless something is in the way, and which share
                                       ///< of it arrives; made where shares are smoothed
   std::vector<PoolPicture> pools;  ///< of a reduced picture: each keeps its own while it stands

@@ -163,25 +163,41 @@ GpuTask ShadingPass::findExposure(FrameTargets& targets, layout::ExposureParams 
   gpu::memoryBarrier();
 }
 
+/// How surfaces receive light.
+ShadingPass::Variant ShadingPass::receiving(const IrradianceSources& lit) {
+  const bool grid = lit.volume != nullptr;
+  const NearFieldMode mode = nearFieldMode(lit);
+  const bool nearLights = mode == NearFieldMode::kEmitters || mode == NearFieldMode::kSampled;
+  Variant out;
+  out.channels = grid && lit.volume->channels > 1 ? 3 : 1;
+  out.groups = grid ? lit.volume->groups : 1;
+  out.lookup = lit.lookup;
+  out.nearField = int(mode);
+  out.lookedAt = nearLights && lit.emitters->lookedAt > 0;
+  return out;
+}
+
+GpuTask ShadingPass::findIrradiance(const gpu::Texture& out, const FrameTargets& targets, const Gbuffer& gbuffer,
+                                    const IrradianceSources& lit, Pacing pacing) {
+  const gpu::Framebuffer target("irradiance", {&out}, nullptr);
+  Variant variant = receiving(lit);
+  variant.irradiance = true;
+  co_await fill(target, shade_.get(variant), targets, gbuffer, &lit, pacing);
+}
+
 GpuTask ShadingPass::run(FrameTargets& targets, const Gbuffer& gbuffer, const IrradianceSources& lit,
                          const FrameRequest& request, Pacing pacing) {
   const bool toDisplay = request.format == PixelFormat::kRgb8, automatic = toDisplay && request.exposure.automatic;
   const bool direct = toDisplay && !automatic;  // exposure known: one pass
-  const bool grid = lit.volume != nullptr;
-  const NearFieldMode mode = nearFieldMode(lit);
-  const bool nearLights = mode == NearFieldMode::kEmitters || mode == NearFieldMode::kSampled;
-  gpu::Program& program = shade_.get({.channels = grid && lit.volume->channels > 1 ? 3 : 1,
-                                      .groups = grid ? lit.volume->groups : 1,
-                                      .lookup = lit.lookup,
-                                      .nearField = int(mode),
-                                      .lookedAt = nearLights && lit.emitters->lookedAt > 0,
-                                      .display = direct,
-                                      .panes = lit.panes != nullptr,
-                                      .gloss = lit.gloss != nullptr,
-                                      .haze = lit.haze != nullptr,
-                                      .subpixels = lit.subpixels != nullptr,
-                                      .apart = lit.subpixels != nullptr && lit.subpixels->apart,
-                                      .irradiance = request.quantity == FrameQuantity::kIrradiance});
+  Variant shown = receiving(lit);
+  shown.display = direct;
+  shown.panes = lit.panes != nullptr;
+  shown.gloss = lit.gloss != nullptr;
+  shown.haze = lit.haze != nullptr;
+  shown.subpixels = lit.subpixels != nullptr;
+  shown.apart = lit.subpixels != nullptr && lit.subpixels->apart;
+  shown.irradiance = request.quantity == FrameQuantity::kIrradiance;
+  gpu::Program& program = shade_.get(shown);
   co_await fill(direct ? targets.displayTarget : targets.radianceTarget, program, targets, gbuffer, &lit, pacing);
   if (!automatic) co_return;
   co_await findExposure(targets, exposureParams(request.exposure), pacing);

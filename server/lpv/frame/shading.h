@@ -61,6 +61,9 @@ class ShadingPass {
 
   GpuTask run(FrameTargets& targets, const Gbuffer& gbuffer, const IrradianceSources& lit, const FrameRequest& request,
               Pacing pacing);
+  /// E in pixels' middles, into a picture as NearFieldBuffer::irradiance; of `lit`, what surfaces receive is read.
+  GpuTask findIrradiance(const gpu::Texture& out, const FrameTargets& targets, const Gbuffer& gbuffer,
+                         const IrradianceSources& lit, Pacing pacing);
 
  private:
   GpuTask fill(const gpu::Framebuffer& target, gpu::Program& program, const FrameTargets& targets,
@@ -84,6 +87,7 @@ class ShadingPass {
     bool operator==(const Variant&) const = default;
     gpu::Defines defines() const;
   };
+  static Variant receiving(const IrradianceSources& lit);
   struct ExposureVariant {
     bool finish = false;
     bool operator==(const ExposureVariant&) const = default;
