@@ -80,6 +80,18 @@ def television(scene, data):
     scene.light("screen", quad((-2.45, 1.3, 0.2), (0, 0, -1.6), (0, 0.9, 0)), (30, 30, 30), quad_uvs(), picture())
 
 
+def boards(scene, data):
+    """A floor and a wall of narrow boards, seen along both: far ones are many to a pixel, in one direction more than in
+    the other."""
+    wood = np.random.default_rng(7).uniform(0.35, 1.0, (16, 4)).repeat(8, axis=0).repeat(64, axis=1)
+    wood[::8] = wood[:, ::64] = 0.08  # the joints
+    picture = (255 * wood[..., None] * np.array([1.0, 0.85, 0.65])).astype(np.uint8)
+    scene.surface("floor", quad((0, 0, -12), (8, 0, 0), (0, 0, -32)), (0.9, 0.9, 0.9), quad_uvs() * (8, 32), picture)
+    scene.surface("wall", quad((-4, 1.5, -12), (0, 0, -32), (0, 3, 0)), (0.9, 0.9, 0.9), quad_uvs() * (32, 3), picture)
+    for i in range(4):
+        scene.light(f"panel {i}", panel_down((0, 3, -8 * i), 2.0, 2.0), (10, 10, 10))
+
+
 def thin_tube(scene, data):
     scene.surface("floor", quad((0, 0, 0), (14, 0, 0), (0, 0, -6)))
     scene.surface("wall", quad((0, 2, -3), (14, 0, 0), (0, 4, 0)))
@@ -323,6 +335,7 @@ SCENES = {
     "gloss_ball_0": (gloss_ball(0.0), "a mirror of a ball in a box", {"view": BALL_VIEW}),
     "gloss_ball_3": (gloss_ball(0.3), "the same of roughness .3", {"view": BALL_VIEW}),
     "gloss_ball_6": (gloss_ball(0.6), "the same of roughness .6", {"view": BALL_VIEW}),
+    "boards": (boards, "narrow boards, seen along them", {"view": {"eye": [0.5, 0.6, 3.5], "target": [-0.6, 0.4, -20], "fov": 45}}),
     "daylight": (daylit, "a room with a window, the sun in it", {"view": DAYLIT_VIEW}),
     "overcast": (daylit, "the same by the sky alone", {"view": DAYLIT_VIEW}),
     "quad_2": (tessellated(1), "a square of 2 triangles", {"": None}),
