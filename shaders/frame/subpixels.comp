@@ -50,8 +50,6 @@ layout(binding = kApartPlaceOut, rgba32f) uniform image2D placeOut;
 layout(binding = kApartNormalOut, rg16) uniform image2D placeNormalOut;
 
 const float kSame = 0.1;         // up to here one surface is lit as another is
-const float kAlike = 0.35;       // or up to here, where all such have about the same light:
-const float kSameLight = 0.9;    // the least over the most
 #else
 layout(binding = kSubpixelOwnOut, rgba16f) uniform image2D ownOut;
 layout(binding = kSubpixelFirstOut, rgba16f) uniform image2D firstOut;
@@ -85,34 +83,19 @@ bool surfaceAt(ivec2 at, out Surface there) {
 struct Like {
   int code;  // of those around; none: kNoPixel
   float unlike;
-  bool even;  // LPV_APART: there are several of about its surface, and they have about the same light
 };
 
 Like pixelLike(ivec2 pixel, Surface s, float footprint) {
-  Like best = Like(kNoPixel, 1e30, false);
-#if LPV_APART
-  vec2 light = vec2(1e30, 0.0);  // the least, the most
-  int alike = 0;
-#endif
+  Like best = Like(kNoPixel, 1e30);
   for (int i = 0; i < kPixelsAround; ++i) {
     const ivec2 at = pixel + pixelAround(i);
     Surface there;
     if (!surfaceAt(at, there)) continue;
     const float unlike = unlikeness(there, s, footprint);
-#if LPV_APART
-    if (unlike < kAlike) {
-      const float e = dot(texelFetch(nearField, at, 0).rgb, vec3(1.0));
-      light = vec2(min(light.x, e), max(light.y, e));
-      alike++;
-    }
-#endif
     if (unlike >= best.unlike) continue;
-    best = Like(i, unlike, false);
+    best = Like(i, unlike);
     if (i == kOwnPixel && unlike < kSame) return best;
   }
-#if LPV_APART
-  best.even = alike > 1 && light.x >= kSameLight * light.y;
-#endif
   return best;
 }
 
@@ -180,11 +163,10 @@ void addSurface(ivec2 at, ivec2 pixel, vec3 kept, float depth) {
   const vec3 albedo = kept * texelFetch(sampleAlbedo, at, 0).rgb;
   const Like like = pixelLike(pixel, s, footprint);
 #if LPV_APART
-  if (!like.even && (like.code != kOwnPixel || like.unlike > kSame)) {
+  if (like.code != kOwnPixel || like.unlike > kSame) {
     addApart(at, s, depth, albedo, like.code, footprint);
   } else if (isWanted(pixel)) {
-    const vec3 irradiance = texelFetch(nearField, pixel + pixelAround(like.code), 0).rgb;
-    addRadiance(pixel, sent(frame, pixel, like.code, place, albedo, irradiance));
+    addRadiance(pixel, sent(frame, pixel, kOwnPixel, place, albedo, texelFetch(nearField, pixel, 0).rgb));
   }
 #else
   if (like.code == kOwnPixel) {
