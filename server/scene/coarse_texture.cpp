@@ -1,6 +1,7 @@
 #include "scene/coarse_texture.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lpv {
 
@@ -30,6 +31,20 @@ CoarseTexture::CoarseTexture(const Texture& texture, const std::vector<float>& f
     }
   }
   for (std::size_t i = 0; i < means_.size(); ++i) means_[i] /= std::max(counts[i], 1.0);
+}
+
+glm::vec3 CoarseTexture::meanOver(const glm::dvec2 (&uvs)[3]) const {
+  const glm::dvec2 right = uvs[1] - uvs[0], up = uvs[2] - uvs[0];
+  const double boxes = 0.5 * std::abs(right.x * up.y - right.y * up.x) * double(size_.x) * double(size_.y);
+  const int places = int(std::clamp(kPlacesOfBox * boxes, 1.0, double(kMostPlaces)));
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < places; ++i) {
+    // A sequence that is spread evenly (Roberts 2018), folded over the diagonal; the first is the middle.
+    glm::dvec2 w = glm::fract(1.0 / 3.0 + double(i) * glm::dvec2(0.7548776662, 0.5698402910));
+    if (w.x + w.y > 1.0) w = 1.0 - w;
+    sum += glm::dvec3(at(uvs[0] + w.x * right + w.y * up));
+  }
+  return glm::vec3(sum / double(places));
 }
 
 glm::vec3 CoarseTexture::at(const glm::dvec2& uv) const {

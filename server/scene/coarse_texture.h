@@ -19,8 +19,12 @@ class CoarseTexture {
   const std::vector<glm::dvec3>& means() const { return means_; }
   /// Linear, of the box that holds uv; (0, 0) is the corner of the first texel, and the texture repeats.
   glm::vec3 at(const glm::dvec2& uv) const;
+  /// The mean over a triangle, from places in it, several for each box that it covers.
+  glm::vec3 meanOver(const glm::dvec2 (&uvs)[3]) const;
 
  private:
+  static constexpr int kPlacesOfBox = 4, kMostPlaces = 1024;
+
   std::size_t indexOf(const glm::ivec2& box) const {
     return std::size_t(box.y) * std::size_t(size_.x) + std::size_t(box.x);
   }

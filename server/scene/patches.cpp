@@ -111,7 +111,7 @@ class Triangles {
       const Piece piece = open.back();
       open.pop_back();
       if (piece.area <= most) {
-        out.push_back(patch(t, piece.middle(), piece.area));
+        out.push_back(patch(t, piece));
         out.back().triangle = corners(t, piece);
         continue;
       }
@@ -122,17 +122,22 @@ class Triangles {
       open.push_back({{a, half, c}, 0.5 * piece.area});
     }
   }
-  Patch patch(const glm::uvec3& t, const glm::dvec2& w, double area) const {
-    glm::vec3 albedo(albedo_);
-    if (texture_ != nullptr) {
-      const std::vector<glm::vec2>& uv = surface_.mesh->uvs;
-      albedo *= texture_->at(glm::mix(glm::dvec2(uv[t.x]), glm::dvec2(uv[t.y]), w.x) +
-                             w.y * (glm::dvec2(uv[t.z]) - glm::dvec2(uv[t.x])));
-    }
-    return {glm::vec3(at(t, w)), float(area), glm::vec3(normal(t)), albedo, std::nullopt};
-  }
+  /// Of all of a triangle.
+  Patch patch(const glm::uvec3& t) const { return patch(t, Piece{.area = area(t)}); }
 
  private:
+  Patch patch(const glm::uvec3& t, const Piece& piece) const {
+    const glm::vec3 albedo = glm::vec3(albedo_) * (texture_ != nullptr ? textureOver(t, piece) : glm::vec3(1.0F));
+    return {glm::vec3(at(t, piece.middle())), float(piece.area), glm::vec3(normal(t)), albedo, std::nullopt};
+  }
+  /// The mean of the texture: a patch of a floor has many boards.
+  glm::vec3 textureOver(const glm::uvec3& t, const Piece& piece) const {
+    const std::vector<glm::vec2>& uv = surface_.mesh->uvs;
+    const glm::dvec2 origin(uv[t.x]), right = glm::dvec2(uv[t.y]) - origin, up = glm::dvec2(uv[t.z]) - origin;
+    glm::dvec2 corners[3];
+    for (int i = 0; i < 3; ++i) corners[i] = origin + piece.corners[i].x * right + piece.corners[i].y * up;
+    return texture_->meanOver(corners);
+  }
   glm::dvec3 normal(const glm::uvec3& t) const {
     return (surface_.transform.mirrors() ? -1.0 : 1.0) * glm::normalize(cross(t));
   }
@@ -206,7 +211,7 @@ class Patches {
     double area = 0.0;
     for (const SmallTriangle& t : fresh) {
       const glm::uvec3& corners = t.of->all()[t.index];
-      const Patch& patch = own.emplace_back(t.of->patch(corners, glm::dvec2(1.0 / 3.0), t.of->area(corners)));
+      const Patch& patch = own.emplace_back(t.of->patch(corners));
       triangles.push_back({patch.position, patch.normal, double(patch.area)});
       area += double(patch.area);
     }
@@ -269,7 +274,7 @@ class SmallPieces {
         ranges_[&of][t.index] = {std::uint32_t(first), std::uint32_t(pieces_.size() - first)};
         continue;
       }
-      const Patch patch = of.patch(corners, glm::dvec2(1.0 / 3.0), area);
+      const Patch patch = of.patch(corners);
       byDirection[directionOf(patch.normal)].push_back({patch, t.index, most});
     }
     for (auto& [direction, members] : byDirection) addMembers(of, members);

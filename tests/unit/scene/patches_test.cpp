@@ -146,6 +146,18 @@ TEST(Patches, HaveTheTexturesColourAroundThem) {
   EXPECT_GT(most, least + 0.1F);
 }
 
+// Of thin boards in a row each patch has many, and their mean. Broken by: the colour in its middle (.08 or 1).
+TEST(Patches, HaveTheMeanOfWhatIsOnThem) {
+  Scene scene = sceneWith(reference::quad());
+  auto boards = std::make_shared<Surface>(*scene.surfaces.at("it"));
+  boards->albedo = glm::dvec3(1.0);
+  boards->albedoTexture = reference::textureOf(64, 64, [](int x, int) { return glm::dvec3(x % 4 == 0 ? 1.0 : 0.08); });
+  scene.surfaces["it"] = boards;
+  const std::vector<Patch> patches = patchesOf(scene, 16);
+  EXPECT_GE(patches.size(), 8U);
+  for (const Patch& p : patches) EXPECT_NEAR(p.albedo.r, 0.31F, 0.05F) << p.position.x << ", " << p.position.y;
+}
+
 // A thousand small things have as many patches as a few, of the same area. Broken by: one of each at least.
 TEST(Patches, AreBoundedForManySurfaces) {
   Scene scene;
