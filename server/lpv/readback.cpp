@@ -184,6 +184,7 @@ ReflectedLightPtr takeReflected(const PatchSet& patches, const Readbacks& readba
     std::memcpy(pieces.data(), readbacks.pieceLights.bytes().data(), pieces.size() * sizeof(glm::vec4));
   for (const glm::vec4& radiance : pieces) out->pieceRadiance.emplace_back(radiance);
   out->of = patches.source;
+  if (patches.folded()) out->findPiecesOfPatches();
   return out;
 }
 

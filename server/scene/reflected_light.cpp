@@ -43,6 +43,7 @@ glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
   return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
 }
 
+constexpr double kMostOfPiece = 4.0;  // as in shaders/frame/shadow_rays.comp
 constexpr double kFoldedUpTo = 1.7;  // as in shaders/visibility/shadow_points.glsl
 
 /// Of what a patch sends, what its pieces are seen instead: all within its reach, nothing well beyond.
@@ -53,6 +54,25 @@ double foldedShare(const Patch& patch, const glm::dvec3& at) {
 }
 
 }  // namespace
+
+void ReflectedLight::findPiecesOfPatches() {
+  const Folds& folds = of->folds;
+  piecesOf.assign(folds.pieces.empty() ? 0 : of->patches.size(), {});
+  sentUpTo.clear();
+  for (std::size_t i = 0; i < folds.pieces.size(); ++i) {
+    Folds::Range& pieces = piecesOf[folds.patchOf[i]];
+    const double before = pieces.count == 0 ? 0.0 : sentUpTo.back(), area = double(folds.pieces[i].area);
+    if (pieces.count++ == 0) pieces.first = std::uint32_t(i);
+    sentUpTo.push_back(before + area * (pieceRadiance[i].r + pieceRadiance[i].g + pieceRadiance[i].b));
+  }
+}
+
+std::optional<std::size_t> ReflectedLight::pieceOf(std::size_t patch, double u) const {
+  const Folds::Range pieces = piecesOf.empty() ? Folds::Range() : piecesOf[patch];
+  if (pieces.count == 0) return std::nullopt;
+  const auto first = sentUpTo.begin() + pieces.first, last = first + pieces.count - 1;
+  return std::size_t(std::upper_bound(first, last, u * *last) - sentUpTo.begin());
+}
 
 std::optional<glm::dvec3> ReflectedLight::pieceAt(const LightVisibility::Sight& sight, const glm::dvec3& at) const {
   const Folds& folds = of->folds;
@@ -109,14 +129,26 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
   for (std::size_t i = 0; i < patches.size() && next < kRays; ++i) {
     const double size = glm::compMax(sent[i]);
     before += size;
-    int rays = 0;
-    for (; next < kRays && (next + 0.5) / kRays * all < before; ++next) ++rays;
+    const int first = next;
+    for (; next < kRays && (next + 0.5) / kRays * all < before; ++next) {
+    }
+    const int rays = next - first;
     if (rays == 0) continue;
     const glm::dvec3 colour = double(rays) / size * sent[i];
     tried += colour;
-    seen += colour * visibility->seen(at, n, glm::dvec3(patches[i].position));
+    if (piecesOf.empty() || piecesOf[i].count == 0) {
+      seen += colour * visibility->seen(at, n, glm::dvec3(patches[i].position));
+      continue;
+    }
+    const double whole = weightOf(patches[i], at, n);
+    for (int k = 0; k < rays; ++k) {
+      const Patch& piece = of->folds.pieces[*pieceOf(i, std::fmod(0.6180339887 * (first + k) + 0.5, 1.0))];
+      const double worth =
+          std::min(weightOf(piece, at, n) / double(piece.area) * double(patches[i].area) / whole, kMostOfPiece);
+      if (worth > 0.0) seen += worth / rays * colour * visibility->seen(at, n, glm::dvec3(piece.position));
+    }
   }
-  for (int c = 0; c < 3; ++c) sum[c] *= tried[c] > 0.0 && seen[c] < tried[c] ? seen[c] / tried[c] : 1.0;
+  for (int c = 0; c < 3; ++c) sum[c] *= tried[c] > 0.0 && seen[c] != tried[c] ? seen[c] / tried[c] : 1.0;
   return sum + near;
 }
 

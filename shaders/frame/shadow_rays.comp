@@ -3,7 +3,7 @@
 // disagree: elsewhere it is in the light or in the dark, or behind an even pane. A patch that is a triangle looks from another
 // place each turn, and has all turns. Threads per point.
 #include "layout.h"
-#include "visibility/patch_weight.glsl"
+#include "visibility/patches.glsl"
 #include "visibility/receivers.glsl"
 #include "visibility/shadow_points.glsl"
 #include "visibility/patch_sums.glsl"
@@ -158,6 +158,33 @@ ivec4 raysTo(uint point, vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
 }
 #endif
 
+#if LPV_FROM_PATCHES
+const float kMostOfPiece = 4.0;  // times what its patch sends, in its place
+
+/// A piece of one that stands for small triangles, `u` in [0, 1) of what they send; -1: it has none.
+int pieceOf(int patch_, float u) {
+  const int first = shadow.pointCount + int(patches[patch_].normal.w), count = int(patches[patch_].albedo.w);
+  if (shadow.jitter == 0 || count == 0 || patches[patch_].corners[1].w >= 0.0) return -1;
+  const float wanted = u * patches[first + count - 1].wanted;
+  int begin = first, end = first + count - 1;
+  while (begin < end) {
+    const int middle = (begin + end) / 2;
+    const bool before = patches[middle].wanted <= wanted;
+    begin = before ? middle + 1 : begin;
+    end = before ? end : middle;
+  }
+  return begin;
+}
+
+/// How much a piece sends beside its patch, both as if nothing lay between.
+float beside(int piece, int patch_, vec3 x, vec3 n) {
+  const vec4 place = patches[piece].place, whole = patches[patch_].place;
+  const float all = patchWeightPerArea(whole.xyz - x, whole.w, patches[patch_].normal.xyz, n);
+  const float own = patchWeightPerArea(place.xyz - x, place.w, patches[piece].normal.xyz, n);
+  return all > 0.0 ? min(own / all, kMostOfPiece) : 1.0;
+}
+#endif
+
 #if LPV_TRANSPARENT
 /// What haze leaves of what the pool sends, over as many points as are weighed. It belongs to what is sent, not to the share
 /// that arrives: so it is no reason for more rays, and is not smoothed like what few of them have seen, but on its own
@@ -189,11 +216,19 @@ void sendRays(uint point, ivec2 pixel) {
   float seenRays = 0.0;
   for (int i = 0; i < 4; ++i) {
     if (chosen[i] < 0) continue;
-    const vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
+    vec3 to = texelFetch(lightPoints, kLightPointTexels * chosen[i]).xyz;
+    float worth = 1.0;
+#if LPV_FROM_PATCHES
+    const int piece = pieceOf(chosen[i], fract(shiftAt(inPicture(pixel).yx + 77) + 0.6180339887 * float(4 * shadow.turn + i)));
+    if (piece >= 0) {
+      to = patches[piece].place.xyz + kShadowOffset * patches[piece].normal.xyz;
+      worth = beside(piece, chosen[i], x, n);
+    }
+#endif
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);
     const vec3 share = transmitted(x, mix(x, to, kShadowEnd), max(int(colour.a), kFromSurfaces));
     all += vec4(weights[i] * colour.rgb, 1.0);
-    seen += weights[i] * share * colour.rgb;
+    seen += weights[i] * worth * share * colour.rgb;
     seenRays += max(max(share.r, share.g), share.b);
     shares[i] = dot(share, vec3(0.5, 0.3, 0.2));  // another number for another colour, about
   }

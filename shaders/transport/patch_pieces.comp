@@ -4,12 +4,13 @@
 //   2: the same once they have been looked from
 //   3: what a patch sends is what its pieces send in the mean
 //   4: what comes to pieces from each other, again: what they send is better known than when they were looked from
-// A thread has a patch in steps 0 and 3, a piece in 1, 2 and 4.
+//   5: how much all pieces of a patch up to each send, which rays go by; 3 does that, too
+// A thread has a patch in steps 0, 3 and 5, a piece in 1, 2 and 4.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/patches.glsl"
 #ifndef LPV_STEP
-#error "LPV_STEP: 0 to 4"
+#error "LPV_STEP: 0 to 5"
 #endif
 
 layout(local_size_x = kPatchGroup) in;
@@ -66,7 +67,13 @@ void main() {
   vec4 sum = vec4(0.0);
   for (int i = first; i < end; ++i) {
     sum += patches[params.count + i].place.w * vec4(ofPiece(i), 1.0);
+#if LPV_STEP != 0
+    patches[params.count + i].wanted = dot(sum.rgb, vec3(1.0));
+#endif
   }
+#if LPV_STEP == 5
+  return;
+#endif
   if (sum.w <= 0.0) return;
   const vec3 mean = sum.rgb / sum.w;
 #if LPV_STEP == 0

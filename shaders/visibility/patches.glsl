@@ -11,7 +11,8 @@ struct Patch {
   vec4 corners[3];  // counter-clockwise seen from the side that it is on; w: 1 where it is a triangle, 0 where it stands
                     // for several; of the second -1 where these have pieces of their own (Folds), of the third then the
                     // square of how far it is from where they are looked for
-  float wanted;     // of what patches exchange (transport/patch_balance.comp): what this one gets from all
+  float wanted;     // of what patches exchange (transport/patch_balance.comp): what this one gets from all; of a piece: what those
+                    // of its patch up to it send together
   float scale[2];   // of its row and column, by the parity of turns
   float of;  // of a piece, which follow the patches: the patch that stands for it; of a patch: what it would get from
              // all if each sent 1, by rays, then by how much more of the others' light comes to it than they account for

@@ -83,6 +83,8 @@ GpuTask BouncePass::run(PatchSet& set, const BouncePlan& plan, int done, int tur
   if (!set.folded() || done > 0) co_return;  // pieces send what they sent when they were looked from
   const Step pieces = {pieces_.get({1}), Stage::kReflect, set.pieces, 1.0};
   co_await dispatch(pieces, set, params, nullptr, pacing);
+  const Step sums = {pieces_.get({5}), Stage::kReflect, set.count, double(set.pieces) / set.count};
+  co_await dispatch(sums, set, params, nullptr, pacing);
 }
 
 GpuTask BouncePass::takeMeans(PatchSet& set, Pacing pacing) {

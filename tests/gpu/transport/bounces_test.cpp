@@ -823,7 +823,6 @@ TEST_F(BouncesTest, AWallBelowAShelfIsNotLitByWhatIsAbove) {
   EXPECT_NEAR(shown / wanted, 1.0, 0.25);
 }
 
-// Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
 /// A floor of 4 m below a small lamp, and, if it is asked for, black slats half way up, whose shadows are as wide as
 /// the gaps between them. Patches of the floor have legs of .25 m, so their middles lie .083 m from one of the lines
 /// along which all shadows are centred: between shadows.
@@ -857,6 +856,59 @@ TEST_F(BouncesTest, WhatIsHalfInTheDarkReflectsHalf) {
   for (std::size_t i = 0; i < open.size(); ++i) EXPECT_NEAR(half[i].x / open[i].x, 0.5, 0.03) << i;
 }
 
+/// A plate of small triangles, for which one patch stands, white on the left and black on the right, lit from below; a
+/// wall 3 m before it, and between them what hides the plate from `from` to `to`, as the middle of the wall sees it.
+Scene plateBehindScreen(double from, double to, int bounces) {
+  Scene scene = test::smallScene();
+  scene.options = {};
+  scene.options.bounces = bounces;
+  scene.grid = {glm::dvec3(-4.5, -4.5, -1.0), 0.5, glm::ivec3(18, 18, 10)};
+  Light& lamp = test::lightOf(scene);
+  lamp.mesh = reference::quad();
+  lamp.transform = {{0.0, -2.0, 0.5}, rotationFromEulerDegrees({-90.0, 0.0, 0.0}), glm::dvec3(0.1)};
+  lamp.radiance = glm::dvec3(1e4);
+  Surface& plate = test::addSurface(scene, "plate", reference::quadOf(8));
+  plate.transform.scale = glm::dvec3(0.2);
+  plate.albedo = glm::dvec3(1.0);
+  plate.albedoTexture = reference::textureOf(2, 1, [](int x, int) { return glm::dvec3(x == 0 ? 1.0 : 0.0); });
+  plate.twoSided = false;
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());
+  wall.transform = {{0.0, 0.0, 3.0}, rotationFromEulerDegrees({0.0, 180.0, 0.0}), glm::dvec3(8.0)};
+  wall.twoSided = false;
+  Surface& screen = test::addSurface(scene, "screen", reference::quad());
+  screen.transform = {{0.45 * (from + to), 0.0, 0.3}, {}, {0.9 * (to - from), 0.6, 1.0}};
+  screen.albedo = glm::dvec3(0.0);
+  return scene;
+}
+
+// What is seen of a plate is what its parts send that are seen, not what its middle says: of four white columns one,
+// and the other three. Broken by: rays to the middle of patches that stand for small triangles (1 for .25, 0 for .75);
+// to parts by their area.
+TEST_F(BouncesTest, OfSmallTrianglesThePartsAreSeen) {
+  const Camera camera = {{0.0, 0.0, 2.7}, {0.0, 0.0, 3.0}, {0.0, 1.0, 0.0}, 30.0};
+  FrameRequest request = test::linearFrame(camera, {32, 32});
+  request.quantity = FrameQuantity::kIrradiance;
+  SessionKey session = 0;
+  const auto reflected = [&](double from, double to) {
+    glm::dvec2 sums(0.0);  // of frames, of probes
+    for (const int bounces : {0, 1}) {
+      const Scene scene = plateBehindScreen(from, to, bounces);
+      const FramePtr frame = frameOf(scene, request, ++session);
+      double mean = 0.0;
+      for (int i = 0; i < 32 * 32; ++i) mean += test::pixel(*frame, i % 32, i / 32).x / (32 * 32);
+      const double probe = probed(scene, {{{0.0, 0.0, 3.0}, {0.0, 0.0, -1.0}}}, ++session)[0].x;
+      sums += (bounces == 0 ? -1.0 : 1.0) * glm::dvec2(mean, probe);
+    }
+    return sums;
+  };
+  const glm::dvec2 all = reflected(0.2, 0.5), one = reflected(-0.3, -0.025), three = reflected(-0.025, 0.3);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(one[i] / all[i], 0.25, 0.06) << i;
+    EXPECT_NEAR(three[i] / all[i], 0.75, 0.06) << i;
+  }
+}
+
+// Nothing is reflected by the side of a floor that no light reaches. Broken by: patches of one side for both.
 TEST_F(BouncesTest, TheDarkSideReflectsNothing) {
   Scene scene = lampOverFloor();
   scene.options.visibility = Visibility::kOn;  // AUTO looks at what stands between lights and surfaces
