@@ -1,7 +1,7 @@
 // What one sample of each pixel adds to the pixel's subpixels (frame/subpixels.glsl). The sample's surface is lit as the
 // pixel in the middle of the nine around it is whose surface is most nearly the sample's own: light is found once per
 // pixel, edges and textures as often as there are samples. A thread has a pixel. LPV_APART: the light of middles is known, and
-// a sample where that does not tell its own gets one (frame/apart_list.comp). LPV_PANES: some are seen through panes;
+// a sample unlike its own pixel's gets light of its own (frame/apart_list.comp). LPV_PANES: some are seen through panes;
 // LPV_HAZE: through haze, surfaces as the pixel that they are lit as (frame/shading.frag).
 #include "layout.h"
 #include "common/octahedral.glsl"

@@ -1,5 +1,5 @@
 // A pixel whose edges and textures were looked at several times. Samples are lit as the pixel itself, or as up to two of the
-// pixels around it. In single frames, a sample whose light these do not tell is lit where it is, or at an earlier one of the
+// pixels around it. In single frames, a sample unlike the pixel itself is lit where it is, or at an earlier one of the
 // pixel that is like it. Of each rgb: their mean albedo; a: packedSubpixels().
 
 const int kPixelsAround = 9;

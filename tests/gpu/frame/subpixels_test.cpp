@@ -196,6 +196,31 @@ TEST_F(SubpixelsTest, TwoStripsOfAPixelHaveTheirOwnLight) {
   }
 }
 
+// A plate 5 cm before a wall, lit from the right: two fifths of column 40 show wall, in the plate's shadow, which ends
+// before the middle of column 39. Broken by: samples that are lit as several alike around them are, if these are as
+// bright as each other.
+TEST_F(SubpixelsTest, BesideAPlateItsShadowIsDark) {
+  Scene scene = fence(0.0, 1.0, 0);
+  scene.surfaces.clear();
+  const double edge = (40.4 - 32.0) * kPixel;
+  Light& lamp = test::lightOf(scene);
+  lamp.transform.translation = {edge + 1.5, 0.0, 2.05};
+  lamp.transform.scale = glm::dvec3(0.05);
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());
+  wall.transform.scale = glm::dvec3(6.0);
+  wall.albedo = glm::dvec3(0.5);
+  Surface& plate = test::addSurface(scene, "plate", reference::quad());
+  plate.transform.scale = {1.0, 4.0, 1.0};
+  plate.transform.translation = {edge * (1.0 - 0.05 / 2.0) + 0.5, 0.0, 0.05};  // as seen from 2 m away
+  plate.albedo = glm::dvec3(0.5);
+  const FramePtr picture = frame(scene, sampled(32));
+  for (const int y : {20, 31, 45}) {
+    const double ofWall = pixel(*picture, 38, y).x, ofPlate = pixel(*picture, 41, y).x;
+    ASSERT_GT(ofWall, 0.8 * ofPlate) << y;
+    EXPECT_NEAR(pixel(*picture, 40, y).x, 0.6 * ofPlate, 0.06 * ofPlate) << y;
+  }
+}
+
 /// Two slats before a wall in each of 64 columns, one nearer than the other.
 Scene slats() {
   Scene scene = fence(40.1, 40.4, 0);
