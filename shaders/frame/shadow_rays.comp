@@ -161,10 +161,11 @@ ivec4 raysTo(uint point, vec3 x, vec3 n, ivec2 pixel, out vec4 weights) {
 #if LPV_FROM_PATCHES
 const float kMostOfPiece = 4.0;  // times what its patch sends, in its place
 
-/// A piece of one that stands for small triangles, `u` in [0, 1) of what they send; -1: it has none.
+/// A piece of one that stands for small triangles, `u` in [0, 1) of what they send; -1: it has none, or nobody looks for
+/// them.
 int pieceOf(int patch_, float u) {
   const int first = shadow.pointCount + int(patches[patch_].normal.w), count = int(patches[patch_].albedo.w);
-  if (shadow.jitter == 0 || count == 0 || patches[patch_].corners[1].w >= 0.0) return -1;
+  if (shadow.foldTurns == 0 || count == 0 || patches[patch_].corners[1].w >= 0.0) return -1;
   const float wanted = u * patches[first + count - 1].wanted;
   int begin = first, end = first + count - 1;
   while (begin < end) {
