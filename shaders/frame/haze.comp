@@ -354,13 +354,13 @@ Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout
   Scattered chosen = kNothing;
   const int places = few ? kPlacesByPolygons : kPlacesByPoints;
   for (int place = 0; place < places; ++place) {
-    const int n = k * places + place;
-    const vec4 u = fract(shift + latticePoint(n));
-    const float at = fract(shift.y + float(n / 2) * kGoldenStep);
+    const int n = k * places + place, pair = n / 2;
+    const bool anywhere = (n & 1) == 1;  // a place: each kind has a lattice of its own, which sees all of a light
+    const vec4 u = fract((anywhere ? shift.zwxy : shift) + latticePoint(pair));
     float density;
-    float t = placeOnView(v, along, apart, at, density);
-    if ((n & 1) == 1) {  // anywhere on the view: what is scattered forward comes from afar, too
-      t = mix(v.begin, v.end, at);
+    float t = placeOnView(v, along, apart, u.y, density);
+    if (anywhere) {  // what is scattered forward comes from afar, too
+      t = mix(v.begin, v.end, u.y);
       density = densityOnView(v, along, apart, t);
     }
     density = 0.5 * (density + 1.0 / (v.end - v.begin));

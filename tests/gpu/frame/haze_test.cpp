@@ -122,6 +122,40 @@ INSTANTIATE_TEST_SUITE_P(All, HazeOfALamp,
                                            Row{0.1, -0.5, false, 0.02}, Row{1.0, 0.0, false, 0.02},
                                            Row{1.0, 0.5, false, 0.02}, Row{1.0, 0.8, false, 0.02}));
 
+// A lamp under a ceiling that haze scatters forward along: views end at it or pass right beside it. Broken by: places
+// on the view of one kind that see one half of the lamp, and of the other kind the other (.029).
+TEST_F(HazeTest, OfALampSeenAslantIsWhatAMarchFinds) {
+  Scene scene = hazyScene(0.2, 0.8);
+  scene.options.quality = Quality::kAccurate;
+  Light& lamp = test::lightOf(scene);
+  lamp.transform = {{0.0, 0.985, 0.0}, rotationFromEulerDegrees({90.0, 0.0, 0.0}), glm::dvec3(0.45)};
+  lamp.visibleToCamera = true;
+  Camera below;
+  below.eye = {0.0, 0.0, 3.9};
+  below.target = {0.0, 0.95, 0.0};
+  below.fovDegrees = 10.0;
+  const std::vector<reference::Emitter> emitters = reference::emittersOf(scene).triangles;
+  const reference::Medium medium = mediumOf(scene);
+  const FramePtr got = frame(scene, below);
+  double squared = 0.0, all = 0.0;
+  int shown = 0;
+  for (int y = 8; y < 26; y += 3) {
+    for (int x = 13 + y % 4; x < 35; x += 4) {
+      const glm::dvec3 eye = below.eye, ray = viewThrough(below, x, y), met = eye + (0.985 - eye.y) / ray.y * ray;
+      const bool shows = std::max(std::abs(met.x), std::abs(met.z)) < 0.225;
+      const double reach = shows ? glm::distance(eye, met) : kFar;
+      const glm::dvec3 before = shows ? medium.transmittance(eye, met) * lamp.radiance : glm::dvec3(0.0);
+      const glm::dvec3 want = reference::scattered(emitters, medium, eye, ray, reach),
+                       off = pixel(*got, x, y) - before - want;
+      squared += glm::dot(off, off);
+      all += glm::dot(want, want);
+      shown += shows ? 1 : 0;
+    }
+  }
+  EXPECT_GT(shown, 8);
+  EXPECT_LE(std::sqrt(squared / all), 0.015) << shown;
+}
+
 // A light of many triangles is looked at by points. Broken by: points that count twice; more of them near than far.
 TEST_F(HazeTest, OfAMeshIsWhatAMarchFinds) {
   for (const double anisotropy : {0.0, 0.5, 0.8}) {
@@ -129,12 +163,13 @@ TEST_F(HazeTest, OfAMeshIsWhatAMarchFinds) {
     Light& lamp = test::lightOf(scene);
     lamp.mesh = reference::sphere();
     lamp.transform.scale = glm::dvec3(0.6);
-    EXPECT_LE(errorOf(scene, outside(), 7), 0.03) << anisotropy;
+    EXPECT_LE(errorOf(scene, outside(), 7), 0.02) << anisotropy;
   }
 }
 
 // Where a view passes a hand's breadth from a mesh, most of what haze scatters forward comes from a small part of it.
-// Broken by: points alone (.064), or as few of them as shadow rays choose from (.044).
+// Broken by: points alone (.064), or as few of them as shadow rays choose from (.044); places on the view that go by
+// numbers of their own beside the lattice (.038; with it .017).
 TEST_F(HazeTest, CloseToAMeshIsWhatAMarchFinds) {
   Scene scene = hazyScene(0.5, 0.8);
   Light& lamp = test::lightOf(scene);
@@ -144,7 +179,7 @@ TEST_F(HazeTest, CloseToAMeshIsWhatAMarchFinds) {
   close.eye = lamp.transform.translation + glm::dvec3(0.2, 0.1, 0.75);
   close.target = lamp.transform.translation + glm::dvec3(0.3, 0.1, 0.0);
   close.fovDegrees = 60.0;
-  EXPECT_LE(errorOf(scene, close, 7), 0.042);
+  EXPECT_LE(errorOf(scene, close, 7), 0.02);
 }
 
 // Large and smaller, of polygons and of many triangles, coloured, two-sided and mirrored, near the view and far from
