@@ -355,11 +355,13 @@ Found rayBeside(View v, int i, float chance, vec4 shift, uint seed, int k, inout
   const int places = few ? kPlacesByPolygons : kPlacesByPoints;
   for (int place = 0; place < places; ++place) {
     const int n = k * places + place, pair = n / 2;
-    const bool anywhere = (n & 1) == 1;  // a place: each kind has a lattice of its own, which sees all of a light
+    // Every other place is anywhere on the view: what is scattered forward comes from afar, too. Either kind has a lattice of
+    // its own: of one that they share each would see a half of the light.
+    const bool anywhere = (n & 1) == 1;
     const vec4 u = fract((anywhere ? shift.zwxy : shift) + latticePoint(pair));
     float density;
     float t = placeOnView(v, along, apart, u.y, density);
-    if (anywhere) {  // what is scattered forward comes from afar, too
+    if (anywhere) {
       t = mix(v.begin, v.end, u.y);
       density = densityOnView(v, along, apart, t);
     }

@@ -318,8 +318,7 @@ TEST_F(Durable, TheyAreForgottenAfterRetain) {
   pb::SessionSettings idle = settings();
   idle.mutable_ttl()->set_seconds(1);
   const std::string session = makeSession(*stubs_, idle);
-  // A list lacks the session at once; the audit names it when its removal is on disk, and what a kill loses before that
-  // was not said.
+  // Lists lack the session a moment before its removal is on disk; the audit has it afterwards.
   ASSERT_TRUE(eventually([&] { return server_->log().find("audit expire") != std::string::npos; })) << server_->log();
   EXPECT_TRUE(sessions().empty());
   killAndStart();
