@@ -1,4 +1,5 @@
 // Patches of the surfaces that reflect light (server/scene/patches.h), grid space.
+#include "common/random.glsl"
 #include "visibility/patch_weight.glsl"
 
 struct Patch {
@@ -16,6 +17,8 @@ struct Patch {
   float scale[2];   // of its row and column, by the parity of turns
   float of;  // of a piece, which follow the patches: the patch that stands for it; of a patch: what it would get from
              // all if each sent 1, by rays, then by how much more of the others' light comes to it than they account for
+  vec4 slope;  // of one that is a triangle: how what it sends changes per cell across it, over what it sends; w: by how
+               // much more the lights' light counts, since what others see of it is its open part (transport/patch_crevices.comp)
 };
 
 layout(std430, binding = kPatches) buffer Patches { Patch patches[]; };
@@ -25,6 +28,26 @@ vec3 placeOn(Patch p, vec2 u) {
   if (u.x + u.y > 1.0) u = 1.0 - u;
   return p.corners[0].xyz + u.x * (p.corners[1].xyz - p.corners[0].xyz) + u.y * (p.corners[2].xyz - p.corners[0].xyz);
 }
+
+const float kUneven = 1.5;     // Patch::slope.w of one of which a third is behind others; the middle stands for the rest
+const int kRaysOfUneven = 8;
+
+/// Whether much of a patch is behind others.
+bool isUneven(Patch p) { return p.corners[0].w != 0.0 && p.slope.w >= kUneven; }
+
+/// Where the k-th ray to patch `to` begins, the same whoever asks: the middle; of an uneven one another place for another
+/// ray, so that all rays together know how much of it is behind others.
+vec3 placeTowards(int from, int to, int ray) {
+  const Patch p = patches[from];
+  const uint k = 2u * uint(to * kRaysOfUneven + ray);
+  const vec3 place = isUneven(p) ? placeOn(p, vec2(randomOf(uint(from), k), randomOf(uint(from), k + 1u))) : p.place.xyz;
+  return place + kShadowOffset * p.normal.xyz;
+}
+
+const float kLeastSent = 0.25;
+
+/// What is sent at a place of a patch, over its mean.
+float sentAt(Patch p, vec3 place) { return clamp(1.0 + dot(p.slope.xyz, place - p.place.xyz), kLeastSent, 2.0 - kLeastSent); }
 
 /// A share per colour in ten bits each.
 uint packedShare(vec3 share) {
