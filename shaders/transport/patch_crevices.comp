@@ -1,9 +1,9 @@
 // What a patch sees of surfaces, by rays from places of it: of all that reflects, and of what is nearer than the patch is
-// large. What one that stands for several small triangles sees so near, and not in its partners, is its own folds and those of
-// its neighbours: they are taken to be lit as it is, with the mean of the albedos around. In the frame of a window half of
+// large. What one that stands for several small triangles sees so near, and not in its partners, is its own folds and those
+// of its neighbours: they are taken to be lit as it is, with the mean of the albedos around. In the frame of a window half of
 // what is reflected goes on between its parts, and a room is lit by that. Of a triangle, some may be behind a shelf: what
-// sees much of the room is lit by it and is seen from it, so it has that part's light, not the mean. LPV_STEP 0: what rays meet; 1: what a patch sends itself, by that and by what it exchanges
-// with others. A thread per patch.
+// sees much of the room is lit by it and is seen from it, so it has that part's light, not the mean. A thread per patch.
+// LPV_STEP 0: what rays meet; 1: what a patch sends itself, by that and by what it exchanges with others.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"
@@ -45,7 +45,7 @@ struct Seen {
   float reflecting;  // the share of them that meet what reflects
   float near;  // and that meet something nearer than the patch is large
   float rays;
-  float openness;  // of its places, what each sees: the mean of the squares over the square of the mean, without what chance adds
+  float openness;  // of what its places see further away: the mean of the squares over the square of the mean
 };
 
 /// Of the rays from one place: how many meet what reflects, what is nearer than `size`, and than half of it.
@@ -70,10 +70,9 @@ Seen seenFrom(Patch p, float size) {
     const ivec3 here = metFrom(p, places, size, rounds);
     const int open = kRaysOfPlace - here.z;
     met += here;
-    squares += float(open * (open - 1)) / float(kRaysOfPlace * (kRaysOfPlace - 1));
+    squares += float(open * (open - 1)) / float(kRaysOfPlace * (kRaysOfPlace - 1));  // by pairs of rays, so chance adds nothing
   }
   const float rays = float(places * kRaysOfPlace), open = rays - float(met.z), mean = open / rays;
-  const float chance = sqrt(2.0 * float(places)) / max(open, 1.0);  // of so few rays, if all places were alike
   const float openness = squares / (float(places) * max(mean * mean, 1e-12));
   return Seen(float(met.x) / rays, float(met.y) / rays, rays, clamp(openness, 1.0, float(places)));
 }

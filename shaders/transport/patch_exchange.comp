@@ -1,6 +1,7 @@
 // How much light every two patches exchange (MATHS.md 3d): nothing where a ray from middle to middle meets a surface; where
-// some of one is behind others, what some rays from place to place say; lights between them are found apart (patch_lights.comp). A thread has eight partners of one patch;
-// the lower patch of a pair answers for both. LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
+// some of one is behind others, the share of it that some rays from place to place find. Lights between them are found
+// apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a pair answers for both.
+// LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"
