@@ -366,7 +366,7 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
 
 /// From so many bounces on pieces of folds get from each other what they sent the time before, and so often, as where
 /// all light is wanted. They begin with what comes from elsewhere.
-constexpr int kBouncesOfPieces = 16, kTurnsOfPieces = 24;
+constexpr int kBouncesOfPieces = 16, kTurnsOfPieces = 48;
 
 /// The pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it
 /// on.

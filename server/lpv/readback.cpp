@@ -181,7 +181,7 @@ ReflectedLightPtr takeReflected(const PatchSet& patches, const Readbacks& readba
     const double area = -double(point[1].w);
     out->radiance.push_back(double(point[0].w) / area * glm::dvec3(point[2]));
   }
-  out->slopes = patches.slopesIn(readbacks.patches.bytes());
+  patches.takeAcross(readbacks.patches.bytes(), *out);
   std::vector<glm::vec4> pieces(patches.source->folds.pieces.size());
   if (patches.folded())
     std::memcpy(pieces.data(), readbacks.pieceLights.bytes().data(), pieces.size() * sizeof(glm::vec4));

@@ -1,6 +1,7 @@
 #include "scene/reflected_light.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtx/component_wise.hpp>
@@ -44,9 +45,10 @@ glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
 }
 
 // As in shaders/frame/patch_light.comp: of a near triangle, how many places are weighed, and the least square of a
-// distance, of its area; as in shaders/visibility/patches.glsl: the least that is sent anywhere, over the mean.
+// distance, of its area; as in shaders/visibility/patches.glsl: the least that is sent anywhere, over the
+// mean, and how far places are from the middle, of the way to the edge.
 constexpr int kPlacesOfNear = 8;
-constexpr double kLeastNearness = 0.01, kLeastSent = 0.25;
+constexpr double kLeastNearness = 0.01, kLeastSent = 0.25, kWithin = 0.98;
 constexpr double kMostOfPiece = 4.0;  // as in shaders/frame/shadow_rays.comp
 constexpr double kFoldedUpTo = 1.7;  // as in shaders/visibility/shadow_points.glsl
 
@@ -71,21 +73,39 @@ void ReflectedLight::findPiecesOfPatches() {
   }
 }
 
+/// A place on a triangle, u in [0, 1)^2: placeBesideMiddle() of shaders/visibility/patches.glsl.
+glm::dvec3 ReflectedLight::placeBesideMiddle(std::size_t patch, glm::dvec2 u) const {
+  const Patch& p = of->patches[patch];
+  constexpr std::uint32_t kAll = (1U << layout::kCrevicePlaces) - 1U;
+  const std::uint32_t beside = besideMiddle.empty() ? kAll : besideMiddle[patch];
+  if (beside == 0) return glm::dvec3(p.position);
+  if (beside != kAll) {
+    int left = std::min(int(u.x * std::popcount(beside)), std::popcount(beside) - 1), place = 0;
+    for (int k = 0; k < layout::kCrevicePlaces; ++k) {
+      const bool isBeside = (beside >> k & 1U) == 1U;
+      if (isBeside && left == 0) place = k;
+      left -= int(isBeside);
+    }
+    u = glm::fract(0.5 + double(place) * glm::dvec2(0.7548776662, 0.5698402910));
+  }
+  if (u.x + u.y > 1.0) u = 1.0 - u;
+  const glm::dvec3 first((*p.triangle)[0]), right = glm::dvec3((*p.triangle)[1]) - first,
+                                            up = glm::dvec3((*p.triangle)[2]) - first;
+  return glm::mix(glm::dvec3(p.position), first + u.x * right + u.y * up, kWithin);
+}
+
 glm::dvec3 ReflectedLight::placeOn(std::size_t patch, int k, const glm::dvec3& at, const glm::dvec3& n) const {
   const Patch& p = of->patches[patch];
   const glm::dvec3 middle(p.position);
   if (!p.triangle) return middle;
-  const glm::dvec3 first((*p.triangle)[0]), right = glm::dvec3((*p.triangle)[1]) - first,
-                                            up = glm::dvec3((*p.triangle)[2]) - first;
   const glm::dvec3 d = middle - at;
   const int tries = glm::dot(d, d) < kNearPatch * double(p.area) ? kPlacesOfNear : 1;
   glm::dvec3 chosen = middle;
   double all = 0.0, chance = std::fmod(0.5497004779 * double(patch) + 0.6180339887 * k, 1.0);
   for (int i = 0; i < tries; ++i) {
-    glm::dvec2 u = glm::fract(double(patch) * glm::dvec2(0.8191725134, 0.6710436067) +
-                              double(k * tries + i) * glm::dvec2(0.7548776662, 0.5698402910));
-    if (u.x + u.y > 1.0) u = 1.0 - u;
-    const glm::dvec3 place = first + u.x * right + u.y * up, way = place - at;
+    const glm::dvec2 u = glm::fract(double(patch) * glm::dvec2(0.8191725134, 0.6710436067) +
+                                    double(k * tries + i) * glm::dvec2(0.7548776662, 0.5698402910));
+    const glm::dvec3 place = placeBesideMiddle(patch, u), way = place - at;
     const double r2 = glm::dot(way, way) + kLeastNearness * double(p.area);
     const double facing = std::max(glm::dot(way, n), 0.0) * std::max(-glm::dot(way, glm::dvec3(p.normal)), 0.0);
     const double weight = tries == 1 ? 1.0 : facing / (r2 * r2);

@@ -65,7 +65,7 @@ vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
   float all = 0.0;
   for (int tries = 0; tries < kPlacesOfNear; ++tries) {
     at = fract(at + vec2(0.7548776662, 0.5698402910));
-    const vec3 other = mix(p.corners[0].xyz, mix(p.corners[1].xyz, p.corners[2].xyz, at.y), sqrt(at.x)), d = other - x;
+    const vec3 other = placeBesideMiddle(p, at), d = other - x;
     const float r2 = dot(d, d) + kLeastNearness * p.place.w, weight = max(dot(d, n), 0.0) * max(-dot(d, p.normal.xyz), 0.0) / (r2 * r2);
     all += weight;
     const bool takes = weight > 0.0 && chance * all < weight;

@@ -231,7 +231,7 @@ void sendRays(uint point, ivec2 pixel) {
       to = patches[piece].place.xyz + kShadowOffset * patches[piece].normal.xyz;
       worth = beside(piece, chosen[i], x, n);
     } else if (patches[chosen[i]].corners[0].w != 0.0) {
-      to = placeOn(patches[chosen[i]], placeInPatch(inPicture(pixel), 4 * shadow.turn + i)) + kShadowOffset * patches[chosen[i]].normal.xyz;
+      to = placeBesideMiddle(patches[chosen[i]], placeInPatch(inPicture(pixel), 4 * shadow.turn + i)) + kShadowOffset * patches[chosen[i]].normal.xyz;
       worth = sentAt(patches[chosen[i]], to);
     }
 #endif

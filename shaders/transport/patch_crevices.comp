@@ -32,10 +32,18 @@ vec3 directionAbout(vec3 n, int k) {
   return sqrt(r2) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - r2) * n;
 }
 
-/// Places of a triangle are spread evenly (Roberts 2018).
 vec3 placeOf(Patch p, int place) {
-  const vec2 at = fract(0.5 + float(place) * vec2(0.7548776662, 0.5698402910));
-  return (p.corners[0].w == 0.0 ? p.place.xyz : placeOn(p, at)) + kShadowOffset * p.normal.xyz;
+  return (p.corners[0].w == 0.0 ? p.place.xyz : placeAt(p, place)) + kShadowOffset * p.normal.xyz;
+}
+
+/// A bit for each place of a triangle that nothing parts from its middle.
+uint besideMiddle(Patch p) {
+  const vec3 middle = p.place.xyz + kShadowOffset * p.normal.xyz;
+  uint beside = 0u;
+  int rounds = 0;
+  for (int place = 0; place < kCrevicePlaces; ++place)
+    beside |= firstHit(middle, placeOf(p, place), false, rounds).at < 1.0 ? 0u : 1u << place;
+  return beside;
 }
 
 float brightness(vec3 colour) { return dot(colour, vec3(1.0 / 3.0)); }
@@ -107,6 +115,7 @@ void main() {
   const Seen seen = seenFrom(patches[a], size);
   patches[a].of = kPi * area * withoutChance(seen);
   patches[a].wanted = seen.near;
+  if (isTriangle) patches[a].normal.w = float(besideMiddle(patches[a]));
   patches[a].slope = vec4(vec3(0.0), isTriangle ? seen.openness : 1.0);
 #else
 #if LPV_TRANSPARENT

@@ -124,13 +124,13 @@ void PatchSet::bind() const {
 
 std::size_t PatchSet::bytesOfPatches() const { return std::size_t(count) * sizeof(StoredPatch); }
 
-std::vector<glm::dvec3> PatchSet::slopesIn(std::span<const std::byte> copied) const {
+void PatchSet::takeAcross(std::span<const std::byte> copied, ReflectedLight& to) const {
   std::vector<StoredPatch> stored(static_cast<std::size_t>(count));
   std::memcpy(stored.data(), copied.data(), bytesOfPatches());
-  std::vector<glm::dvec3> out;
-  out.reserve(stored.size());
-  for (const StoredPatch& patch : stored) out.push_back(glm::dvec3(glm::vec3(patch.slope)) / cell);
-  return out;
+  for (const StoredPatch& patch : stored) {
+    to.slopes.push_back(glm::dvec3(glm::vec3(patch.slope)) / cell);
+    to.besideMiddle.push_back(std::uint32_t(patch.normal.w));
+  }
 }
 
 void PatchSet::forgetFoldHits(int foldTurns) {

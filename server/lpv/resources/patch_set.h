@@ -9,6 +9,7 @@
 #include "lpv/resources/shadow_points.h"
 #include "scene/grid.h"
 #include "scene/patches.h"
+#include "scene/reflected_light.h"
 #include "scene/scene.h"
 #include "shaders/layout.h"
 
@@ -32,8 +33,9 @@ struct PatchSet {
   bool folded() const { return pieces > 0; }
   /// Of the patches alone, in `patches`.
   std::size_t bytesOfPatches() const;
-  /// How what each patch sends changes across it per metre, over what it sends, by a copy of these bytes.
-  std::vector<glm::dvec3> slopesIn(std::span<const std::byte> copied) const;
+  /// By a copy of these bytes, how what each patch sends changes across it per metre, over what it sends; and which of
+  /// its places nothing parts from its middle (ReflectedLight).
+  void takeAcross(std::span<const std::byte> copied, ReflectedLight& to) const;
   /// Before pieces look for each other by so many turns of rays.
   void forgetFoldHits(int foldTurns);
 
