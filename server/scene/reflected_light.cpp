@@ -1,7 +1,6 @@
 #include "scene/reflected_light.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtx/component_wise.hpp>
@@ -44,11 +43,6 @@ glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
   return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
 }
 
-// As in shaders/frame/patch_light.comp: of a near triangle, how many places are weighed, and the least square of a
-// distance, of its area; as in shaders/visibility/patches.glsl: the least that is sent anywhere, over the
-// mean, and how far places are from the middle, of the way to the edge.
-constexpr int kPlacesOfNear = 8;
-constexpr double kLeastNearness = 0.01, kLeastSent = 0.25, kWithin = 0.98;
 constexpr double kMostOfPiece = 4.0;  // as in shaders/frame/shadow_rays.comp
 constexpr double kFoldedUpTo = 1.7;  // as in shaders/visibility/shadow_points.glsl
 
@@ -71,56 +65,6 @@ void ReflectedLight::findPiecesOfPatches() {
     if (pieces.count++ == 0) pieces.first = std::uint32_t(i);
     sentUpTo.push_back(before + area * (pieceRadiance[i].r + pieceRadiance[i].g + pieceRadiance[i].b));
   }
-}
-
-/// A place on a triangle, u in [0, 1)^2: placeBesideMiddle() of shaders/visibility/patches.glsl.
-glm::dvec3 ReflectedLight::placeBesideMiddle(std::size_t patch, glm::dvec2 u) const {
-  const Patch& p = of->patches[patch];
-  constexpr std::uint32_t kAll = (1U << layout::kCrevicePlaces) - 1U;
-  const std::uint32_t beside = besideMiddle.empty() ? kAll : besideMiddle[patch];
-  if (beside == 0) return glm::dvec3(p.position);
-  if (beside != kAll) {
-    int left = std::min(int(u.x * std::popcount(beside)), std::popcount(beside) - 1), place = 0;
-    for (int k = 0; k < layout::kCrevicePlaces; ++k) {
-      const bool isBeside = (beside >> k & 1U) == 1U;
-      if (isBeside && left == 0) place = k;
-      left -= int(isBeside);
-    }
-    u = glm::fract(0.5 + double(place) * glm::dvec2(0.7548776662, 0.5698402910));
-  }
-  if (u.x + u.y > 1.0) u = 1.0 - u;
-  const glm::dvec3 first((*p.triangle)[0]), right = glm::dvec3((*p.triangle)[1]) - first,
-                                            up = glm::dvec3((*p.triangle)[2]) - first;
-  return glm::mix(glm::dvec3(p.position), first + u.x * right + u.y * up, kWithin);
-}
-
-glm::dvec3 ReflectedLight::placeOn(std::size_t patch, int k, const glm::dvec3& at, const glm::dvec3& n) const {
-  const Patch& p = of->patches[patch];
-  const glm::dvec3 middle(p.position);
-  if (!p.triangle) return middle;
-  const glm::dvec3 d = middle - at;
-  const int tries = glm::dot(d, d) < kNearPatch * double(p.area) ? kPlacesOfNear : 1;
-  glm::dvec3 chosen = middle;
-  double all = 0.0, chance = std::fmod(0.5497004779 * double(patch) + 0.6180339887 * k, 1.0);
-  for (int i = 0; i < tries; ++i) {
-    const glm::dvec2 u = glm::fract(double(patch) * glm::dvec2(0.8191725134, 0.6710436067) +
-                                    double(k * tries + i) * glm::dvec2(0.7548776662, 0.5698402910));
-    const glm::dvec3 place = placeBesideMiddle(patch, u), way = place - at;
-    const double r2 = glm::dot(way, way) + kLeastNearness * double(p.area);
-    const double facing = std::max(glm::dot(way, n), 0.0) * std::max(-glm::dot(way, glm::dvec3(p.normal)), 0.0);
-    const double weight = tries == 1 ? 1.0 : facing / (r2 * r2);
-    all += weight;
-    const bool takes = weight > 0.0 && chance * all < weight;
-    chance = takes ? chance * all / weight : (chance * all - weight) / std::max(all - weight, 1e-300);
-    if (takes) chosen = place;
-  }
-  return chosen;
-}
-
-double ReflectedLight::sentAt(std::size_t patch, const glm::dvec3& place) const {
-  if (slopes.empty()) return 1.0;
-  return std::clamp(1.0 + glm::dot(slopes[patch], place - glm::dvec3(of->patches[patch].position)), kLeastSent,
-                    2.0 - kLeastSent);
 }
 
 std::optional<std::size_t> ReflectedLight::pieceOf(std::size_t patch, double u) const {
@@ -193,10 +137,7 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
     const glm::dvec3 colour = double(rays) / size * sent[i];
     tried += colour;
     if (piecesOf.empty() || piecesOf[i].count == 0) {
-      for (int k = 0; k < rays; ++k) {
-        const glm::dvec3 place = placeOn(i, k, at, n);
-        seen += sentAt(i, place) / rays * colour * visibility->seen(at, n, place);
-      }
+      seen += colour * visibility->seen(at, n, glm::dvec3(patches[i].position));
       continue;
     }
     const double whole = weightOf(patches[i], at, n);

@@ -1,7 +1,6 @@
-// How much light every two patches exchange (MATHS.md 3d): nothing where a ray from middle to middle meets a surface; where
-// some of one is behind others, the share of it that some rays from place to place find. Lights between them are found
-// apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a pair answers for both.
-// LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
+// How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets a surface;
+// lights between them are found apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a
+// pair answers for both. LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"
@@ -32,41 +31,22 @@ float arrivesAt(Patch at, Patch from) {
                             1.0);
 }
 
-/// The share of what one patch sends to another one that arrives, by so many rays.
-vec3 arrivesBetween(int a, int b, int rays, inout int rounds) {
-  vec3 sum = vec3(0.0);
-  int sent = 0;
-  for (; sent < rays && (sent == 0 || rounds < kMostRayRounds); ++sent) {
-    const vec3 from = placeTowards(a, b, sent), to = placeTowards(b, a, sent);
-    int own = 0;
-    vec3 share = transmitted(from, to, kAllLights, own);
-    rounds += own;
-#if LPV_TRANSPARENT
-    share *= throughHaze(from, to);
-#endif
-    sum += share;
-  }
-  return sum / float(sent);
-}
-
 void main() {
   const int eights = (params.count + 7) / 8, index = params.first + int(gl_GlobalInvocationID.x);
   const int a = index / eights, begin = 8 * (index % eights);
   if (a >= params.count || begin + 7 <= a) return;
   const Patch here = patches[a];
-  int rounds = 0;
   for (int b = max(begin, a + 1); b < min(begin + 8, params.count); ++b) {
     const Patch there = patches[b];
     if (!faceEachOther(here, there)) continue;
-    const vec3 share = arrivesBetween(a, b, isUneven(here) || isUneven(there) ? kRaysOfUneven : 1, rounds);
+    const vec3 share = transmitted(beside(here), beside(there), kAllLights);
     if (share == vec3(0.0)) continue;
 #if LPV_TRANSPARENT
-    const uint kept = packedShare(share);
+    const uint kept = packedShare(throughHaze(beside(here), beside(there)) * share);
     shares[b * params.stride + a] = kept;
     shares[a * params.stride + b] = kept;
 #endif
-    const float seen = LPV_TRANSPARENT == 1 ? 1.0 : share.r;
-    exchange[b * params.stride + a] = seen * here.place.w * arrivesAt(here, there);
-    exchange[a * params.stride + b] = seen * there.place.w * arrivesAt(there, here);
+    exchange[b * params.stride + a] = here.place.w * arrivesAt(here, there);
+    exchange[a * params.stride + b] = there.place.w * arrivesAt(there, here);
   }
 }

@@ -1,7 +1,6 @@
 #include "lpv/resources/patch_set.h"
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 #include <utility>
 
@@ -16,7 +15,6 @@ struct StoredPatch {
   glm::vec4 place{0.0F}, normal{0.0F}, albedo{0.0F}, direct{0.0F}, arriving[2] = {glm::vec4(0.0F), glm::vec4(0.0F)};
   glm::vec4 corners[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
   float wanted = 0.0F, scale[2] = {1.0F, 1.0F}, of = 0.0F;
-  glm::vec4 slope{0.0F, 0.0F, 0.0F, 1.0F};
 };
 
 StoredPatch stored(const Patch& p, const Grid& grid) {
@@ -93,7 +91,6 @@ std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 
 PatchSet::PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid, bool throughPanes)
     : source(std::move(patched)),
-      cell(grid.cell),
       count(int(source->patches.size())),
       pieces(int(source->folds.pieces.size())),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(*source, grid)))),
@@ -120,17 +117,6 @@ void PatchSet::bind() const {
   pieceLights.bindStorage(layout::kPieceLights);
   foldTriangles.bindStorage(layout::kFoldTriangles);
   if (foldHits) foldHits.bindStorage(layout::kFoldHits);
-}
-
-std::size_t PatchSet::bytesOfPatches() const { return std::size_t(count) * sizeof(StoredPatch); }
-
-void PatchSet::takeAcross(std::span<const std::byte> copied, ReflectedLight& to) const {
-  std::vector<StoredPatch> stored(static_cast<std::size_t>(count));
-  std::memcpy(stored.data(), copied.data(), bytesOfPatches());
-  for (const StoredPatch& patch : stored) {
-    to.slopes.push_back(glm::dvec3(glm::vec3(patch.slope)) / cell);
-    to.besideMiddle.push_back(std::uint32_t(patch.normal.w));
-  }
 }
 
 void PatchSet::forgetFoldHits(int foldTurns) {

@@ -9,7 +9,6 @@
 #include "lpv/resources/shadow_points.h"
 #include "scene/grid.h"
 #include "scene/patches.h"
-#include "scene/reflected_light.h"
 #include "scene/scene.h"
 #include "shaders/layout.h"
 
@@ -31,16 +30,10 @@ struct PatchSet {
   void bind() const;
   /// Whether receivers near them may look for their pieces.
   bool folded() const { return pieces > 0; }
-  /// Of the patches alone, in `patches`.
-  std::size_t bytesOfPatches() const;
-  /// By a copy of these bytes, how what each patch sends changes across it per metre, over what it sends; and which of
-  /// its places nothing parts from its middle (ReflectedLight).
-  void takeAcross(std::span<const std::byte> copied, ReflectedLight& to) const;
   /// Before pieces look for each other by so many turns of rays.
   void forgetFoldHits(int foldTurns);
 
   PatchedScenePtr source;
-  double cell;  ///< metres
   int count;
   int pieces;
   gpu::Buffer patches;  ///< as shaders/visibility/patches.glsl has them: all patches, then the pieces of their folds
