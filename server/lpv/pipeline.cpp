@@ -6,6 +6,7 @@
 #include "gpu/failure.h"
 #include "lpv/pipeline_stages.h"
 #include "lpv/tick_report.h"
+#include "scene/parted_patches.h"
 
 namespace lpv {
 
@@ -330,9 +331,10 @@ GpuTask Pipeline::Stages::findPatches(SessionState& s, const TickRequest& reques
   }
   PatchInputs inputs = {made.patched.stamp(), made.halvings.product(), s.field().grid, made.occluders.surfaces()};
   if (made.patches.holds(inputs)) co_return;
-  const PatchedScenePtr fine = inputs.halvings.empty()
-                                   ? made.patched.product()
-                                   : std::make_shared<const PatchedScene>(halved(patched, inputs.halvings));
+  PatchedScenePtr fine = inputs.halvings.empty()
+                             ? made.patched.product()
+                             : std::make_shared<const PatchedScene>(halved(patched, inputs.halvings));
+  if (s.reflectionsBlocked) fine = std::make_shared<const PatchedScene>(parted(*fine, scene));
   auto set = fine->patches.empty()
                  ? nullptr
                  : std::make_unique<PatchSet>(fine, scene, s.field().grid, made.occluders.transparent());
@@ -360,12 +362,13 @@ GpuTask Pipeline::Stages::reflect(SessionState& s, const TickRequest& request) {
   }
   if (s.reflectionsBlocked) co_await bouncePass.findLights(*patches, made.occluders, pacing(s));
   co_await bounce(s, *request.scene, *patches, pieces);
+  co_await bouncePass.findSlopes(*patches, made.occluders, pacing(s));
   made.reflected.set(inputs);
 }
 
-/// How often pieces of folds get from each other what they sent the time before, where all light is wanted, or as many
-/// bounces. Patches say what they send first: too much in a pocket, of which the rest of a patch is brighter.
-constexpr int kTurnsOfPieces = 16;
+/// From so many bounces on pieces of folds get from each other what they sent the time before, and so often, as where
+/// all light is wanted. They begin with what comes from elsewhere.
+constexpr int kBouncesOfPieces = 16, kTurnsOfPieces = 48;
 
 /// The pieces of folds get the last bounce but one as pixels do the last, from patches and from each other, and send it
 /// on.
@@ -377,7 +380,7 @@ GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& 
   if (!look) co_return;
   const ShadowCasters shadows = {
       &made.pools, &made.occluders, 0, &patches, shadowTurns(scene.options), foldTurns(scene.options)};
-  const bool allLight = (s.bounces.albedo > 0.0 || turns >= kTurnsOfPieces) && !made.occluders.transparent();
+  const bool allLight = (s.bounces.albedo > 0.0 || turns >= kBouncesOfPieces) && !made.occluders.transparent();
   patches.forgetFoldHits(shadows.foldTurns);
   co_await nearFieldPass.lookFromPieces(patches, made.emitters, shadows, pacing(s));
   co_await bouncePass.run(patches, s.bounces, turns - 1, turns, pacing(s));

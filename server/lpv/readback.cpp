@@ -166,6 +166,8 @@ EmitterListPtr takeEmitterList(const LightField& field, const EmitterBufferList&
 void copyReflected(const PatchSet& patches, Readbacks& readbacks) {
   const std::size_t bytes = patches.lights.size(), ofPieces = patches.pieceLights.size();
   withRoom(readbacks.patchLights, "patch lights", bytes).copyFrom(patches.lights, 0, 0, bytes);
+  withRoom(readbacks.patches, "patches", patches.bytesOfPatches())
+      .copyFrom(patches.patches, 0, 0, patches.bytesOfPatches());
   if (patches.folded())
     withRoom(readbacks.pieceLights, "piece lights", ofPieces).copyFrom(patches.pieceLights, 0, 0, ofPieces);
 }
@@ -179,6 +181,7 @@ ReflectedLightPtr takeReflected(const PatchSet& patches, const Readbacks& readba
     const double area = -double(point[1].w);
     out->radiance.push_back(double(point[0].w) / area * glm::dvec3(point[2]));
   }
+  out->slopes = patches.slopesIn(readbacks.patches.bytes());
   std::vector<glm::vec4> pieces(patches.source->folds.pieces.size());
   if (patches.folded())
     std::memcpy(pieces.data(), readbacks.pieceLights.bytes().data(), pieces.size() * sizeof(glm::vec4));

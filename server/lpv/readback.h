@@ -14,7 +14,7 @@ namespace lpv {
 
 /// Where copies of a tick's volumes and counts go; they grow, and are used again.
 struct Readbacks {
-  gpu::Readback transported, injected, emitterList, emitterDistance, patchLights, pieceLights, counters;
+  gpu::Readback transported, injected, emitterList, emitterDistance, patchLights, patches, pieceLights, counters;
 };
 
 /// Makes field.incidentVolume readable by the CPU, in `target`, once a later fence has signalled.

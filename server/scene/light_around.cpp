@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scene/emitter_walk.h"
+#include "scene/parted_patches.h"
 #include "scene/reflected_light.h"
 
 namespace lpv {
@@ -123,8 +124,8 @@ void LightAround::addPatch(const Patch& patch, const glm::dvec3& at, const glm::
   const double r2 = glm::dot(d, d), area = double(patch.area);
   if (patch.triangle && r2 < kNearPatch * area) {
     const auto& t = *patch.triangle;
-    return addTriangle({glm::dvec3(t[0]) - at, glm::dvec3(t[1]) - at, glm::dvec3(t[2]) - at}, 1, colour,
-                       glm::dmat3(1.0));
+    return addTriangle({glm::dvec3(t[0]) - at, glm::dvec3(t[1]) - at, glm::dvec3(t[2]) - at}, 1,
+                       ownShare(patch) * colour, glm::dmat3(1.0));
   }
   const double r = std::sqrt(r2), towards = -glm::dot(glm::dvec3(patch.normal), d);
   if (!(r > 0.0 && towards > 0.0)) return;

@@ -14,6 +14,9 @@
 
 namespace lpv {
 
+/// A bit for each of layout::kPatchPlaces places of a triangle.
+inline constexpr std::uint32_t kAllPlaces = 0xFFFFU;
+
 /// World space, metres.
 struct Patch {
   glm::vec3 position{0.0F};
@@ -22,6 +25,8 @@ struct Patch {
   glm::vec3 albedo{0.0F};  ///< mean of alpha x albedo around it
   std::optional<std::array<glm::vec3, 3>>
       triangle;  ///< counter-clockwise seen from its side; none: it stands for several
+  std::uint32_t places = kAllPlaces;  ///< of a triangle, a bit for each of its places that it stands for
+                                      ///< (scene/parted_patches.h); `area` is of these
   float reach = 0.0F;  ///< 0, or it stands for small triangles that have pieces (Folds): metres from it in which
                        ///< receivers look for these
 };

@@ -8,6 +8,7 @@
 
 #include "scene/emitter_list.h"
 #include "scene/light_around.h"
+#include "scene/parted_patches.h"
 #include "shaders/layout.h"
 
 namespace lpv {
@@ -26,7 +27,7 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
   if (patch.triangle && r2 < kNearPatch * area) {
     const auto& t = *patch.triangle;
     const glm::dvec3 corners[3] = {glm::dvec3(t[0]) - at, glm::dvec3(t[1]) - at, glm::dvec3(t[2]) - at};
-    return triangleIrradiance(corners, n, 1);
+    return ownShare(patch) * triangleIrradiance(corners, n, 1);
   }
   const double size = kPatchSizeOfArea * area, p = glm::dot(n, d);
   const double q = std::min(glm::dot(glm::dvec3(patch.normal), d), 0.0);
@@ -43,6 +44,10 @@ glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
   return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
 }
 
+// As in shaders/frame/patch_light.comp: of a near triangle, how many places are weighed, and the least square of a
+// distance, of its area; as in shaders/visibility/patches.glsl: the least that is sent anywhere, over the mean.
+constexpr int kPlacesOfNear = 8;
+constexpr double kLeastNearness = 0.01, kLeastSent = 0.25;
 constexpr double kMostOfPiece = 4.0;  // as in shaders/frame/shadow_rays.comp
 constexpr double kFoldedUpTo = 1.7;  // as in shaders/visibility/shadow_points.glsl
 
@@ -65,6 +70,35 @@ void ReflectedLight::findPiecesOfPatches() {
     if (pieces.count++ == 0) pieces.first = std::uint32_t(i);
     sentUpTo.push_back(before + area * (pieceRadiance[i].r + pieceRadiance[i].g + pieceRadiance[i].b));
   }
+}
+
+glm::dvec3 ReflectedLight::placeOn(std::size_t patch, int k, const glm::dvec3& at, const glm::dvec3& n) const {
+  const Patch& p = of->patches[patch];
+  const glm::dvec3 middle(p.position);
+  if (!p.triangle) return middle;
+  const glm::dvec3 d = middle - at;
+  const int tries = glm::dot(d, d) < kNearPatch * double(p.area) ? kPlacesOfNear : 1;
+  glm::dvec3 chosen = middle;
+  double all = 0.0, chance = std::fmod(0.5497004779 * double(patch) + 0.6180339887 * k, 1.0);
+  for (int i = 0; i < tries; ++i) {
+    const glm::dvec2 u = glm::fract(double(patch) * glm::dvec2(0.8191725134, 0.6710436067) +
+                                    double(k * tries + i) * glm::dvec2(0.7548776662, 0.5698402910));
+    const glm::dvec3 place = ownPlace(p, u), way = place - at;
+    const double r2 = glm::dot(way, way) + kLeastNearness * double(p.area);
+    const double facing = std::max(glm::dot(way, n), 0.0) * std::max(-glm::dot(way, glm::dvec3(p.normal)), 0.0);
+    const double weight = tries == 1 ? 1.0 : facing / (r2 * r2);
+    all += weight;
+    const bool takes = weight > 0.0 && chance * all < weight;
+    chance = takes ? chance * all / weight : (chance * all - weight) / std::max(all - weight, 1e-300);
+    if (takes) chosen = place;
+  }
+  return chosen;
+}
+
+double ReflectedLight::sentAt(std::size_t patch, const glm::dvec3& place) const {
+  if (slopes.empty()) return 1.0;
+  return std::clamp(1.0 + glm::dot(slopes[patch], place - glm::dvec3(of->patches[patch].position)), kLeastSent,
+                    2.0 - kLeastSent);
 }
 
 std::optional<std::size_t> ReflectedLight::pieceOf(std::size_t patch, double u) const {
@@ -137,7 +171,10 @@ glm::dvec3 ReflectedLight::irradiance(const glm::dvec3& at, const glm::dvec3& n,
     const glm::dvec3 colour = double(rays) / size * sent[i];
     tried += colour;
     if (piecesOf.empty() || piecesOf[i].count == 0) {
-      seen += colour * visibility->seen(at, n, glm::dvec3(patches[i].position));
+      for (int k = 0; k < rays; ++k) {
+        const glm::dvec3 place = placeOn(i, k, at, n);
+        seen += sentAt(i, place) / rays * colour * visibility->seen(at, n, place);
+      }
       continue;
     }
     const double whole = weightOf(patches[i], at, n);

@@ -36,13 +36,18 @@ vec3 toPart(Patch p, int part, int parts) {
   return offset;
 }
 
-/// The four parts of the k-th of parts / 4 that a patch is cut into; the last of them is in its middle. All are there
-/// where it is no triangle.
+/// Where a patch's parts are: all in one place where it is no triangle, and in its own places where it is parted.
+vec3 placeOfPart(Patch p, int part, int parts) {
+  if (p.corners[0].w == 0.0) return p.place.xyz;
+  if (isParted(p)) return ownPlace(p, vec2((float(part) + 0.5) / float(parts), 0.0));
+  return p.place.xyz + toPart(p, part, parts);
+}
+
+/// The four parts of the k-th of parts / 4 that a patch is cut into; the last of them is in its middle.
 FourReceivers partsOf(Patch p, int k, int parts) {
   FourReceivers r;
-  const bool isTriangle = p.corners[0].w > 0.0;
   for (int i = 0; i < 4; ++i) {
-    const vec3 x = p.place.xyz + (isTriangle ? toPart(p, k + i * (parts / 4), parts) : vec3(0.0));
+    const vec3 x = placeOfPart(p, k + i * (parts / 4), parts);
     r.x[i] = x.x;
     r.y[i] = x.y;
     r.z[i] = x.z;

@@ -177,6 +177,12 @@ int pieceOf(int patch_, float u) {
   return begin;
 }
 
+/// Where in a patch that is a triangle a ray goes, in [0, 1)^2: by other numbers than which patch it goes to.
+vec2 placeInPatch(ivec2 pixel, int ray) {
+  const mat2 pixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
+  return fract(pixelSteps * vec2(pixel & 1023) + float(ray) * vec2(0.7548776662, 0.5698402910));
+}
+
 /// How much a piece sends beside its patch, both as if nothing lay between.
 float beside(int piece, int patch_, vec3 x, vec3 n) {
   const vec4 place = patches[piece].place, whole = patches[patch_].place;
@@ -224,6 +230,9 @@ void sendRays(uint point, ivec2 pixel) {
     if (piece >= 0) {
       to = patches[piece].place.xyz + kShadowOffset * patches[piece].normal.xyz;
       worth = beside(piece, chosen[i], x, n);
+    } else if (patches[chosen[i]].corners[0].w != 0.0) {
+      to = ownPlace(patches[chosen[i]], placeInPatch(inPicture(pixel), 4 * shadow.turn + i)) + kShadowOffset * patches[chosen[i]].normal.xyz;
+      worth = sentAt(patches[chosen[i]], to);
     }
 #endif
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * chosen[i] + 2);

@@ -44,7 +44,7 @@ vec3 arrivingAt(int a, int before, vec3 fromOthers) {
 
 void finish(int a, vec3 fromOthers) {
   const int now = params.bounce & 1;
-  vec3 e = patches[a].direct.rgb;
+  vec3 e = patches[a].slope.w * patches[a].direct.rgb;
   if (params.bounce > 0) e += arrivingAt(a, 1 - now, fromOthers);
   const vec3 twoBefore = params.bounce > 1 ? patches[a].arriving[now].rgb : vec3(0.0);
   e = twoBefore + params.weight * (e - twoBefore);

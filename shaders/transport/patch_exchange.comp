@@ -1,6 +1,7 @@
-// How much light every two patches exchange (MATHS.md 3d): nothing where one ray from middle to middle meets a surface;
-// lights between them are found apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a
-// pair answers for both. LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
+// How much light every two patches exchange (MATHS.md 3d): nothing where a ray from middle to middle meets a surface; where
+// some of one is behind others, the share of it that some rays from place to place find. Lights between them are found
+// apart (patch_lights.comp). A thread has eight partners of one patch; the lower patch of a pair answers for both.
+// LPV_TRANSPARENT: what light keeps through panes and haze on the way is apart.
 #include "layout.h"
 #include "common/sh.glsl"
 #include "visibility/occluders.glsl"
@@ -27,8 +28,25 @@ bool faceEachOther(Patch a, Patch b) {
 float arrivesAt(Patch at, Patch from) {
   const vec3 x = beside(at), d = from.place.xyz - x;
   if (dot(d, d) > kNearPatch * from.place.w || from.corners[0].w == 0.0) return patchWeight(d, from.place.w, from.normal.xyz, at.normal.xyz);
-  return triangleIrradiance(from.corners[0].xyz - x, from.corners[1].xyz - x, from.corners[2].xyz - x, at.normal.xyz,
-                            1.0);
+  return ownShare(from) * triangleIrradiance(from.corners[0].xyz - x, from.corners[1].xyz - x, from.corners[2].xyz - x,
+                                             at.normal.xyz, 1.0);
+}
+
+/// The share of what one patch sends to another one that arrives, by so many rays.
+vec3 arrivesBetween(int a, int b, int rays, inout int rounds) {
+  vec3 sum = vec3(0.0);
+  int sent = 0;
+  for (; sent < rays && (sent == 0 || rounds < kMostRayRounds); ++sent) {
+    const vec3 from = placeTowards(a, b, sent), to = placeTowards(b, a, sent);
+    int own = 0;
+    vec3 share = transmitted(from, to, kAllLights, own);
+    rounds += own;
+#if LPV_TRANSPARENT
+    share *= throughHaze(from, to);
+#endif
+    sum += share;
+  }
+  return sum / float(sent);
 }
 
 void main() {
@@ -36,17 +54,19 @@ void main() {
   const int a = index / eights, begin = 8 * (index % eights);
   if (a >= params.count || begin + 7 <= a) return;
   const Patch here = patches[a];
+  int rounds = 0;
   for (int b = max(begin, a + 1); b < min(begin + 8, params.count); ++b) {
     const Patch there = patches[b];
     if (!faceEachOther(here, there)) continue;
-    const vec3 share = transmitted(beside(here), beside(there), kAllLights);
+    const vec3 share = arrivesBetween(a, b, isUneven(here) || isUneven(there) ? kRaysOfUneven : 1, rounds);
     if (share == vec3(0.0)) continue;
 #if LPV_TRANSPARENT
-    const uint kept = packedShare(throughHaze(beside(here), beside(there)) * share);
+    const uint kept = packedShare(share);
     shares[b * params.stride + a] = kept;
     shares[a * params.stride + b] = kept;
 #endif
-    exchange[b * params.stride + a] = here.place.w * arrivesAt(here, there);
-    exchange[a * params.stride + b] = there.place.w * arrivesAt(there, here);
+    const float seen = LPV_TRANSPARENT == 1 ? 1.0 : share.r;
+    exchange[b * params.stride + a] = seen * here.place.w * arrivesAt(here, there);
+    exchange[a * params.stride + b] = seen * there.place.w * arrivesAt(there, here);
   }
 }

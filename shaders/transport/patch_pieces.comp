@@ -3,7 +3,8 @@
 //   1: what pieces send, as long as nobody has looked from them: what comes to their patch from others comes to each
 //   2: the same once they have been looked from
 //   3: what a patch sends is what its pieces send in the mean
-//   4: what comes to pieces from each other, again: what they send is better known than when they were looked from
+//   4: what comes to pieces from each other: nothing at first, since what their patch sends is too much for a pocket, which
+//      keeps it for long; then by what they send by now
 //   5: how much all pieces of a patch up to each send, which rays go by; 3 does that, too
 // A thread has a patch in steps 0, 3 and 5, a piece in 1, 2 and 4.
 #include "layout.h"
@@ -37,7 +38,7 @@ void main() {
     all += kPi / float(max(rays, 1) * params.foldTurns) * sum;
   }
   if (params.bounce == 0) patches[piece].arriving[0].rgb = max(patches[piece].arriving[0].rgb - all, vec3(0.0));
-  patches[piece].arriving[1].rgb = all;
+  patches[piece].arriving[1].rgb = params.bounce > 0 ? all : vec3(0.0);
 }
 #elif LPV_STEP == 1 || LPV_STEP == 2
 void main() {

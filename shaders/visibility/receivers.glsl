@@ -32,7 +32,7 @@ bool isTriangle(ivec2 pixel) { return patches[pixel.x].corners[0].w != 0.0; }
 vec3 rayStart(ivec2 pixel, vec3 n, int turn) {
   if (!isTriangle(pixel)) return rayStart(pixel, n);
   const vec2 shift = float(pixel.x & 1023) * vec2(0.5698402910, 0.6180339887);
-  return placeOn(patches[pixel.x], fract(shift + float(turn) * vec2(0.7548776662, 0.5698402910))) + kShadowOffset * n;
+  return ownPlace(patches[pixel.x], fract(shift + float(turn) * vec2(0.7548776662, 0.5698402910))) + kShadowOffset * n;
 }
 #else
 #include "common/octahedral.glsl"

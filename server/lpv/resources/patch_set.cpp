@@ -1,6 +1,7 @@
 #include "lpv/resources/patch_set.h"
 
 #include <algorithm>
+#include <cstring>
 #include <span>
 #include <utility>
 
@@ -15,12 +16,13 @@ struct StoredPatch {
   glm::vec4 place{0.0F}, normal{0.0F}, albedo{0.0F}, direct{0.0F}, arriving[2] = {glm::vec4(0.0F), glm::vec4(0.0F)};
   glm::vec4 corners[3] = {glm::vec4(0.0F), glm::vec4(0.0F), glm::vec4(0.0F)};
   float wanted = 0.0F, scale[2] = {1.0F, 1.0F}, of = 0.0F;
+  glm::vec4 slope{0.0F, 0.0F, 0.0F, 1.0F};
 };
 
 StoredPatch stored(const Patch& p, const Grid& grid) {
   StoredPatch to;
   to.place = glm::vec4(glm::vec3(grid.gridFromWorld(glm::dvec3(p.position))), p.area / float(grid.cell * grid.cell));
-  to.normal = glm::vec4(p.normal, 0.0F);
+  to.normal = glm::vec4(p.normal, p.triangle ? float(p.places) : 0.0F);
   to.albedo = glm::vec4(p.albedo, 0.0F);
   for (std::size_t i = 0; p.triangle && i < 3; ++i)
     to.corners[i] = glm::vec4(glm::vec3(grid.gridFromWorld(glm::dvec3((*p.triangle)[i]))), 1.0F);
@@ -91,6 +93,7 @@ std::size_t bytesOfVec4(std::size_t count) { return count * sizeof(glm::vec4); }
 
 PatchSet::PatchSet(PatchedScenePtr patched, const Scene& scene, const Grid& grid, bool throughPanes)
     : source(std::move(patched)),
+      cell(grid.cell),
       count(int(source->patches.size())),
       pieces(int(source->folds.pieces.size())),
       patches("patches", gpu::bytesOf(std::span<const StoredPatch>(stored(*source, grid)))),
@@ -117,6 +120,17 @@ void PatchSet::bind() const {
   pieceLights.bindStorage(layout::kPieceLights);
   foldTriangles.bindStorage(layout::kFoldTriangles);
   if (foldHits) foldHits.bindStorage(layout::kFoldHits);
+}
+
+std::size_t PatchSet::bytesOfPatches() const { return std::size_t(count) * sizeof(StoredPatch); }
+
+std::vector<glm::dvec3> PatchSet::slopesIn(std::span<const std::byte> copied) const {
+  std::vector<StoredPatch> stored(static_cast<std::size_t>(count));
+  std::memcpy(stored.data(), copied.data(), bytesOfPatches());
+  std::vector<glm::dvec3> out;
+  out.reserve(stored.size());
+  for (const StoredPatch& patch : stored) out.push_back(glm::dvec3(glm::vec3(patch.slope)) / cell);
+  return out;
 }
 
 void PatchSet::forgetFoldHits(int foldTurns) {

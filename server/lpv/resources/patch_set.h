@@ -30,10 +30,15 @@ struct PatchSet {
   void bind() const;
   /// Whether receivers near them may look for their pieces.
   bool folded() const { return pieces > 0; }
+  /// Of the patches alone, in `patches`.
+  std::size_t bytesOfPatches() const;
+  /// How what each patch sends changes across it per metre, over what it sends, by a copy of these bytes.
+  std::vector<glm::dvec3> slopesIn(std::span<const std::byte> copied) const;
   /// Before pieces look for each other by so many turns of rays.
   void forgetFoldHits(int foldTurns);
 
   PatchedScenePtr source;
+  double cell;  ///< metres
   int count;
   int pieces;
   gpu::Buffer patches;  ///< as shaders/visibility/patches.glsl has them: all patches, then the pieces of their folds

@@ -44,11 +44,13 @@ GpuTask BouncePass::dispatch(const Step& step, PatchSet& set, layout::PatchParam
 GpuTask BouncePass::findExchange(PatchSet& set, const GpuOccluders& occluders, Pacing pacing) {
   layout::PatchParams params = set.params();
   const int byEights = set.count * ((set.count + kPairsOfThread - 1) / kPairsOfThread);
+  const Step looks = {crevices_.get({0, bool(set.shares)}), Stage::kVisibility, set.count,
+                      double(layout::kCreviceRays)};
+  co_await dispatch(looks, set, params, &occluders, pacing);
   const Step rays = {exchange_.get({bool(set.shares)}), Stage::kVisibility, byEights, double(kPairsOfThread)};
   co_await dispatch(rays, set, params, &occluders, pacing);
-  const Step crevices = {crevices_.get({bool(set.shares)}), Stage::kVisibility, set.count,
-                         double(layout::kCreviceRays)};
-  co_await dispatch(crevices, set, params, &occluders, pacing);
+  const Step own = {crevices_.get({1, bool(set.shares)}), Stage::kReflect, set.count, double(set.count)};
+  co_await dispatch(own, set, params, &occluders, pacing);
   const Step sums = {balance_.get({0}), Stage::kReflect, set.count, double(set.count)};
   co_await dispatch(sums, set, params, nullptr, pacing);
   const Step means = {balance_.get({1}), Stage::kReflect, byEights, double(kPairsOfThread)};
@@ -103,6 +105,11 @@ GpuTask BouncePass::finishPieces(PatchSet& set, int foldTurns, int again, Pacing
   }
   const Step means = {pieces_.get({3}), Stage::kReflect, set.count, double(set.pieces) / set.count};
   co_await dispatch(means, set, set.params(), nullptr, pacing);
+}
+
+GpuTask BouncePass::findSlopes(PatchSet& set, const GpuOccluders& occluders, Pacing pacing) {
+  const Step slopes = {slopes_.get({bool(set.shares)}), Stage::kReflect, set.count, double(set.count)};
+  co_await dispatch(slopes, set, set.params(), &occluders, pacing);
 }
 
 }  // namespace lpv

@@ -31,8 +31,10 @@ class BouncePass {
   /// Before it: what comes from the lights to patches whose folds have pieces, by these.
   GpuTask takeMeans(PatchSet& set, Pacing pacing);
   /// After it, once pieces have been looked from, by so many turns of rays: what they send, and the patches that stand
-  /// for them. `again`: how often they get from each other what that makes of it.
+  /// for them. `again`: how often they get from each other what they send by then; 0: what their patches sent, once.
   GpuTask finishPieces(PatchSet& set, int foldTurns, int again, Pacing pacing);
+  /// After all, for receivers: how what patches send changes across them.
+  GpuTask findSlopes(PatchSet& set, const GpuOccluders& occluders, Pacing pacing);
 
  private:
   struct Step {
@@ -51,14 +53,23 @@ class BouncePass {
     bool operator==(const PaneVariant&) const = default;
     gpu::Defines defines() const { return {gpu::define("LPV_TRANSPARENT", transparent)}; }
   };
+  struct CreviceVariant {
+    int step;  ///< of shaders/transport/patch_crevices.comp
+    bool transparent;
+    bool operator==(const CreviceVariant&) const = default;
+    gpu::Defines defines() const {
+      return {gpu::define("LPV_STEP", step), gpu::define("LPV_TRANSPARENT", transparent)};
+    }
+  };
   /// One thread after the other, as many at a time as a piece of work may have.
   GpuTask dispatch(const Step& step, PatchSet& set, layout::PatchParams params, const GpuOccluders* occluders,
                    Pacing pacing);
 
   gpu::Programs<PaneVariant> exchange_{{"transport/patch_exchange.comp"}};
-  gpu::Programs<PaneVariant> crevices_{{"transport/patch_crevices.comp"}};
+  gpu::Programs<CreviceVariant> crevices_{{"transport/patch_crevices.comp"}};
   gpu::ProgramVariants lights_{{"transport/patch_lights.comp"}};
   gpu::Programs<PaneVariant> bounce_{{"transport/patch_bounce.comp"}};
+  gpu::Programs<PaneVariant> slopes_{{"transport/patch_slopes.comp"}};
   gpu::Programs<StepVariant> pieces_{{"transport/patch_pieces.comp"}};
   gpu::Programs<StepVariant> balance_{{"transport/patch_balance.comp"}};
   gpu::Buffer params_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -823,10 +824,13 @@ TEST_F(BouncesTest, AWallBelowAShelfIsNotLitByWhatIsAbove) {
   EXPECT_NEAR(shown / wanted, 1.0, 0.25);
 }
 
-/// A floor of 4 m below a small lamp, and, if it is asked for, black slats half way up, whose shadows are as wide as
-/// the gaps between them. Patches of the floor have legs of .25 m, so their middles lie .083 m from one of the lines
-/// along which all shadows are centred: between shadows.
-Scene floorBelowSlats(bool slats) {
+/// Black slats above a floor, `apart` from each other, as wide as the gaps between their shadows.
+struct Slats {
+  double height = 3.0, apart = 0.125, first = -1.0;
+};
+/// A floor of 4 m below a small lamp at 6 m, and slats if they are asked for. Patches of the floor have legs of .25 m,
+/// so their middles lie .083 m to either side of lines .25 m apart.
+Scene floorBelow(const std::optional<Slats>& slats) {
   Scene scene = test::smallScene();
   scene.options = {};
   scene.options.bounces = 1;
@@ -843,17 +847,76 @@ Scene floorBelowSlats(bool slats) {
   };
   add("floor", {0.0, 0.0, 0.0}, {4.0, 4.0, 1.0}, 0.8);
   add("below", {0.0, -1.0, 0.0}, {4.0, 2.5, 1.0}, 0.0);  // patches are as large as they are for all areas together
-  for (int i = 0; slats && i <= 16; ++i)
-    add("slat " + std::to_string(i), {0.5 * (0.25 * i - 2.0), 3.0, 0.0}, {0.0625, 2.4, 1.0}, 0.0);
+  for (int i = 0; slats && i <= 16; ++i) {
+    const double x = slats->first + slats->apart * i, depth = 4.0 * (1.0 - slats->height / 6.0) + 0.4;
+    add("slat " + std::to_string(i), {x, slats->height, 0.0}, {0.5 * slats->apart, depth, 1.0}, 0.0);
+  }
   return scene;
 }
 
-// Broken by: patches that look from their middles alone, all of which are in the light (1.0).
+// Slats half way up, whose shadows lie along the lines. Broken by: patches that look from their middles alone, all of
+// which are in the light (1.0).
 TEST_F(BouncesTest, WhatIsHalfInTheDarkReflectsHalf) {
   const std::vector<reference::Receiver> facingDown = {{{0.0, 1.5, 0.0}, {0.0, -1.0, 0.0}},
                                                        {{0.9, 1.2, -0.7}, {0.0, -1.0, 0.0}}};
-  const auto open = probed(floorBelowSlats(false), facingDown), half = probed(floorBelowSlats(true), facingDown, 2);
+  const auto open = probed(floorBelow({}), facingDown), half = probed(floorBelow(Slats()), facingDown, 2);
   for (std::size_t i = 0; i < open.size(); ++i) EXPECT_NEAR(half[i].x / open[i].x, 0.5, 0.03) << i;
+}
+
+/// Mean of a picture of E.
+double meanOf(const Frame& frame) {
+  double sum = 0.0;
+  for (int i = 0; i < frame.size.x * frame.size.y; ++i)
+    sum += test::pixel(frame, i % frame.size.x, i / frame.size.x).x / (frame.size.x * frame.size.y);
+  return sum;
+}
+
+// The slats lie on the floor, over the middles of its patches: what is between them reflects as if they were not there.
+// Above, a ceiling that looks down, in frames and by probes. Broken by: rays to patches' middles (nothing, for half);
+// the mean light of what is hidden and what is not (a quarter).
+TEST_F(BouncesTest, OfWhatIsHalfHiddenTheOpenHalfIsSeen) {
+  const std::vector<reference::Receiver> facingDown = {{{0.0, 1.5, 0.0}, {0.0, -1.0, 0.0}},
+                                                       {{0.3, 2.0, -0.7}, {0.0, -1.0, 0.0}}};
+  FrameRequest request = test::linearFrame({{0.0, 0.3, 0.0}, {0.0, 2.0, 0.0}, {0.0, 0.0, 1.0}, 40.0}, {32, 32});
+  request.quantity = FrameQuantity::kIrradiance;
+  const auto seen = [&](const std::optional<Slats>& slats, SessionKey session) {
+    Scene scene = floorBelow(slats);
+    Surface& ceiling = test::addSurface(scene, "ceiling", reference::quad());
+    ceiling.transform = {{0.0, 2.0, 0.0}, rotationFromEulerDegrees({90.0, 0.0, 0.0}), glm::dvec3(2.0)};
+    ceiling.twoSided = ceiling.castsShadow = false;
+    ceiling.albedo = glm::dvec3(0.0);
+    std::vector<double> out = {meanOf(*frameOf(scene, request, session))};
+    for (const glm::dvec3& e : probed(scene, facingDown, session + 1)) out.push_back(e.x);
+    return out;
+  };
+  const auto open = seen({}, 1), half = seen(Slats{0.002, 0.25, -1.875}, 3);
+  for (std::size_t i = 0; i < open.size(); ++i) EXPECT_NEAR(half[i] / open[i], 0.5, 0.06) << i;
+}
+
+// Close above a floor with patches of .35 m, whose light falls off from below a lamp. Broken by: patches that are even
+// all over (.026); near ones asked at any place of theirs (.026).
+TEST_F(BouncesTest, APatchIsAsBrightAcrossAsItsNeighboursSay) {
+  Scene scene = lampOverFloor();
+  scene.options.visibility = Visibility::kOn;
+  Surface& plate = test::addSurface(scene, "plate", reference::quad());
+  plate.transform.translation.z = -1.8;
+  plate.transform.scale = glm::dvec3(12.0);
+  plate.albedo = glm::dvec3(0.0);
+  plate.twoSided = false;
+  std::vector<reference::Receiver> points;
+  for (const double x : {-0.75, -0.5, 0.5, 0.75}) {
+    for (const double z : {-0.97, -0.9, -0.8}) points.push_back({{x, 0.13, z}, {x < 0.0 ? 1.0 : -1.0, 0.0, 0.0}});
+  }
+  const auto got = probed(scene, points);
+  scene.options.bounces = 0;
+  const auto direct = probed(scene, points, 2);
+  ASSERT_EQ(got.size(), points.size());
+  double squares = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double want = reflectedBy(scene, points[i], 400).x;
+    squares += std::pow((got[i].x - direct[i].x) / want - 1.0, 2.0) / double(points.size());
+  }
+  EXPECT_LE(std::sqrt(squares), 0.022);
 }
 
 /// A plate of small triangles, for which one patch stands, white on the left and black on the right, lit from below; a

@@ -1,0 +1,25 @@
+#pragma once
+// Patches that something parts, such as those of a floor below the wall between two rooms, or below a pane: one for each
+// side, since each side sends its own light to its own room (MATHS.md 3d.4).
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "scene/patches.h"
+
+namespace lpv {
+
+/// The k-th of layout::kPatchPlaces places that are spread evenly over a triangle; as placeAt() of
+/// shaders/visibility/patches.glsl.
+glm::dvec3 placeOfTriangle(const Patch& patch, int k);
+/// A place that a patch stands for, u in [0, 1)^2: any of its triangle, or where that is parted one of `places`.
+glm::dvec3 ownPlace(const Patch& patch, glm::dvec2 u);
+/// How much of its triangle a patch stands for.
+double ownShare(const Patch& patch);
+
+/// The scene's patches, each triangle once for each of the sides to which surfaces part it: places are on one side if one
+/// can be reached from the other along the surface or over what stands on it, such as a ledge. A side of one place is left out. A quarter
+/// more patches are the most; then the largest sides stand for the others. Those before stay where they are.
+PatchedScene parted(const PatchedScene& patched, const Scene& scene);
+
+}  // namespace lpv
