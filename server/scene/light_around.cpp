@@ -173,6 +173,13 @@ glm::dvec3 directionAround(int k, int count) {
   return {across * std::cos(turn), y, across * std::sin(turn)};
 }
 
+glm::dvec3 directionAbout(const glm::dvec3& n, int k, int count) {
+  const double r2 = (k + 0.5) / count, turn = kGoldenAngle * k;
+  const glm::dvec3 right =
+      glm::normalize(glm::cross(n, std::abs(n.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0)));
+  return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
+}
+
 int backFacesAround(const Volume& volume, const glm::dvec3& at) {
   if (volume.direct == nullptr || volume.direct->visibility == nullptr) return 0;
   int backs = 0;

@@ -54,6 +54,8 @@ LightAnswer lightAround(const Volume& volume, Lookup lookup, const glm::dvec3& a
 
 /// The k-th of so many directions spread evenly over the sphere: a spiral (Vogel 1979).
 glm::dvec3 directionAround(int k, int count);
+/// The same over the half sphere about a normal, by their cosine.
+glm::dvec3 directionAbout(const glm::dvec3& n, int k, int count);
 
 /// Of kRaysAround fixed rays, those that first meet the back of a surface: a point inside of something solid has many.
 inline constexpr int kRaysAround = 64;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/light_around.h"
 #include "scene/occluders.h"
 #include "shaders/layout.h"
 
@@ -25,14 +26,6 @@ glm::dvec3 placeOn(const Patch& patch, glm::dvec2 u) {
   return first + u.x * (glm::dvec3((*patch.triangle)[1]) - first) + u.y * (glm::dvec3((*patch.triangle)[2]) - first);
 }
 
-/// The k-th of `count` directions about n that are spread by their cosine: a spiral over the disc below them (Vogel 1979).
-glm::dvec3 directionAbout(const glm::dvec3& n, int k, int count) {
-  const double r2 = (k + 0.5) / count, turn = 2.399963229728653 * k;
-  const glm::dvec3 right =
-      glm::normalize(glm::cross(n, std::abs(n.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0)));
-  return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
-}
-
 /// A triangle's places, as high above it as its rays begin, and between which one gets from one to another.
 class Places {
  public:
@@ -49,13 +42,15 @@ class Places {
              return open(a, a + up) && open(a + up, b + up) && open(b + up, b);
            });
   }
-  /// Whether some of so many see further than to what is close around them, as those below a chair's leg do not.
+  /// Whether from some of so many more is seen than what is close around, unlike from below a chair's leg.
   bool seeFurther(std::uint32_t places) const {
-    const int rays = kRaysOfSide / std::popcount(places);
-    int further = 0, k = 0;
-    for (; places != 0U; places &= places - 1U) {
-      const glm::dvec3 a = at_[std::size_t(std::countr_zero(places))];
-      for (int i = 0; i < rays; ++i, ++k) further += int(open(a, a + width_ * directionAbout(normal_, k, kRaysOfSide)));
+    int further = 0;
+    std::uint32_t left = places;
+    for (int k = 0; k < kRaysOfSide; ++k) {  // from each in turn, so that each has rays of all heights
+      const glm::dvec3 a = at_[std::size_t(std::countr_zero(left))];
+      further += int(open(a, a + width_ * directionAbout(normal_, k, kRaysOfSide)));
+      left &= left - 1U;
+      if (left == 0U) left = places;
     }
     return further > kOpenRays;
   }
@@ -85,12 +80,13 @@ std::uint32_t sideOfFirst(std::uint32_t others, const Places& places) {
   return side;
 }
 
-/// The largest first.
+/// The largest first. Those of one that is not parted may be left out.
 std::vector<std::uint32_t> sidesOf(const Patch& patch, double offset, const Occluders& occluders) {
   const Places places(patch, offset, occluders);
   std::vector<std::uint32_t> out;
   for (std::uint32_t left = kAllPlaces; left != 0U;) {
     const std::uint32_t side = sideOfFirst(left, places);
+    if (side == kAllPlaces) break;
     left &= ~side;
     if (std::popcount(side) >= kLeastPlaces && places.seeFurther(side)) out.push_back(side);
   }
@@ -103,7 +99,8 @@ Patch sideOf(const Patch& patch, std::uint32_t places) {
   out.places = places;
   out.area = float(patch.area * ownShare(out));
   glm::dvec3 sum(0.0);
-  for (std::uint32_t left = places; left != 0U; left &= left - 1U) sum += placeOfTriangle(patch, std::countr_zero(left));
+  for (std::uint32_t left = places; left != 0U; left &= left - 1U)
+    sum += placeOfTriangle(patch, std::countr_zero(left));
   out.position = glm::vec3(sum / double(std::popcount(places)));
   return out;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Patches that something parts, such as those of a floor below the wall between two rooms, or below a pane: one for each
-// side, since each side sends its own light to its own room (MATHS.md 3d.4).
+// Patches that something parts, such as those of a floor below the wall between two rooms, or below a pane: one for
+// each side, since each side sends its own light to its own room (MATHS.md 3d.4).
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -17,9 +17,10 @@ glm::dvec3 ownPlace(const Patch& patch, glm::dvec2 u);
 /// How much of its triangle a patch stands for.
 double ownShare(const Patch& patch);
 
-/// The scene's patches, each triangle once for each of the sides to which surfaces part it: places are on one side if one
-/// can be reached from the other along the surface or over what stands on it, such as a ledge. A side of one place is left out. A quarter
-/// more patches are the most; then the largest sides stand for the others. Those before stay where they are.
+/// The scene's patches, each triangle once for each of the sides to which surfaces part it: places are on one side if
+/// one can be reached from the other along the surface or over what stands on it, such as a ledge. A side of one place
+/// is left out. A quarter more patches are the most; then the largest sides stand for the others. Those before stay
+/// where they are.
 PatchedScene parted(const PatchedScene& patched, const Scene& scene);
 
 }  // namespace lpv

@@ -17,7 +17,6 @@ namespace {
 
 constexpr int kRays = 256;
 constexpr int kFoldRays = 256;
-constexpr double kGoldenAngle = 2.399963229728653;
 
 /// E of unit radiance with nothing between: a triangle from near, else to second order in the patch's size
 /// (shaders/visibility/patches.glsl).
@@ -34,14 +33,6 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
   if (!(p > 0.0) || !(r2 > 0.0)) return 0.0;
   const double across = glm::dot(n, glm::dvec3(patch.normal)) * q + 2.0 * p - 3.0 * p * q * q / r2;
   return area * -q * std::max(p + size / (r2 + size) * across, 0.0) / (r2 * (r2 + size));
-}
-
-/// The k-th of directions about n that are spread by their cosine: a spiral over the disc below them (Vogel 1979).
-glm::dvec3 directionAbout(const glm::dvec3& n, int k) {
-  const double r2 = (k + 0.5) / kFoldRays, turn = kGoldenAngle * k;
-  const glm::dvec3 right =
-      glm::normalize(glm::cross(n, std::abs(n.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0)));
-  return std::sqrt(r2) * (std::cos(turn) * right + std::sin(turn) * glm::cross(n, right)) + std::sqrt(1.0 - r2) * n;
 }
 
 // As in shaders/frame/patch_light.comp: of a near triangle, how many places are weighed, and the least square of a
@@ -132,7 +123,7 @@ glm::dvec3 ReflectedLight::fromPieces(const glm::dvec3& at, const glm::dvec3& n,
                                       const LightVisibility& visibility) const {
   glm::dvec3 sum(0.0);
   for (int k = 0; k < kFoldRays; ++k) {
-    const auto sight = visibility.sight(at, n, directionAbout(n, k));
+    const auto sight = visibility.sight(at, n, directionAbout(n, k, kFoldRays));
     const auto piece = sight ? pieceAt(*sight, at) : std::nullopt;
     if (piece) sum += sight->share * *piece;
   }
