@@ -18,6 +18,7 @@ static_assert(kAllPlaces == (1U << layout::kPatchPlaces) - 1U);
 
 constexpr int kLeastPlaces = 2;  // of a side
 constexpr double kDetours[] = {0.5, 1.0, 2.0};  // of a patch's width, how high one may lead
+constexpr double kLeastNearness = 0.01;  // as in shaders/visibility/patches.glsl
 constexpr int kRaysOfSide = 64, kOpenRays = 4;
 
 glm::dvec3 placeOn(const Patch& patch, glm::dvec2 u) {
@@ -120,6 +121,23 @@ glm::dvec3 ownPlace(const Patch& patch, glm::dvec2 u) {
 }
 
 double ownShare(const Patch& patch) { return double(std::popcount(patch.places)) / layout::kPatchPlaces; }
+
+double sentFrom(const Patch& patch, const glm::dvec3& place, const glm::dvec3& at, const glm::dvec3& n) {
+  const glm::dvec3 d = place - at;
+  const double r2 = glm::dot(d, d) + kLeastNearness * double(patch.area);
+  return std::max(glm::dot(d, n), 0.0) * std::max(-glm::dot(d, glm::dvec3(patch.normal)), 0.0) / (r2 * r2);
+}
+
+double ownShare(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
+  if (patch.places == kAllPlaces) return 1.0;
+  double own = 0.0, all = 0.0;
+  for (int k = 0; k < layout::kPatchPlaces; ++k) {
+    const double sent = sentFrom(patch, placeOfTriangle(patch, k), at, n);
+    if ((patch.places >> k & 1U) == 1U) own += sent;
+    all += sent;
+  }
+  return all > 0.0 ? own / all : 0.0;
+}
 
 PatchedScene parted(const PatchedScene& patched, const Scene& scene) {
   const Occluders occluders(scene);

@@ -14,8 +14,11 @@ namespace lpv {
 glm::dvec3 placeOfTriangle(const Patch& patch, int k);
 /// A place that a patch stands for, u in [0, 1)^2: any of its triangle, or where that is parted one of `places`.
 glm::dvec3 ownPlace(const Patch& patch, glm::dvec2 u);
-/// How much of its triangle a patch stands for.
+/// How much of its triangle a patch stands for; and of what the whole would send to a point with unit normal n.
 double ownShare(const Patch& patch);
+double ownShare(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n);
+/// What a place on a patch sends to a point with unit normal n, beside others.
+double sentFrom(const Patch& patch, const glm::dvec3& place, const glm::dvec3& at, const glm::dvec3& n);
 
 /// The scene's patches, each triangle once for each of the sides to which surfaces part it: places are on one side if
 /// one can be reached from the other along the surface or over what stands on it, such as a ledge. A side of one place

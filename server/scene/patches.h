@@ -40,7 +40,7 @@ struct Folds {
   struct OfSurface {
     std::vector<Range>
         triangles;  ///< by triangle of the mesh, its front; none where it is no small one. Empty: none is
-    std::uint32_t toBack = 0;      ///< from a piece of the front to the same of the back; 0: it is not lit there
+    std::uint32_t toBack = 0;  ///< from a piece of the front to the same of the back; 0: it is not lit there
   };
   std::vector<Patch> pieces;
   std::vector<std::uint32_t> patchOf;  ///< by piece: the patch that stands for it

@@ -26,7 +26,7 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
   if (patch.triangle && r2 < kNearPatch * area) {
     const auto& t = *patch.triangle;
     const glm::dvec3 corners[3] = {glm::dvec3(t[0]) - at, glm::dvec3(t[1]) - at, glm::dvec3(t[2]) - at};
-    return ownShare(patch) * triangleIrradiance(corners, n, 1);
+    return ownShare(patch, at, n) * triangleIrradiance(corners, n, 1);
   }
   const double size = kPatchSizeOfArea * area, p = glm::dot(n, d);
   const double q = std::min(glm::dot(glm::dvec3(patch.normal), d), 0.0);
@@ -35,10 +35,8 @@ double weightOf(const Patch& patch, const glm::dvec3& at, const glm::dvec3& n) {
   return area * -q * std::max(p + size / (r2 + size) * across, 0.0) / (r2 * (r2 + size));
 }
 
-// As in shaders/frame/patch_light.comp: of a near triangle, how many places are weighed, and the least square of a
-// distance, of its area; as in shaders/visibility/patches.glsl: the least that is sent anywhere, over the mean.
-constexpr int kPlacesOfNear = 8;
-constexpr double kLeastNearness = 0.01, kLeastSent = 0.25;
+constexpr int kPlacesOfNear = 8;  // of a near triangle, that are weighed; as in shaders/frame/patch_light.comp
+constexpr double kLeastSent = 0.25;  // anywhere, over the mean; as in shaders/visibility/patches.glsl
 constexpr double kMostOfPiece = 4.0;  // as in shaders/frame/shadow_rays.comp
 constexpr double kFoldedUpTo = 1.7;  // as in shaders/visibility/shadow_points.glsl
 
@@ -74,10 +72,8 @@ glm::dvec3 ReflectedLight::placeOn(std::size_t patch, int k, const glm::dvec3& a
   for (int i = 0; i < tries; ++i) {
     const glm::dvec2 u = glm::fract(double(patch) * glm::dvec2(0.8191725134, 0.6710436067) +
                                     double(k * tries + i) * glm::dvec2(0.7548776662, 0.5698402910));
-    const glm::dvec3 place = ownPlace(p, u), way = place - at;
-    const double r2 = glm::dot(way, way) + kLeastNearness * double(p.area);
-    const double facing = std::max(glm::dot(way, n), 0.0) * std::max(-glm::dot(way, glm::dvec3(p.normal)), 0.0);
-    const double weight = tries == 1 ? 1.0 : facing / (r2 * r2);
+    const glm::dvec3 place = ownPlace(p, u);
+    const double weight = tries == 1 ? 1.0 : sentFrom(p, place, at, n);
     all += weight;
     const bool takes = weight > 0.0 && chance * all < weight;
     chance = takes ? chance * all / weight : (chance * all - weight) / std::max(all - weight, 1e-300);

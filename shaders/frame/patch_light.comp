@@ -17,8 +17,7 @@ layout(binding = kLightPoints) uniform samplerBuffer lightPoints;
 
 /// Between normals of surfaces that send each other nothing: of a bowl's light 5e-5 is lost.
 const float kBesideCosine = 0.9999;
-const int kPlacesOfNear = 8;  // of a patch, that are weighed for its ray,
-const float kLeastNearness = 0.01;  // and the least square of their distance, of its area
+const int kPlacesOfNear = 8;  // of a patch, that are weighed for its ray
 
 vec3 radianceOf(int i) {
   const float area = -texelFetch(lightPoints, kLightPointTexels * i + 1).w;
@@ -52,23 +51,22 @@ vec3 farLight(int first, int end, vec3 x, vec3 n, inout float sent, out uint oth
 float arrivesFrom(int i, vec3 x, vec3 n) {
   const Patch p = patches[i];
   return p.corners[0].w == 0.0 ? patchWeight(p.place.xyz - x, p.place.w, p.normal.xyz, n)
-                               : triangleIrradiance(p.corners[0].xyz - x, p.corners[1].xyz - x, p.corners[2].xyz - x, n, 1.0);
+                               : ownShare(p, x, n) * triangleIrradiance(p.corners[0].xyz - x, p.corners[1].xyz - x, p.corners[2].xyz - x, n, 1.0);
 }
 
-/// A place of a patch, and as w whether it is its own, of some in proportion to what they would send there, others for another pixel and patch: what is
+/// A place of a patch, of some in proportion to what they would send there, others for another pixel and patch: what is
 /// seen of a triangle in part becomes grain, which is smoothed, not a step.
-vec4 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
+vec3 placeOn(int i, vec3 x, vec3 n, ivec2 pixel) {
   const Patch p = patches[i];
-  if (p.corners[0].w == 0.0 || shadow.jitter == 0) return vec4(p.place.xyz, 1.0);
+  if (p.corners[0].w == 0.0 || shadow.jitter == 0) return p.place.xyz;
   vec2 at = vec2(pixel & 1023) * vec2(0.7548776662, 0.5698402910) + float(i) * vec2(0.6180339887, 0.3819660113);
   float chance = fract(dot(at, vec2(0.8191725134, 0.6710436067)));
-  vec4 place = vec4(p.place.xyz, 1.0);
+  vec3 place = p.place.xyz;
   float all = 0.0;
   for (int tries = 0; tries < kPlacesOfNear; ++tries) {
     at = fract(at + vec2(0.7548776662, 0.5698402910));
-    const vec4 other = placeOrOther(p, at);
-    const vec3 d = other.xyz - x;
-    const float r2 = dot(d, d) + kLeastNearness * p.place.w, weight = max(dot(d, n), 0.0) * max(-dot(d, p.normal.xyz), 0.0) / (r2 * r2);
+    const vec3 other = ownPlace(p, at);
+    const float weight = sentFrom(other - x, p, n);
     all += weight;
     const bool takes = weight > 0.0 && chance * all < weight;
     chance = takes ? chance * all / weight : (chance * all - weight) / max(all - weight, 1e-30);
@@ -105,12 +103,12 @@ void addFold(int i, vec3 d, float share, inout Arriving arriving) {
 void addNear(int i, vec3 d, vec3 x, vec3 n, ivec2 pixel, inout int rounds, inout Arriving arriving) {
   const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
   const bool asks = dot(d, d) < kAskedPatch * patches[i].place.w;
-  arriving.light += asks ? vec3(0.0) : ownShare(patches[i]) * e;
+  arriving.light += asks ? vec3(0.0) : e;
   arriving.asked += asks ? e : vec3(0.0);
-  if (asks && shadow.turns == 0) arriving.known += ownShare(patches[i]) * e;
+  if (asks && shadow.turns == 0) arriving.known += e;
   if (asks && shadow.turns > 0 && e != vec3(0.0)) {
-    const vec4 place = placeOn(i, x, n, pixel);
-    if (place.w > 0.0) arriving.known += e * sentAt(patches[i], place.xyz) * arrivesOf(x, place.xyz, rounds);
+    const vec3 place = placeOn(i, x, n, pixel);
+    arriving.known += e * sentAt(patches[i], place) * arrivesOf(x, place, rounds);
   }
 }
 

@@ -38,17 +38,27 @@ const uint kAllPlaces = (1u << kPatchPlaces) - 1u;
 
 bool isParted(Patch p) { return p.corners[0].w != 0.0 && uint(p.normal.w) != kAllPlaces; }
 
-/// How much of the triangle is its own.
-float ownShare(Patch p) { return isParted(p) ? float(bitCount(uint(p.normal.w))) / float(kPatchPlaces) : 1.0; }
+const float kLeastNearness = 0.01;  // the least square of a distance, of the patch's area
 
-/// A place on a triangle, u in [0, 1)^2, and as w whether it is its own: 1 or 0.
-vec4 placeOrOther(Patch p, vec2 u) {
-  if (!isParted(p)) return vec4(placeOn(p, u), 1.0);
-  const int place = int(u.x * float(kPatchPlaces));
-  return vec4(placeAt(p, place), float(uint(p.normal.w) >> place & 1u));
+/// What a place d away on a patch sends beside others.
+float sentFrom(vec3 d, Patch p, vec3 n) {
+  const float r2 = dot(d, d) + kLeastNearness * p.place.w;
+  return max(dot(d, n), 0.0) * max(-dot(d, p.normal.xyz), 0.0) / (r2 * r2);
 }
 
-/// One of its own.
+/// How much of what the whole triangle would send to x comes from its own places.
+float ownShare(Patch p, vec3 x, vec3 n) {
+  if (!isParted(p)) return 1.0;
+  float own = 0.0, all = 0.0;
+  for (int k = 0; k < kPatchPlaces; ++k) {
+    const float sent = sentFrom(placeAt(p, k) - x, p, n);
+    own += (uint(p.normal.w) >> k & 1u) == 1u ? sent : 0.0;
+    all += sent;
+  }
+  return all > 0.0 ? own / all : 0.0;
+}
+
+/// One of its own places, u in [0, 1)^2.
 vec3 ownPlace(Patch p, vec2 u) {
   if (!isParted(p)) return placeOn(p, u);
   const uint own = uint(p.normal.w);

@@ -281,6 +281,48 @@ TEST_F(BouncesTest, ALampCloseToACeilingGetsItsLightBack) {
   EXPECT_NEAR(meanOf(probed(scene, floor)), want, 0.05 * want);
 }
 
+/// The half of a room of 4 m with a lamp in it, below z = .3, and as much of the other half as there is.
+Scene roomUpTo(double z) {
+  Scene scene = closedRoom(2.0, 0.7, kAutoBounces);
+  test::addSurface(scene, "room", reference::box(glm::dvec3(-2.0), {2.0, 2.0, z}, true)).albedo = glm::dvec3(0.7);
+  scene.surfaces["room"] = [&scene] {
+    auto room = std::make_shared<Surface>(*scene.surfaces["room"]);
+    room->twoSided = false;
+    return room;
+  }();
+  scene.options.visibility = Visibility::kOn;
+  Light& light = test::lightOf(scene);
+  light.mesh = reference::quadOf(1);
+  light.transform = {{0.2, -0.3, -1.0}, glm::angleAxis(std::acos(-1.0), glm::dvec3(0, 1, 0)), glm::dvec3(0.5)};
+  return scene;
+}
+
+// A wall without thickness parts patches of the walls around it: each side is lit as if it were a room of its own.
+// Broken by: patches that send what one side gets to both (behind the wall .013 of what is before it, and there 1 % too
+// little); slopes across the wall.
+TEST_F(BouncesTest, OnEitherSideOfAWallIsARoomOfItsOwn) {
+  Scene both = roomUpTo(2.0);
+  Surface& wall = test::addSurface(both, "wall", reference::quadOf(1));
+  wall.transform.translation.z = 0.3;
+  wall.transform.scale = glm::dvec3(4.2);
+  wall.albedo = glm::dvec3(0.7);
+  std::vector<reference::Receiver> before, behind;
+  for (const double x : {-1.7, -0.6, 0.5, 1.6}) {
+    for (const double z : {-1.5, -0.5, 0.05, 0.25}) before.push_back({{x, -2.0, z}, {0.0, 1.0, 0.0}});
+    for (const double z : {0.35, 0.6, 1.2}) behind.push_back({{x, -2.0, z}, {0.0, 1.0, 0.0}});
+  }
+  const auto alone = probed(roomUpTo(0.3), before), lit = probed(both, before, 2), dark = probed(both, behind, 3);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(lit[i].x / alone[i].x, 1.0, 0.03) << i;
+  for (std::size_t i = 0; i < behind.size(); ++i) EXPECT_LT(dark[i].x, 1e-6 * meanOf(alone)) << i;
+  for (const double z : {0.31, 2.0}) {  // where frames look from
+    FrameRequest request =
+        test::linearFrame({{0.0, 0.5, 1.9}, {0.0, -2.0, 0.2 + 0.5 * z}, {0.0, 1.0, 0.0}, 60.0}, {32, 32});
+    request.quantity = FrameQuantity::kIrradiance;
+    const FramePtr frame = frameOf(both, request, 4);
+    for (int i = 0; i < 32 * 32; ++i) ASSERT_LT(test::pixel(*frame, i % 32, i / 32).x, 1e-6 * meanOf(alone)) << i;
+  }
+}
+
 /// A plate of so many cells along each edge that faces down, `size` metres on each side, not quite flat: by `rough`
 /// metres or twice that.
 MeshPtr roughPlate(int cells, float size, float rough) {
