@@ -177,7 +177,7 @@ LPV_CONST int kNearFieldSpacing = 8;  // of NearFieldParams where frames are red
 LPV_CONST int kPatchGroup = 64;  // patches, or parts of their rows: a thread each
 LPV_CONST int kPatchRows = 4;  // patches that a thread of patch_bounce.comp has: a texel of their exchange
 LPV_CONST int kCreviceRays = 128;  // of a patch, to what is nearer than it is large,
-LPV_CONST int kPatchPlaces = 16;  // from so many places of it, which are known to be parted or not (scene/parted_patches.h)
+LPV_CONST int kPatchPlaces = 16;  // of a triangle, from which they go; known to be parted (scene/parted_patches.h)
 LPV_CONST int kExposureGroup = 64;  // threads of the exposure reduction
 LPV_CONST int kExposurePixels = 1024;  // pixels per group of its first pass
 
