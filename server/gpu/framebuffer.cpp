@@ -20,10 +20,7 @@ Framebuffer::Framebuffer(const std::string& label, std::initializer_list<const T
   }
   colours_ = count;
   glNamedFramebufferDrawBuffers(id_, count, draws.data());
-  if (depth != nullptr) {
-    glNamedFramebufferTexture(id_, GL_DEPTH_ATTACHMENT, depth->id(), 0);
-    size_ = glm::ivec2(depth->size());
-  }
+  if (depth != nullptr) glNamedFramebufferTexture(id_, GL_DEPTH_ATTACHMENT, depth->id(), 0);
   const GLenum status = glCheckNamedFramebufferStatus(id_, GL_DRAW_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
     glDeleteFramebuffers(1, &id_);

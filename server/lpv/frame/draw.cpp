@@ -49,7 +49,7 @@ int rowsOfBand(const glm::ivec2& size, double triangles, double room) {
 
 double trianglesOf(const std::vector<DrawItem>& items) {
   double sum = 0.0;
-  for (const DrawItem& item : items) sum += trianglesOf(item);
+  for (const DrawItem& item : items) sum += item.mesh->triangleCount;
   return sum;
 }
 
@@ -67,8 +67,6 @@ void end() {
 }
 
 }  // namespace
-
-int trianglesOf(const DrawItem& item) { return item.count > 0 ? item.count : int(item.mesh->triangleCount); }
 
 layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject) {
   layout::DrawParams params{};
@@ -141,14 +139,13 @@ GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const 
   begin(target, band, frameParams, mode);
   clear(target, mode);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const int triangles = trianglesOf(items[i]);
+    const int triangles = int(items[i].mesh->triangleCount);
     for (int first = 0; first < triangles;) {
       const double room = (pacing.unitsFor(stage) - queued) / unitsPerTriangle;
       const int count = std::min(std::max(1, int(room)), triangles - first);
       programOf(items[i]).use();
       bind(items[i], i, params);
-      const std::size_t offset = std::size_t(items[i].first + first) * 12;  // bytes
-      glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
+      glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(std::size_t(first) * 12));
       first += count;
       queued += count * unitsPerTriangle;
       if (count < int(room)) continue;

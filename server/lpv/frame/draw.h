@@ -17,7 +17,6 @@ namespace lpv {
 /// One mesh to be drawn.
 struct DrawItem {
   const GpuMesh* mesh = nullptr;
-  int first = 0, count = 0;  ///< triangles of it; 0: all
   const gpu::Texture* texture = nullptr;  ///< or null
   const gpu::Texture* normals = nullptr;  ///< tangent-space, or null
   const gpu::Texture* gloss = nullptr;    ///< green: roughness, blue: metalness; or null
@@ -29,9 +28,6 @@ struct DrawItem {
 
 /// The part of DrawItem's params that follows from where the mesh is.
 layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject);
-
-/// How many triangles are drawn.
-int trianglesOf(const DrawItem& item);
 
 /// What becomes of a pixel that several meshes are drawn to.
 enum class DrawMode {

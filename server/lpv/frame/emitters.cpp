@@ -6,22 +6,15 @@ namespace lpv {
 
 namespace {
 
-glm::dmat4 placeOf(const FrameView& view, const Light& light) {
-  return light.distant ? view.worldFromDistant(light) : light.transform.worldFromObject();
-}
-
-bool isVisible(const FrameView& view, const Light& light) {
-  if (!light.enabled || !light.visibleToCamera) return false;
-  return light.distant || view.sees(light.mesh->bounds, placeOf(view, light));
-}
-
 /// Every enabled light that cameras see, also one whose radiance is 0: it is there, and black. So is the back of a
 /// one-sided light.
 std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, const SceneResources& resources) {
   std::vector<DrawItem> items;
   for (const auto& [name, light] : scene.lights) {
-    if (!isVisible(view, *light)) continue;
-    const glm::dmat4 worldFromObject = placeOf(view, *light);
+    if (!light->enabled || !light->visibleToCamera) continue;
+    const glm::dmat4 worldFromObject =
+        light->distant ? view.worldFromDistant(*light) : light->transform.worldFromObject();
+    if (!light->distant && !view.sees(light->mesh->bounds, worldFromObject)) continue;
     DrawItem& item = items.emplace_back();
     item.mesh = resources.meshes.at(light->mesh).get();
     if (light->texture != nullptr && item.mesh->uvs != nullptr)
@@ -36,15 +29,6 @@ std::vector<DrawItem> visibleLights(const FrameView& view, const Scene& scene, c
 }
 
 }  // namespace
-
-PicturePart partOfLights(const FrameRows& request, const Scene& scene) {
-  const FrameView view(request);
-  PicturePart out;
-  for (const auto& [name, light] : scene.lights) {
-    if (isVisible(view, *light)) out.add(view.partOf(light->mesh->bounds, placeOf(view, *light)));
-  }
-  return out;
-}
 
 EmitterBuffer::EmitterBuffer(const glm::ivec2& size)
     : emission(gpu::Texture::make2d("emission", size, GL_RGBA32F, gpu::Sampling::kNearestClamp)),

@@ -20,9 +20,6 @@ struct EmitterBuffer {
   gpu::Framebuffer target;
 };
 
-/// Where lights may be in the picture that cameras see.
-PicturePart partOfLights(const FrameRows& request, const Scene& scene);
-
 class EmitterRenderer {
  public:
   GpuTask run(const EmitterBuffer& buffer, const FrameRows& request, const Scene& scene,

@@ -44,10 +44,6 @@ class GbufferRenderer {
   /// Draws the scene's surfaces, some triangles at a time. `frameParams` holds the view's FrameParams.
   GpuTask run(Gbuffer& gbuffer, const FrameRows& request, const Scene& scene, const SceneResources& resources,
               const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
-  /// The depth alone, into a target without colours, of those that may be in a part of the picture.
-  GpuTask runDepth(const gpu::Framebuffer& target, const PicturePart& part, const FrameRows& request,
-                   const Scene& scene, const SceneResources& resources, const MeshDrawer& drawer,
-                   const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   struct Variant {
