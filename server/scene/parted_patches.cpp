@@ -19,7 +19,7 @@ static_assert(kAllPlaces == (1U << layout::kPatchPlaces) - 1U);
 constexpr int kLeastPlaces = 2;  // of a side
 constexpr double kDetours[] = {0.5, 1.0, 2.0};  // of a patch's width, how high one may lead
 constexpr double kLeastNearness = 0.01;  // as in shaders/visibility/patches.glsl
-constexpr int kRaysOfSide = 64, kOpenRays = 4;
+constexpr int kRaysOfSide = 64, kOpenRays = 4;  // of a side, and more than so many must get a patch's width away
 
 glm::dvec3 placeOn(const Patch& patch, glm::dvec2 u) {
   if (u.x + u.y > 1.0) u = 1.0 - u;
@@ -27,7 +27,7 @@ glm::dvec3 placeOn(const Patch& patch, glm::dvec2 u) {
   return first + u.x * (glm::dvec3((*patch.triangle)[1]) - first) + u.y * (glm::dvec3((*patch.triangle)[2]) - first);
 }
 
-/// A triangle's places, as high above it as its rays begin, and between which one gets from one to another.
+/// A triangle's places, as high above it as its rays begin, and which of them can be reached from which.
 class Places {
  public:
   Places(const Patch& patch, double offset, const Occluders& occluders)
@@ -43,7 +43,7 @@ class Places {
              return open(a, a + up) && open(a + up, b + up) && open(b + up, b);
            });
   }
-  /// Whether from some of so many more is seen than what is close around, unlike from below a chair's leg.
+  /// Whether rays from these places get a patch's width away. Those from below a chair's leg do not.
   bool seeFurther(std::uint32_t places) const {
     int further = 0;
     std::uint32_t left = places;
@@ -81,7 +81,7 @@ std::uint32_t sideOfFirst(std::uint32_t others, const Places& places) {
   return side;
 }
 
-/// The largest first. Those of one that is not parted may be left out.
+/// The largest first; none or one of a triangle that is not parted.
 std::vector<std::uint32_t> sidesOf(const Patch& patch, double offset, const Occluders& occluders) {
   const Places places(patch, offset, occluders);
   std::vector<std::uint32_t> out;

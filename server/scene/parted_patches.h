@@ -22,8 +22,9 @@ double sentFrom(const Patch& patch, const glm::dvec3& place, const glm::dvec3& a
 
 /// The scene's patches, each triangle once for each of the sides to which surfaces part it: places are on one side if
 /// one can be reached from the other along the surface or over what stands on it, such as a ledge. A side of one place
-/// is left out. A quarter more patches are the most; then the largest sides stand for the others. Those before stay
-/// where they are.
+/// is left out, and one that sees nothing but what is close, as below a leg; with one side left the triangle stays one
+/// patch. A quarter more patches are the most: of triangles after that the largest side alone is kept. Those before
+/// stay where they are.
 PatchedScene parted(const PatchedScene& patched, const Scene& scene);
 
 }  // namespace lpv

@@ -43,7 +43,7 @@ vec3 placeOfPart(Patch p, int part, int parts) {
   return p.place.xyz + toPart(p, part, parts);
 }
 
-/// The four parts of the k-th of parts / 4 that a patch is cut into; the last of them is in its middle.
+/// The four parts of the k-th of parts / 4 that a patch is cut into; of a whole triangle the last of them is in its middle.
 FourReceivers partsOf(Patch p, int k, int parts) {
   FourReceivers r;
   for (int i = 0; i < 4; ++i) {

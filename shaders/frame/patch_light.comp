@@ -32,7 +32,7 @@ vec3 farLight(int first, int end, vec3 x, vec3 n, inout float sent, out uint oth
   others = 0u;
   for (int i = first; i < end; ++i) {
     const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
-    if (place.w == 0.0) continue;  // dark, as a fifth of a room's are: inside and behind furniture
+    if (place.w == 0.0) continue;  // dark, as an eighth of a furnished room's are: inside furniture and behind it
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;

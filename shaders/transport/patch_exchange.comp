@@ -28,8 +28,8 @@ bool faceEachOther(Patch a, Patch b) {
 float arrivesAt(Patch at, Patch from) {
   const vec3 x = beside(at), d = from.place.xyz - x;
   if (dot(d, d) > kNearPatch * from.place.w || from.corners[0].w == 0.0) return patchWeight(d, from.place.w, from.normal.xyz, at.normal.xyz);
-  return ownShare(from, x, at.normal.xyz) * triangleIrradiance(from.corners[0].xyz - x, from.corners[1].xyz - x, from.corners[2].xyz - x,
-                                             at.normal.xyz, 1.0);
+  return ownShare(from, x, at.normal.xyz) * triangleIrradiance(from.corners[0].xyz - x, from.corners[1].xyz - x,
+                                                               from.corners[2].xyz - x, at.normal.xyz, 1.0);
 }
 
 /// The share of what one patch sends to another one that arrives, by so many rays.
