@@ -25,26 +25,37 @@ vec3 radianceOf(int i) {
          texelFetch(lightPoints, kLightPointTexels * i + 2).rgb;
 }
 
-/// Of the patches from `first` to `end`, the far ones' light, and a bit for each of the others: near ones, and
-/// folds whose pieces are looked for instead (fold_rays.comp). `sent`: with what all before send, to be added up for rays.
-vec3 farLight(int first, int end, vec3 x, vec3 n, inout float sent, out uint others) {
-  vec3 sum = vec3(0.0);
-  others = 0u;
+/// What arrives at a point.
+struct Arriving {
+  vec3 light;   // of what is not asked
+  vec3 asked;   // with nothing in between, of what is: near patches by a ray each, folds by rays all around
+  vec3 known;   // what of that is known to arrive
+  float foldsWithin;  // how far pieces of folds that are asked may be; 0: none are
+};
+
+/// Of the patches from `first` to `end`, the far ones' light, and a bit for each of the others: near ones. `sent`: with
+/// what all before send, to be added up for rays.
+/// What pieces of folds send, which are looked for instead of patches that stand for them (fold_rays.comp), is not known
+/// yet: as much is asked for as patches like these send to all sides, so that what they are found to send is smoothed like
+/// a share of it.
+uint addFar(int first, int end, vec3 x, vec3 n, inout float sent, inout Arriving arriving) {
+  uint near = 0u;
   for (int i = first; i < end; ++i) {
     const vec4 place = texelFetch(lightPoints, kLightPointTexels * i);
     if (place.w == 0.0) continue;  // dark, as an eighth of a furnished room's are: inside furniture and behind it
     const vec4 emits = texelFetch(lightPoints, kLightPointTexels * i + 1);
     const vec4 colour = texelFetch(lightPoints, kLightPointTexels * i + 2);
     const vec3 d = place.xyz - x;
-    const float folded = foldedShare(dot(d, d), colour.a);
-    const bool far = dot(d, d) >= -kNearPatch * emits.w;
-    const bool beside = dot(emits.xyz, n) > kBesideCosine;
-    others |= folded == 0.0 && (far || beside) ? 0u : 1u << (i - first);
+    const float r2 = dot(d, d), folded = foldedShare(r2, colour.a);
+    const bool far = r2 >= -kNearPatch * emits.w;
+    near |= folded > 0.0 || far || dot(emits.xyz, n) > kBesideCosine ? 0u : 1u << (i - first);
     const float weight = place.w * patchWeightPerArea(d, -emits.w, emits.xyz, n);
-    sum += far ? (1.0 - folded) * weight * colour.rgb : vec3(0.0);
-    sent += shareToAsk(dot(d, d), -emits.w, colour.a) * weight;
+    arriving.light += far ? (1.0 - folded) * weight * colour.rgb : vec3(0.0);
+    sent += shareToAsk(r2, -emits.w, colour.a) * weight;
+    arriving.asked += folded * place.w / (r2 - emits.w) * colour.rgb;
+    if (folded > 0.0) arriving.foldsWithin = max(arriving.foldsWithin, sqrt(r2) + sqrt(kFromFolds - colour.a));
   }
-  return sum;
+  return near;
 }
 
 /// With nothing in between.
@@ -85,21 +96,6 @@ vec3 arrivesOf(vec3 x, vec3 place, inout int rounds) {
 #endif
 }
 
-/// What arrives at a point.
-struct Arriving {
-  vec3 light;   // of what is not asked
-  vec3 asked;   // with nothing in between, of what is: near patches by a ray each, folds by rays all around
-  vec3 known;   // what of that is known to arrive
-  float foldsWithin;  // how far pieces of folds that are asked may be; 0: none are
-};
-
-/// What pieces of folds send is not known yet: as much is asked for as patches like these send to all sides, so that what
-/// they are found to send is smoothed like a share of it.
-void addFold(int i, vec3 d, float share, inout Arriving arriving) {
-  arriving.asked += share * patches[i].place.w / (dot(d, d) + patches[i].place.w) * radianceOf(i);
-  arriving.foldsWithin = max(arriving.foldsWithin, length(d) + sqrt(patches[i].corners[2].w));
-}
-
 void addNear(int i, vec3 d, vec3 x, vec3 n, ivec2 pixel, inout int rounds, inout Arriving arriving) {
   const vec3 e = arrivesFrom(i, x, n) * radianceOf(i);
   const bool asks = dot(d, d) < kAskedPatch * patches[i].place.w;
@@ -118,23 +114,15 @@ Arriving arrivingAt(uint point, vec3 x, vec3 n, ivec2 pixel) {
   int rounds = 0;
   float sent = 0.0;
   for (int first = 0; first < shadow.pointCount; first += 32) {
-    uint others = 0u;
+    uint near = 0u;
     for (int before = 0; before < 32; before += kLeastPatchBatch) {
-      uint here;
       const int begin = min(first + before, shadow.pointCount), end = min(begin + kLeastPatchBatch, shadow.pointCount);
-      arriving.light += farLight(begin, end, x, n, sent, here);
-      others |= here << before;
+      near |= addFar(begin, end, x, n, sent, arriving) << before;
       keepPatchSum(point, batchOf(max(end - 1, 0)), sent);
     }
-    for (; others != 0u; others &= others - 1u) {
-      const int i = first + findLSB(others);
-      const vec3 d = patches[i].place.xyz - x;
-      const float folded = foldedShare(dot(d, d), texelFetch(lightPoints, kLightPointTexels * i + 2).a);
-      if (folded > 0.0) {
-        addFold(i, d, folded, arriving);
-      } else {
-        addNear(i, d, x, n, pixel, rounds, arriving);
-      }
+    for (; near != 0u; near &= near - 1u) {
+      const int i = first + findLSB(near);
+      addNear(i, patches[i].place.xyz - x, x, n, pixel, rounds, arriving);
     }
   }
   return arriving;
