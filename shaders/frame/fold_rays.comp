@@ -16,17 +16,17 @@ layout(local_size_x = 4 * kNearFieldGroup) in;
 layout(std430, binding = kFoldHits) writeonly buffer FoldHits { int foldHits[]; };  // filled with kNoRay
 #endif
 
-// Steps of sequences whose points are spread evenly (Roberts 2018): from ray to ray, and from pixel to pixel, of other
-// numbers, or a pixel would send the rays of its neighbour.
-const vec2 kRayStep = vec2(0.7548776662, 0.5698402910);
+// Steps of sequences whose points are spread evenly (Roberts 2018), from pixel to pixel.
 const mat2 kPixelSteps = mat2(0.8191725134, 0.5497004779, 0.6710436067, 0.3819660113);
 
-/// The k-th of directions about n, another set for another pixel.
-vec3 directionAbout(vec3 n, ivec2 pixel, int k) {
-  const vec2 at = fract(kPixelSteps * vec2(pixel & 1023) + float(k) * kRayStep);
+/// A ray's direction about n: of a turn's the one in its part of all directions, another one in it for another pixel. So
+/// the rays that threads send together go about the same way, and through the same nodes.
+vec3 directionAbout(vec3 n, ivec2 pixel, int turn, int ray) {
+  const vec2 shift = fract(kPixelSteps * vec2(pixel & 1023) + 0.6180339887 * vec2(ray, turn));
+  const vec2 at = (vec2(turn, ray) + shift) / vec2(shadow.foldTurns, kFoldRays);
   const vec3 right = normalize(cross(n, abs(n.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
-  const float turn = 2.0 * kPi * at.y;
-  return sqrt(at.x) * (cos(turn) * right + sin(turn) * cross(n, right)) + sqrt(1.0 - at.x) * n;
+  const float around = 2.0 * kPi * at.y;
+  return sqrt(at.x) * (cos(around) * right + sin(around) * cross(n, right)) + sqrt(1.0 - at.x) * n;
 }
 
 /// What is seen from x in a direction, as far as that is long, if it counts; `share`: how much.
@@ -64,11 +64,10 @@ void main() {
   for (; rays < kFoldRays && rounds < kMostRayRounds; ++rays) {
     vec3 place;
     float share;
-    const int k = shadow.turn * kFoldRays + rays;
-    const int piece = pieceSeen(x, reach * directionAbout(n, inPicture(pixel), k), rounds, place, share);
+    const int piece = pieceSeen(x, reach * directionAbout(n, inPicture(pixel), shadow.turn, rays), rounds, place, share);
     sum += share * arrivesOf(piece, x, place, rounds);
 #if LPV_PATCHES
-    foldHits[(pixel.x - shadow.pointCount) * shadow.foldTurns * kFoldRays + k] = piece;
+    foldHits[(pixel.x - shadow.pointCount) * shadow.foldTurns * kFoldRays + shadow.turn * kFoldRays + rays] = piece;
 #endif
   }
   shadowPoints[point].known.rgb += kPi / float(rays * shadow.foldTurns) * sum;
