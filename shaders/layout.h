@@ -149,13 +149,15 @@ LPV_CONST int kPoolLightOut = 5;
 LPV_CONST int kPoolShareOut = 6;
 LPV_CONST int kGlossOut = 0;  // as kGloss, or kGlossLights
 LPV_CONST int kGlossSurfacesOut = 1;
-LPV_CONST int kSubpixelRadianceOut = 0;  // mean radiance of lights in front; in frames with places apart, of all
+LPV_CONST int kSubpixelRadianceOut =
+    0;  // mean radiance of lights in front; with places apart, of surfaces, at last of all
 LPV_CONST int kSubpixelOwnOut = 1;  // as kSubpixelsOwn
 LPV_CONST int kSubpixelFirstOut = 2;
 LPV_CONST int kSubpixelSecondOut = 3;
 LPV_CONST int kApartAlbedoOut = 4;
 LPV_CONST int kApartPlaceOut = 5;
 LPV_CONST int kApartNormalOut = 6;
+LPV_CONST int kSubpixelLightsOut = 7;  // mean radiance of lights in front; a: how much of a pixel they are
 
 // --- work-groups
 LPV_CONST int kVoxelizeGroup = 64;  // small triangles: a thread each
@@ -546,6 +548,9 @@ struct SubpixelParams {
   int firstWanted;  // row of the picture, of those that are summed up
   int endWanted;  // one past the last
   int rays;  // that each pool of lights got from a place apart, at most
+  int samplesOfLights;  // in all, where they are apart
+  ivec2 begin;  // in the sample's textures, of what is looked at
+  int ofLights;  // 1: lights alone are looked for
   int pad0;
 };
 
@@ -624,7 +629,7 @@ static_assert(offsetof(PatchParams, lightsLow) == 32 && sizeof(PatchParams) == 8
               offsetof(CellVisibilityParams, blocks) == 16);
 static_assert(offsetof(CellVisibilityParams, turn) == 28 && sizeof(CellVisibilityParams) == 64);
 static_assert(sizeof(BuriedParams) == 16 && sizeof(NearFieldParams) == 16 && sizeof(ShadowParams) == 80 &&
-              sizeof(SubpixelParams) == 32 && sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 &&
+              sizeof(SubpixelParams) == 48 && sizeof(GlossParams) == 48 && sizeof(HazeParams) == 48 &&
               sizeof(HazeLight) == 48);
 static_assert(offsetof(DrawParams, colour) == 128 && offsetof(DrawParams, backColour) == 144);
 static_assert(offsetof(DrawParams, opacity) == 172 && sizeof(DrawParams) == 208);

@@ -20,7 +20,10 @@ Framebuffer::Framebuffer(const std::string& label, std::initializer_list<const T
   }
   colours_ = count;
   glNamedFramebufferDrawBuffers(id_, count, draws.data());
-  if (depth != nullptr) glNamedFramebufferTexture(id_, GL_DEPTH_ATTACHMENT, depth->id(), 0);
+  if (depth != nullptr) {
+    glNamedFramebufferTexture(id_, GL_DEPTH_ATTACHMENT, depth->id(), 0);
+    size_ = glm::ivec2(depth->size());
+  }
   const GLenum status = glCheckNamedFramebufferStatus(id_, GL_DRAW_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
     glDeleteFramebuffers(1, &id_);

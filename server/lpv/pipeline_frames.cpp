@@ -29,7 +29,7 @@ std::vector<PoolPictureInputs> poolPictures(const SessionState& s, const Scene& 
   if (made.reflecting() == nullptr) return out;
   PoolPictureInputs& reflected = out.emplace_back(shared);
   reflected.reflected = made.reflected.stamp();
-  reflected.turns = s.reflectionsBlocked ? shadowTurns(frame, scene.options) : 0;
+  reflected.turns = s.reflectionsBlocked ? reflectedTurns(frame, scene.options) : 0;
   return out;
 }
 
@@ -66,11 +66,10 @@ int latticeOf(const FrameRows& frame) {
   return 2.0 / (heights * frame.pictureHeight) <= kLatticeAngle ? 2 : 1;
 }
 
-/// Samples apart are a part of their pixel: half of the rays tell as much of it, and half of these where light has no
-/// edges.
+/// Samples apart are a part of their pixel: half of the rays tell as much of it, and a quarter of those all around.
 ShadowCasters castersForApart(ShadowCasters all) {
-  all.turns = (all.turns + 1) / 2;
-  for (int* turns : {&all.reflectedTurns, &all.foldTurns}) *turns = (*turns + 3) / 4;
+  for (int* turns : {&all.turns, &all.reflectedTurns}) *turns = (*turns + 1) / 2;
+  all.foldTurns = all.foldTurns > 0 ? std::max(all.foldTurns / 4, 1) : 0;
   return all;
 }
 
@@ -93,7 +92,7 @@ ShadowCasters Pipeline::Stages::shadowCasters(const SessionState& s, const Scene
           &made.occluders,
           s.shadowed ? turns : 0,
           made.reflecting(),
-          s.reflectionsBlocked ? turns : 0,
+          s.reflectionsBlocked ? reflectedTurns(frame, scene.options) : 0,
           frame.reduced ? 0 : foldTurns(scene.options)};
 }
 

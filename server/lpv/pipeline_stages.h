@@ -38,8 +38,14 @@ inline constexpr double kAim = 0.6;
 
 /// Of four shadow rays from a pixel to each pool of lights: by settings alone, and fewer in streams.
 inline int shadowTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
-/// Of rays all around a pixel, to pieces of folds.
-inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
+/// Of four rays from a pixel to what surfaces reflect, and of rays all around it, to pieces of folds. From pieces fewer
+/// go: their grain goes in the mean over many.
+inline int reflectedTurns(const FrameRequest& frame, const LightingSettings& options) {
+  return !frame.reduced && options.quality == Quality::kAccurate ? 16 : 4;
+}
+inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 6; }
+inline constexpr int kReflectedTurnsOfPieces = 4;
+inline int foldTurnsOfPieces(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
 /// Of rays of a pixel's lobe, at most.
 inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
   return frame.reduced ? 1 : options.quality == Quality::kAccurate ? 128 : 64;
@@ -60,7 +66,7 @@ struct Transported {
 
 /// What the counters count.
 struct CountInputs {
-  Stamp lights = 0;    ///< begins with zeros
+  Stamp lights = 0;  ///< begins with zeros
   Stamp textured = 0;  ///< clamped cells; a volume's are read with the volume
 
   bool operator==(const CountInputs&) const = default;
@@ -111,7 +117,7 @@ struct ReflectInputs {
   Stamp list = 0;  ///< of emitters
   Stamp blockers = 0;
   BouncePlan bounces;
-  int turns = 0;   ///< of shadow rays
+  int turns = 0;  ///< of shadow rays
   bool pieces = false;  ///< of folds get light of their own, too
 
   bool operator==(const ReflectInputs&) const = default;
@@ -152,7 +158,7 @@ struct TickViews {
     }
     taken.resize(of.size());
   }
-  std::vector<View*> of;        ///< per frame
+  std::vector<View*> of;  ///< per frame
   std::vector<FramePtr> taken;  ///< per frame, once it was read back
   std::vector<std::unique_ptr<View>> unkept;
 };

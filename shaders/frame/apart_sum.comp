@@ -16,6 +16,7 @@ layout(binding = kApartLight) uniform sampler2D apartLight;
 layout(binding = kApartPlace) uniform sampler2D apartPlace;
 layout(binding = kApartNormal) uniform sampler2D apartNormal;
 layout(binding = kSubpixelRadianceOut, rgba32f) uniform image2D radiance;
+layout(binding = kSubpixelLightsOut, rgba32f) readonly uniform image2D lights;
 
 const int kReach = 2;             // pixels
 const float kRadius = 2.5;        // pixels: light farther away says nothing of this
@@ -78,5 +79,8 @@ void main() {
     const float share = float(countOf(subpixels)) / float(frame.samples);
     sum += share * sent(frame, pixel, codeOf(subpixels), place, subpixels.rgb, light);
   }
-  imageStore(radiance, pixel, imageLoad(radiance, pixel) + vec4(sum, 0.0));
+  // How much of the pixel is lights is known better than by the samples of surfaces.
+  const vec4 surfaces = imageLoad(radiance, pixel), inFront = imageLoad(lights, pixel);
+  const float share = surfaces.a < 1.0 ? (1.0 - inFront.a) / (1.0 - surfaces.a) : 0.0;
+  imageStore(radiance, pixel, vec4(share * (surfaces.rgb + sum) + inFront.rgb, 0.0));
 }

@@ -48,6 +48,7 @@ layout(binding = kNearField) uniform sampler2D nearField;
 layout(binding = kApartAlbedoOut, rgba16f) uniform image2D albedoOut;
 layout(binding = kApartPlaceOut, rgba32f) uniform image2D placeOut;
 layout(binding = kApartNormalOut, rg16) uniform image2D placeNormalOut;
+layout(binding = kSubpixelLightsOut, rgba32f) uniform image2D lights;
 
 const float kSame = 0.1;         // up to here one surface is lit as another is
 #else
@@ -153,7 +154,13 @@ void addLight(ivec2 at, ivec2 pixel, vec3 kept, float depth) {
 #if LPV_HAZE
   kept *= throughHaze(gridPosition(frame, vec2(pixel) + 0.5 + params.offset, depth), frame.eye);
 #endif
-  addRadiance(pixel, kept * texelFetch(sampleEmission, at, 0).rgb);
+  const vec3 shown = kept * texelFetch(sampleEmission, at, 0).rgb;
+#if LPV_APART
+  imageStore(lights, pixel, imageLoad(lights, pixel) + vec4(shown, 1.0) / float(params.samplesOfLights));
+  if (params.ofLights == 0) imageStore(radiance, pixel, imageLoad(radiance, pixel) + vec4(vec3(0.0), 1.0 / float(params.samples)));
+#else
+  addRadiance(pixel, shown);
+#endif
 }
 
 void addSurface(ivec2 at, ivec2 pixel, vec3 kept, float depth) {
@@ -178,7 +185,7 @@ void addSurface(ivec2 at, ivec2 pixel, vec3 kept, float depth) {
 }
 
 void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.xy), pixel = at + ivec2(0, params.firstRow);
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + params.begin, pixel = at + ivec2(0, params.firstRow);
   if (any(greaterThanEqual(at, textureSize(sampleDepth, 0))) || any(greaterThanEqual(pixel, imageSize(radiance)))) return;
 #if LPV_PANES
   const vec3 kept = texelFetch(samplePanes, at, 0).rgb;
@@ -188,7 +195,7 @@ void main() {
   const float depth = texelFetch(sampleDepth, at, 0).x, emitter = texelFetch(sampleEmitterDepth, at, 0).x;
   if (emitter > 0.0 && emitter >= depth) {
     if (isWanted(pixel)) addLight(at, pixel, kept, emitter);
-  } else if (depth > 0.0) {
+  } else if (depth > 0.0 && params.ofLights == 0) {
     addSurface(at, pixel, kept, depth);
   }
 }

@@ -49,7 +49,7 @@ int rowsOfBand(const glm::ivec2& size, double triangles, double room) {
 
 double trianglesOf(const std::vector<DrawItem>& items) {
   double sum = 0.0;
-  for (const DrawItem& item : items) sum += item.mesh->triangleCount;
+  for (const DrawItem& item : items) sum += trianglesOf(item);
   return sum;
 }
 
@@ -67,6 +67,8 @@ void end() {
 }
 
 }  // namespace
+
+int trianglesOf(const DrawItem& item) { return item.count > 0 ? item.count : int(item.mesh->triangleCount); }
 
 layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject) {
   layout::DrawParams params{};
@@ -88,7 +90,7 @@ MeshDrawer::MeshDrawer() {
 
 MeshDrawer::~MeshDrawer() { glDeleteVertexArrays(1, &vertexArray_); }
 
-void MeshDrawer::begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams,
+void MeshDrawer::begin(const gpu::Framebuffer& target, const PixelRange& band, const gpu::Buffer& frameParams,
                        DrawMode mode) const {
   target.bind();
   frameParams.bindUniform(layout::kParams);
@@ -100,7 +102,7 @@ void MeshDrawer::begin(const gpu::Framebuffer& target, const glm::ivec2& band, c
   (mode == DrawMode::kMultiply ? glEnable : glDisable)(GL_BLEND);
   glBlendFunc(GL_DST_COLOR, GL_ZERO);
   glEnable(GL_SCISSOR_TEST);
-  glScissor(0, band.x, target.size().x, band.y);
+  glScissor(band.begin.x, band.begin.y, band.size.x, band.size.y);
   glCullFace(GL_BACK);
 }
 
@@ -119,33 +121,36 @@ void MeshDrawer::bind(const DrawItem& item, std::size_t index, const gpu::Buffer
 }
 
 GpuTask MeshDrawer::run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-                        const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing, DrawMode mode) const {
+                        const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing, DrawMode mode,
+                        std::optional<PixelRange> pixels) const {
   const gpu::Buffer params = drawParams(items);
-  const glm::ivec2 size = target.size();
+  const PixelRange whole = pixels.value_or(PixelRange{glm::ivec2(0), target.size()});
   const double all = trianglesOf(items);
-  for (glm::ivec2 band(0); band.x < size.y; band.x += band.y) {
-    band.y = std::min(rowsOfBand(size, all, pacing.unitsFor(stage)), size.y - band.x);
-    const double bandPixels = double(size.x) * band.y;
+  const int end = whole.begin.y + whole.size.y;
+  for (PixelRange band = whole; band.begin.y < end; band.begin.y += band.size.y) {
+    band.size.y = std::min(rowsOfBand(whole.size, all, pacing.unitsFor(stage)), end - band.begin.y);
+    const double bandPixels = double(band.size.x) * band.size.y;
     co_await drawBand(stage, target, frameParams, band, kTrianglePixels + bandPixels / std::max(1.0, all), items,
                       params, programOf, pacing, mode);
   }
 }
 
 GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
-                             const glm::ivec2& band, double unitsPerTriangle, const std::vector<DrawItem>& items,
+                             const PixelRange& band, double unitsPerTriangle, const std::vector<DrawItem>& items,
                              const gpu::Buffer& params, const ProgramOf& programOf, Pacing pacing,
                              DrawMode mode) const {
   double queued = 0.0;  // since the last pause
   begin(target, band, frameParams, mode);
   clear(target, mode);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const int triangles = int(items[i].mesh->triangleCount);
+    const int triangles = trianglesOf(items[i]);
     for (int first = 0; first < triangles;) {
       const double room = (pacing.unitsFor(stage) - queued) / unitsPerTriangle;
       const int count = std::min(std::max(1, int(room)), triangles - first);
       programOf(items[i]).use();
       bind(items[i], i, params);
-      glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(std::size_t(first) * 12));
+      const std::size_t offset = std::size_t(items[i].first + first) * 12;  // bytes
+      glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
       first += count;
       queued += count * unitsPerTriangle;
       if (count < int(room)) continue;
@@ -156,7 +161,7 @@ GpuTask MeshDrawer::drawBand(Stage stage, const gpu::Framebuffer& target, const 
     }
   }
   end();
-  co_yield submitted(stage, items.empty() ? double(target.size().x) * band.y : queued);
+  co_yield submitted(stage, items.empty() ? double(band.size.x) * band.size.y : queued);
 }
 
 }  // namespace lpv

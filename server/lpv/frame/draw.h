@@ -2,6 +2,7 @@
 // Drawing meshes: what the G-buffer and the emitter pass have in common.
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "gpu/buffer.h"
@@ -17,6 +18,7 @@ namespace lpv {
 /// One mesh to be drawn.
 struct DrawItem {
   const GpuMesh* mesh = nullptr;
+  int first = 0, count = 0;  ///< triangles of it; 0: all
   const gpu::Texture* texture = nullptr;  ///< or null
   const gpu::Texture* normals = nullptr;  ///< tangent-space, or null
   const gpu::Texture* gloss = nullptr;    ///< green: roughness, blue: metalness; or null
@@ -28,6 +30,14 @@ struct DrawItem {
 
 /// The part of DrawItem's params that follows from where the mesh is.
 layout::DrawParams placed(const FrameView& view, const glm::dmat4& worldFromObject);
+
+/// How many triangles are drawn.
+int trianglesOf(const DrawItem& item);
+
+/// Of a target, columns and rows.
+struct PixelRange {
+  glm::ivec2 begin{0}, size{0};
+};
 
 /// What becomes of a pixel that several meshes are drawn to.
 enum class DrawMode {
@@ -47,17 +57,16 @@ class MeshDrawer {
   ~MeshDrawer();
 
   /// Clears `target` and draws all of `items` into it as pieces of `stage`. `programOf` is asked before each draw, and
-  /// may bind more. The arguments by reference outlive the coroutine.
+  /// may bind more. The arguments by reference outlive the coroutine. `pixels`: other ones stay as they are.
   GpuTask run(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams,
               const std::vector<DrawItem>& items, ProgramOf programOf, Pacing pacing,
-              DrawMode mode = DrawMode::kNearest) const;
+              DrawMode mode = DrawMode::kNearest, std::optional<PixelRange> pixels = {}) const;
 
  private:
-  /// `band`: first row and rows.
-  GpuTask drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const glm::ivec2& band,
+  GpuTask drawBand(Stage stage, const gpu::Framebuffer& target, const gpu::Buffer& frameParams, const PixelRange& band,
                    double unitsPerTriangle, const std::vector<DrawItem>& items, const gpu::Buffer& drawParams,
                    const ProgramOf& programOf, Pacing pacing, DrawMode mode) const;
-  void begin(const gpu::Framebuffer& target, const glm::ivec2& band, const gpu::Buffer& frameParams,
+  void begin(const gpu::Framebuffer& target, const PixelRange& band, const gpu::Buffer& frameParams,
              DrawMode mode) const;
   void bind(const DrawItem& item, std::size_t index, const gpu::Buffer& drawParams) const;
 

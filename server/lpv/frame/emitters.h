@@ -2,6 +2,8 @@
 // Stage: the lights themselves as one camera sees them, apart from the surfaces, so that a moving light does not redraw
 // the room.
 
+#include <optional>
+
 #include "gpu/framebuffer.h"
 #include "gpu/texture.h"
 #include "lpv/frame/draw.h"
@@ -20,10 +22,15 @@ struct EmitterBuffer {
   gpu::Framebuffer target;
 };
 
+/// Where lights may be in the picture that cameras see.
+PicturePart partOfLights(const FrameRows& request, const Scene& scene);
+
 class EmitterRenderer {
  public:
+  /// `pixels`: other ones stay as they are.
   GpuTask run(const EmitterBuffer& buffer, const FrameRows& request, const Scene& scene,
-              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing,
+              std::optional<PixelRange> pixels = {});
 
  private:
   gpu::ProgramVariants programs_{{"frame/emitters.vert", "frame/emitters.frag"}};

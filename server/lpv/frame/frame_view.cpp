@@ -71,13 +71,30 @@ glm::dmat4 FrameView::worldFromDistant(const Light& light) const {
   return m;
 }
 
-bool FrameView::sees(const Bounds& box, const glm::dmat4& worldFromObject) const {
+/// In clip space.
+std::array<glm::dvec4, 8> FrameView::cornersOf(const Bounds& box, const glm::dmat4& worldFromObject) const {
   const glm::dmat4 clipFromObject = clipFromEyeOf(glm::dvec2(0.0), firstRow_, rows_) * eyeFromObject(worldFromObject);
-  std::array<int, 6> outside{};
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec4 p =
+  std::array<glm::dvec4, 8> out;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    out[corner] =
         clipFromObject * glm::dvec4((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
                                     (corner & 4) ? box.max.z : box.min.z, 1.0);
+  }
+  return out;
+}
+
+PicturePart FrameView::partOf(const Bounds& box, const glm::dmat4& worldFromObject) const {
+  PicturePart out;
+  for (const glm::dvec4& p : cornersOf(box, worldFromObject)) {
+    if (p.w <= 0.0) return {glm::dvec2(-1.0), glm::dvec2(1.0)};
+    out.add({glm::dvec2(p) / p.w, glm::dvec2(p) / p.w});
+  }
+  return out;
+}
+
+bool FrameView::sees(const Bounds& box, const glm::dmat4& worldFromObject) const {
+  std::array<int, 6> outside{};
+  for (const glm::dvec4& p : cornersOf(box, worldFromObject)) {
     const std::array<bool, 6> beyond = {p.x<-p.w, p.x> p.w, p.y<-p.w, p.y> p.w, p.z<0.0, p.z> p.w};
     for (std::size_t i = 0; i < 6; ++i) outside[i] += beyond[i] ? 1 : 0;
   }

@@ -1,6 +1,7 @@
 #pragma once
 // One camera's geometry: matrices for drawing, rays for finding positions again from depth.
 
+#include <array>
 #include <glm/glm.hpp>
 
 #include "engine/engine.h"
@@ -19,6 +20,19 @@ struct FrameRows : FrameRequest {
   int pictureHeight;  ///< rows
 };
 
+/// A part of a picture in clip space, x to the right and y up, -1..1; empty where `low` is above `high`.
+struct PicturePart {
+  glm::dvec2 low{1.0}, high{-1.0};
+
+  bool meets(const PicturePart& other) const {
+    return glm::all(glm::lessThanEqual(low, other.high)) && glm::all(glm::lessThanEqual(other.low, high));
+  }
+  void add(const PicturePart& other) {
+    low = glm::min(low, other.low);
+    high = glm::max(high, other.high);
+  }
+};
+
 /// Eye space is world space moved to the eye, so that single precision suffices on the GPU anywhere in the world. Depth
 /// is reversed (near 1, far 0): a float keeps it to 1e-7 of the distance. Row 0 of a picture is its top row.
 class FrameView {
@@ -35,8 +49,11 @@ class FrameView {
   glm::dmat4 worldFromDistant(const Light& light) const;
   /// False when no point of the box can be in the picture.
   bool sees(const Bounds& objectBounds, const glm::dmat4& worldFromObject) const;
+  /// Where the box is: all of the picture if some of it is beside or behind the eye.
+  PicturePart partOf(const Bounds& objectBounds, const glm::dmat4& worldFromObject) const;
 
  private:
+  std::array<glm::dvec4, 8> cornersOf(const Bounds& box, const glm::dmat4& worldFromObject) const;
   glm::dmat4 clipFromEyeOf(const glm::dvec2& offset, int firstRow, int rows) const;
 
   Camera camera_;

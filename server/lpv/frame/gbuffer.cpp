@@ -1,5 +1,7 @@
 #include "lpv/frame/gbuffer.h"
 
+#include <algorithm>
+
 #include "gpu/gl.h"
 #include "scene/transparency.h"
 
@@ -7,20 +9,55 @@ namespace lpv {
 
 namespace {
 
-/// Those of which cameras see something that is not a pane.
-std::vector<DrawItem> visibleSurfaces(const FrameView& view, const Scene& scene, const SceneResources& resources) {
+/// Triangles that are looked at together; those that follow each other in a mesh mostly lie together.
+constexpr std::size_t kTrianglesTogether = 256;
+
+/// What of an item may be in a part of the picture.
+void addIn(const PicturePart& part, const FrameView& view, const Surface& surface, const DrawItem& item,
+           std::vector<DrawItem>& items) {
+  const glm::dmat4 worldFromObject = surface.transform.worldFromObject();
+  const Mesh& mesh = *surface.mesh;
+  bool follows = false;
+  for (std::size_t first = 0; first < mesh.triangles.size(); first += kTrianglesTogether) {
+    const std::size_t end = std::min(first + kTrianglesTogether, mesh.triangles.size());
+    Bounds box;
+    for (std::size_t i = first; i < end; ++i) {
+      for (int corner = 0; corner < 3; ++corner) box.add(glm::dvec3(mesh.positions[mesh.triangles[i][corner]]));
+    }
+    const bool isIn = part.meets(view.partOf(box, worldFromObject));
+    if (isIn && !follows) {
+      items.push_back(item);
+      items.back().first = int(first);
+    }
+    if (isIn) items.back().count += int(end - first);
+    follows = isIn;
+  }
+}
+
+/// Those of which cameras see something that is not a pane; `part`: of the picture, null for all of it.
+std::vector<DrawItem> visibleSurfaces(const FrameView& view, const PicturePart* part, const Scene& scene,
+                                      const SceneResources& resources) {
   std::vector<DrawItem> items;
   for (const auto& [name, surface] : scene.surfaces) {
     if (!surface->visibleToCamera || !view.sees(surface->mesh->bounds, surface->transform.worldFromObject())) continue;
     DrawItem item = drawItemOf(view, *surface, resources);
     if (!item.alphaVaries && item.params.opacity < item.params.leastAlpha) continue;
     if (!item.alphaVaries) item.params.colour *= item.params.opacity;
-    items.push_back(item);
+    if (part != nullptr) {
+      addIn(*part, view, *surface, item, items);
+    } else {
+      items.push_back(item);
+    }
   }
   return items;
 }
 
 }  // namespace
+
+std::vector<DrawItem> surfacesIn(const PicturePart& part, const FrameRows& request, const Scene& scene,
+                                 const SceneResources& resources) {
+  return visibleSurfaces(FrameView(request), &part, scene, resources);
+}
 
 gpu::Defines GbufferRenderer::Variant::defines() const {
   return {gpu::define("LPV_NORMALS", normals), gpu::define("LPV_TEXTURE", texture),
@@ -78,12 +115,21 @@ GbufferInputs gbufferInputs(const FrameRows& request, const Scene& scene) {
 GpuTask GbufferRenderer::run(Gbuffer& gbuffer, const FrameRows& request, const Scene& scene,
                              const SceneResources& resources, const MeshDrawer& drawer, const gpu::Buffer& frameParams,
                              Pacing pacing) {
-  const std::vector<DrawItem> items = visibleSurfaces(FrameView(request), scene, resources);
+  const std::vector<DrawItem> items = visibleSurfaces(FrameView(request), nullptr, scene, resources);
   const bool glossy = bool(gbuffer.material);
   const auto programOf = [this, glossy](const DrawItem& item) -> gpu::Program& {
     return programs_.get(variantOf(item, glossy));
   };
   co_await drawer.run(Stage::kGbuffer, gbuffer.target, frameParams, items, programOf, pacing);
+}
+
+GpuTask GbufferRenderer::runDepth(const gpu::Framebuffer& target, const PixelRange& pixels,
+                                  const std::vector<DrawItem>& surfaces, const MeshDrawer& drawer,
+                                  const gpu::Buffer& frameParams, Pacing pacing) {
+  const auto programOf = [this](const DrawItem& item) -> gpu::Program& {
+    return programs_.get(variantOf(item, false));
+  };
+  co_await drawer.run(Stage::kGbuffer, target, frameParams, surfaces, programOf, pacing, DrawMode::kNearest, pixels);
 }
 
 }  // namespace lpv

@@ -39,11 +39,18 @@ struct Gbuffer {
   Cached<GbufferInputs> shown;
 };
 
+/// What of the scene's surfaces may be in a part of the picture.
+std::vector<DrawItem> surfacesIn(const PicturePart& part, const FrameRows& request, const Scene& scene,
+                                 const SceneResources& resources);
+
 class GbufferRenderer {
  public:
   /// Draws the scene's surfaces, some triangles at a time. `frameParams` holds the view's FrameParams.
   GpuTask run(Gbuffer& gbuffer, const FrameRows& request, const Scene& scene, const SceneResources& resources,
               const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
+  /// The depth of these alone, into some pixels of a target without colours.
+  GpuTask runDepth(const gpu::Framebuffer& target, const PixelRange& pixels, const std::vector<DrawItem>& surfaces,
+                   const MeshDrawer& drawer, const gpu::Buffer& frameParams, Pacing pacing);
 
  private:
   struct Variant {

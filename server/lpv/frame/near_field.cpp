@@ -18,7 +18,6 @@ namespace {
 
 std::size_t count(const glm::ivec2& parts) { return std::size_t(parts.x) * std::size_t(parts.y); }
 
-constexpr int kReflectedTurns = 4;  // of four rays to what surfaces reflect
 constexpr int kMostShadowPoints = 1 << 15;  // at a time: 368 bytes each
 constexpr std::size_t kMostPoolBytes = std::size_t(64) << 20U;  // of the pictures of pools, a view
 constexpr double kShareOffLattice = 0.35;  // of a picture's pixels that it is found at, about: for pacing
@@ -204,7 +203,7 @@ std::vector<NearFieldPass::LookStep> NearFieldPass::stepsOf(const Look& from, co
 
 layout::ShadowParams NearFieldPass::reflectedParams(const Look& from, layout::ShadowParams params) {
   const ShadowCasters& shadows = from.shadows;
-  params.turns = std::min(shadows.reflectedTurns, kReflectedTurns);
+  params.turns = shadows.reflectedTurns;
   params.turnStep = turnStep(params.turns);
   params.darkTurns = from.receivers == Receivers::kPatches ? params.turns : 1;
   params.foldTurns = params.turns > 0 && shadows.reflected->folded() ? shadows.foldTurns : 0;

@@ -45,6 +45,20 @@ void dispatchTiles(gpu::Program& program, const glm::ivec2& pixels) {
   program.dispatch(std::uint32_t(tiles.x), std::uint32_t(tiles.y));
 }
 
+/// Of so many more: the mirror image of as many evenly spread ones, which with the others is spread best. An edge's
+/// share is off by .022 in the mean with 32 samples, by .015 with 16 of these, and by .013 with all 32.
+glm::vec2 offsetOfMore(int sample, int samples) { return glm::vec2(-1.0F, 1.0F) * offsetOf(sample, samples); }
+
+/// The pixels of some rows that a part of the picture meets, in whole tiles.
+PixelRange pixelsOf(const PicturePart& part, const glm::ivec2& size, const SampledRows& rows) {
+  const glm::dvec2 low = 0.5 * (glm::dvec2(part.low.x, -part.high.y) + 1.0) * glm::dvec2(size) - 1.0;
+  const glm::dvec2 high = 0.5 * (glm::dvec2(part.high.x, -part.low.y) + 1.0) * glm::dvec2(size) + 1.0;
+  const glm::ivec2 first(0, rows.firstSampled), end(size.x, rows.firstSampled + rows.sampled);
+  const glm::ivec2 from(glm::floor(glm::clamp(low, glm::dvec2(first), glm::dvec2(end))));
+  const glm::ivec2 to(glm::ceil(glm::clamp(high, glm::dvec2(first), glm::dvec2(end))));
+  return {from - first, glm::min(kTile * partsOf(to - from, kTile), end - from)};
+}
+
 layout::SubpixelParams paramsOf(const SampledRows& rows) {
   layout::SubpixelParams params{};
   params.firstRow = rows.firstSampled;
@@ -57,7 +71,10 @@ layout::SubpixelParams paramsOf(const SampledRows& rows) {
 
 SubpixelBuffer::SubpixelBuffer(const glm::ivec2& size, bool isApart)
     : apart(isApart), radiance(texture("subpixel radiance", size, GL_RGBA32F)) {
-  if (apart) return;
+  if (apart) {
+    lights = texture("subpixel lights", size, GL_RGBA32F);
+    return;
+  }
   own = texture("own subpixels", size, GL_RGBA16F);
   first = texture("first subpixels", size, GL_RGBA16F);
   second = texture("second subpixels", size, GL_RGBA16F);
@@ -74,7 +91,9 @@ SampleBuffer::SampleBuffer(const glm::ivec2& size, bool seesPanes, bool isApart)
       emitters(size),
       drawnParams("sample params", sizeof(layout::FrameParams), gpu::BufferUse::kDynamic) {
   if (seesPanes) panes.emplace(size);
-  if (isApart) apart.emplace(size);
+  if (!isApart) return;
+  apart.emplace(size);
+  depth = gpu::Framebuffer("depth of samples", {}, &gbuffer.depth);
 }
 
 std::vector<SampledRows> sampledRows(const glm::ivec2& size, bool apart) {
@@ -89,7 +108,7 @@ std::vector<SampledRows> sampledRows(const glm::ivec2& size, bool apart) {
 }
 
 void SubpixelPass::begin(const SubpixelBuffer& buffer) {
-  for (const gpu::Texture* sum : {&buffer.radiance, &buffer.own, &buffer.first, &buffer.second}) {
+  for (const gpu::Texture* sum : {&buffer.radiance, &buffer.lights, &buffer.own, &buffer.first, &buffer.second}) {
     if (*sum) sum->fill(glm::vec4(0.0F));
   }
 }
@@ -116,6 +135,7 @@ void SubpixelPass::bind(const SubpixelBuffer& buffer, const SampleBuffer& sample
     samples.apart->albedo.bindImage(layout::kApartAlbedoOut, GL_READ_WRITE);
     samples.apart->place.bindImage(layout::kApartPlaceOut, GL_READ_WRITE);
     samples.apart->normal.bindImage(layout::kApartNormalOut, GL_READ_WRITE);
+    buffer.lights.bindImage(layout::kSubpixelLightsOut, GL_READ_WRITE);
   } else {
     buffer.own.bindImage(layout::kSubpixelOwnOut, GL_READ_WRITE);
     buffer.first.bindImage(layout::kSubpixelFirstOut, GL_READ_WRITE);
@@ -123,14 +143,41 @@ void SubpixelPass::bind(const SubpixelBuffer& buffer, const SampleBuffer& sample
   }
 }
 
-GpuTask SubpixelPass::sample(SubpixelBuffer& buffer, SampleBuffer& samples, const SampledRows& rows,
-                             const SubpixelSources& sources, Pacing pacing) {
+SubpixelPass::LitPart SubpixelPass::litPart(const SampledRows& rows, const SubpixelSources& sources) {
+  const PicturePart lights = partOfLights(sources.request, sources.scene);
+  return {pixelsOf(lights, sources.request.size, rows),
+          surfacesIn(lights, sources.request, sources.scene, sources.resources)};
+}
+
+GpuTask SubpixelPass::draw(SampleBuffer& samples, const SampledRows& rows, const SubpixelSources& sources,
+                           const glm::vec2& offset, const LitPart* lights, Pacing pacing) {
   const FrameRows& request = sources.request;
-  const FrameView view(request);
-  const int height = samples.gbuffer.target.size().y;
   const Scene& scene = sources.scene;
   const SceneResources& resources = sources.resources;
   const MeshDrawer& drawer = sources.drawer;
+  layout::FrameParams drawn{};
+  drawn.samples = request.samples;
+  drawn.clipFromEye =
+      FrameView(request).clipFromEye(glm::dvec2(offset), rows.firstSampled, samples.gbuffer.target.size().y);
+  samples.drawnParams.update(0, gpu::bytesOfValue(drawn));
+  if (lights != nullptr) {
+    co_await gbuffer_.runDepth(samples.depth, lights->pixels, lights->surfaces, drawer, samples.drawnParams, pacing);
+    co_await emitters_.run(samples.emitters, request, scene, resources, drawer, samples.drawnParams, pacing,
+                           lights->pixels);
+  } else {
+    co_await gbuffer_.run(samples.gbuffer, request, scene, resources, drawer, samples.drawnParams, pacing);
+    co_await emitters_.run(samples.emitters, request, scene, resources, drawer, samples.drawnParams, pacing);
+  }
+  if (samples.panes) {
+    co_await panes_.run(*samples.panes, samples.gbuffer, samples.emitters, request, scene, resources, drawer,
+                        samples.drawnParams, pacing);
+  }
+  gpu::memoryBarrier();
+}
+
+GpuTask SubpixelPass::sample(SubpixelBuffer& buffer, SampleBuffer& samples, const SampledRows& rows,
+                             const SubpixelSources& sources, Pacing pacing) {
+  const FrameRows& request = sources.request;
   layout::SubpixelParams params = paramsOf(rows);
   params.samples = request.samples;
   const bool apart = samples.apart.has_value();
@@ -139,23 +186,21 @@ GpuTask SubpixelPass::sample(SubpixelBuffer& buffer, SampleBuffer& samples, cons
                 .apart = apart,
                 .shown = {.gloss = apart && sources.gloss != nullptr, .haze = sources.haze != nullptr}});
   if (samples.apart) samples.apart->albedo.fill(glm::vec4(0.0F));
-  for (int i = 0; i < request.samples; ++i) {
-    params.offset = offsetOf(i, request.samples);
-    layout::FrameParams drawn{};
-    drawn.samples = request.samples;
-    drawn.clipFromEye = view.clipFromEye(glm::dvec2(params.offset), rows.firstSampled, height);
-    samples.drawnParams.update(0, gpu::bytesOfValue(drawn));
-    co_await gbuffer_.run(samples.gbuffer, request, scene, resources, drawer, samples.drawnParams, pacing);
-    co_await emitters_.run(samples.emitters, request, scene, resources, drawer, samples.drawnParams, pacing);
-    if (samples.panes) {
-      co_await panes_.run(*samples.panes, samples.gbuffer, samples.emitters, request, scene, resources, drawer,
-                          samples.drawnParams, pacing);
-    }
-    gpu::memoryBarrier();
+  const LitPart lit = apart ? litPart(rows, sources) : LitPart();
+  const PixelRange whole = {glm::ivec2(0), {request.size.x, rows.sampled}};
+  const int more = lit.pixels.size.x > 0 && lit.pixels.size.y > 0 ? request.samples / 2 : 0;
+  params.samplesOfLights = request.samples + more;
+  for (int i = 0; i < params.samplesOfLights; ++i) {
+    const bool ofLights = i >= request.samples;
+    const PixelRange& pixels = ofLights ? lit.pixels : whole;
+    params.ofLights = ofLights ? 1 : 0;
+    params.begin = pixels.begin;
+    params.offset = ofLights ? offsetOfMore(i - request.samples, more) : offsetOf(i, request.samples);
+    co_await draw(samples, rows, sources, params.offset, ofLights ? &lit : nullptr, pacing);
     params_.update(0, gpu::bytesOfValue(params));
     bind(buffer, samples, sources);
-    dispatchTiles(add, {request.size.x, rows.sampled});
-    co_yield submitted(Stage::kShade, double(request.size.x) * rows.sampled);
+    dispatchTiles(add, pixels.size);
+    co_yield submitted(Stage::kShade, double(pixels.size.x) * pixels.size.y);
   }
   gpu::memoryBarrier();
 }
@@ -175,6 +220,7 @@ GpuTask SubpixelPass::sumApart(SubpixelBuffer& buffer, const ApartBuffer& apart,
   if (sources.shine != nullptr) sources.shine->bind(layout::kHaze);
   if (sources.haze != nullptr) sources.haze->bind();
   buffer.radiance.bindImage(layout::kSubpixelRadianceOut, GL_READ_WRITE);
+  buffer.lights.bindImage(layout::kSubpixelLightsOut, GL_READ_ONLY);
   const glm::ivec2 pixels(sources.request.size.x, rows.end - rows.first);
   dispatchTiles(sum_.get({.gloss = sources.gloss != nullptr, .haze = sources.haze != nullptr}), pixels);
   gpu::memoryBarrier();

@@ -37,7 +37,9 @@ struct SubpixelBuffer {
   glm::ivec2 size() const { return {radiance.size()}; }
 
   bool apart;  ///< samples that no middle tells the light of are lit where they are
-  gpu::Texture radiance;  ///< RGBA32F: the mean of lights in front, as seen; apart: of all that pixels show
+  gpu::Texture radiance;  ///< RGBA32F: the mean of lights in front, as seen; apart: of surfaces alone, and as alpha how
+                          ///< much of the pixel is lights by the same samples, until all is summed up
+  gpu::Texture lights;  ///< apart: RGBA32F: the mean of lights in front, and how much of the pixel they are
   // Not apart: mean albedo of samples that are lit as this pixel, or as one of two beside it; RGBA16F.
   gpu::Texture own, first, second;
   Cached<SubpixelInputs> shown;
@@ -51,14 +53,14 @@ struct ApartBuffer {
   glm::ivec2 size() const { return {albedo.size()}; }
 
   gpu::Texture albedo;  ///< RGBA16F: the mean of those at a place (shaders/frame/subpixels.glsl)
-  gpu::Texture place;   ///< RGBA32F: of the first of them, grid space; a: its depth
+  gpu::Texture place;  ///< RGBA32F: of the first of them, grid space; a: its depth
   gpu::Texture normal;  ///< RG16, octahedral
-  gpu::Texture light;   ///< RGBA32F: E there (NearFieldPass::lookFromApart)
+  gpu::Texture light;  ///< RGBA32F: E there (NearFieldPass::lookFromApart)
 };
 
 /// Some rows of a picture, which are sampled at a time.
 struct SampledRows {
-  int first, end;             ///< of the picture: these are wanted
+  int first, end;  ///< of the picture: these are wanted
   int firstSampled, sampled;  ///< with those beside them, whose light is looked at: the first, and how many
 };
 
@@ -73,6 +75,7 @@ struct SampleBuffer {
   EmitterBuffer emitters;
   std::optional<PaneBuffer> panes;
   std::optional<ApartBuffer> apart;
+  gpu::Framebuffer depth;  ///< of the G-buffer, alone; where samples are lit apart
   gpu::Buffer drawnParams;  ///< layout::FrameParams of the sample; other pictures may be drawn between its surfaces
 };
 
@@ -103,6 +106,7 @@ class SubpixelPass {
 
   /// Before the first rows of a picture.
   static void begin(const SubpixelBuffer& buffer);
+  /// Lights in front have half as many samples more: their edges show most.
   GpuTask sample(SubpixelBuffer& buffer, SampleBuffer& samples, const SampledRows& rows, const SubpixelSources& sources,
                  Pacing pacing);
   /// Then, with light at their places, what of these rows is lit apart.
@@ -132,6 +136,15 @@ class SubpixelPass {
   EmitterRenderer& emitters_;
   PaneRenderer& panes_;
   void bind(const SubpixelBuffer& buffer, const SampleBuffer& samples, const SubpixelSources& sources) const;
+  /// Where in some rows lights may be, and the surfaces that may be before them.
+  struct LitPart {
+    PixelRange pixels;
+    std::vector<DrawItem> surfaces;
+  };
+  static LitPart litPart(const SampledRows& rows, const SubpixelSources& sources);
+  /// One sample of each pixel; `lights`: of lights alone, where they may be. Else null.
+  GpuTask draw(SampleBuffer& samples, const SampledRows& rows, const SubpixelSources& sources, const glm::vec2& offset,
+               const LitPart* lights, Pacing pacing);
 
   gpu::Programs<Variant> add_{{"frame/subpixels.comp"}};
   gpu::Programs<SumVariant> sum_{{"frame/apart_sum.comp"}};

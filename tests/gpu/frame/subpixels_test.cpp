@@ -1,5 +1,6 @@
 // Several samples of each pixel: what edges and textures become, and that light stays what it is.
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -69,6 +70,47 @@ TEST_F(SubpixelsTest, AMovedSquareShinesAsMuch) {
   EXPECT_NEAR(sum, 4.0 * 16 * 16, 0.01 * 4.0 * 16 * 16);
 }
 
+/// How much of a pixel a square of 1 m shows that is turned by `turned`, of test::frontCamera.
+double shareOfTurned(int x, int y, double turned) {
+  constexpr int kParts = 64;
+  int inside = 0;
+  for (int i = 0; i < kParts * kParts; ++i) {
+    const glm::dvec2 at =
+        kPixel * (glm::dvec2(x, 63 - y) + (glm::dvec2(i % kParts, i / kParts) + 0.5) / double(kParts)) - 2.0;  // y up
+    const glm::dvec2 own(std::cos(turned) * at.x + std::sin(turned) * at.y,
+                         std::cos(turned) * at.y - std::sin(turned) * at.x);
+    inside += int(std::max(std::abs(own.x), std::abs(own.y)) < 0.5);
+  }
+  return double(inside) / (kParts * kParts);
+}
+
+// A light's edge is brighter than what is beside it: it is looked for in the samples' mirror images, too.
+// Broken by: the samples of surfaces alone (.06).
+TEST_F(SubpixelsTest, ALightsEdgeIsKnownBetter) {
+  const double turned = 0.3;
+  Scene scene = squareAt(0.0);
+  scene.options = {};
+  scene.options.visibility = Visibility::kOn;
+  scene.options.bounces = 0;
+  test::lightOf(scene).transform.rotation = glm::angleAxis(turned, glm::dvec3(0.0, 0.0, 1.0));
+  Surface& wall = test::addSurface(scene, "wall", reference::quad());
+  wall.transform.scale = glm::dvec3(8.0);
+  wall.transform.translation.z = -1.0;
+  wall.albedo = glm::dvec3(0.0);
+  const FramePtr picture = frame(scene, sampled(8));
+  double squares = 0.0;
+  int partly = 0;
+  for (int i = 0; i < 64 * 64; ++i) {
+    const double share = shareOfTurned(i % 64, i / 64, turned);
+    if (share == 0.0 || share == 1.0) continue;
+    const double off = pixel(*picture, i % 64, i / 64).x / 4.0 - share;
+    squares += off * off;
+    ++partly;
+  }
+  ASSERT_GT(partly, 40);
+  EXPECT_LT(std::sqrt(squares / partly), 0.05);
+}
+
 /// A white wall whose right half is darker, lit evenly enough, the border in the middle of column 32.
 Scene halvedWall(double albedo) {
   Scene scene = test::smallScene();
@@ -95,6 +137,28 @@ TEST_F(SubpixelsTest, ABorderOnAWallIsTheMeanOfItsSides) {
   EXPECT_NEAR(pixel(*picture, 32, 20).x, 0.625 * pixel(*plain, 32, 20).x, 1e-3 * pixel(*plain, 32, 20).x);
   EXPECT_NEAR(pixel(*picture, 31, 20).x, pixel(*plain, 31, 20).x, 1e-3 * pixel(*plain, 31, 20).x);
   EXPECT_NEAR(pixel(*picture, 33, 20).x, 0.25 * pixel(*plain, 33, 20).x, 1e-3 * pixel(*plain, 33, 20).x);
+}
+
+// A light before the wall that is as bright as the wall is does not show.
+// Broken by: more or less of the wall than the light leaves.
+TEST_F(SubpixelsTest, SurfacesMakeRoomForALight) {
+  Scene scene = halvedWall(1.0);
+  const FramePtr wall = frame(scene, sampled(8));
+  Scene squares = squareAt(0.0);
+  Light square = test::lightOf(squares);
+  square.name = "square";
+  square.transform.rotation = glm::angleAxis(0.3, glm::dvec3(0.0, 0.0, 1.0));
+  square.transform.translation.z = 0.01;
+  square.radiance = glm::dvec3(pixel(*wall, 32, 32).x);
+  scene.lights["square"] = std::make_shared<Light>(square);
+  const FramePtr picture = frame(scene, sampled(8), 2);
+  for (int y = 20; y < 44; ++y) {
+    for (int x = 20; x < 44; ++x) {
+      const auto [darker, brighter] = std::minmax(pixel(*wall, x, y).x, square.radiance.x);
+      ASSERT_GT(pixel(*picture, x, y).x, 0.98 * darker) << x << ", " << y;
+      ASSERT_LT(pixel(*picture, x, y).x, 1.02 * brighter) << x << ", " << y;
+    }
+  }
 }
 
 // A screen before the wall, its edge in the middle of a column: half of the pixel shows the wall, lit as the wall is
