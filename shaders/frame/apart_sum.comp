@@ -79,7 +79,8 @@ void main() {
     const float share = float(countOf(subpixels)) / float(frame.samples);
     sum += share * sent(frame, pixel, codeOf(subpixels), place, subpixels.rgb, light);
   }
-  // How much of the pixel is lights is known better than by the samples of surfaces.
+  // How much of the pixel is lights is known better than by the samples of surfaces. Where none of these met a surface, what
+  // little there is of one counts as dark: it is darker than the light.
   const vec4 surfaces = imageLoad(radiance, pixel), inFront = imageLoad(lights, pixel);
   const float share = surfaces.a < 1.0 ? (1.0 - inFront.a) / (1.0 - surfaces.a) : 0.0;
   imageStore(radiance, pixel, vec4(share * (surfaces.rgb + sum) + inFront.rgb, 0.0));

@@ -139,7 +139,8 @@ TEST_F(SubpixelsTest, ABorderOnAWallIsTheMeanOfItsSides) {
   EXPECT_NEAR(pixel(*picture, 33, 20).x, 0.25 * pixel(*plain, 33, 20).x, 1e-3 * pixel(*plain, 33, 20).x);
 }
 
-// A light before the wall that is as bright as the wall is does not show.
+// A light before the wall that is as bright as the wall is does not show; but where no sample of surfaces met the wall
+// the one in twelve that may show it beside the light is dark.
 // Broken by: more or less of the wall than the light leaves.
 TEST_F(SubpixelsTest, SurfacesMakeRoomForALight) {
   Scene scene = halvedWall(1.0);
@@ -155,7 +156,8 @@ TEST_F(SubpixelsTest, SurfacesMakeRoomForALight) {
   for (int y = 20; y < 44; ++y) {
     for (int x = 20; x < 44; ++x) {
       const auto [darker, brighter] = std::minmax(pixel(*wall, x, y).x, square.radiance.x);
-      ASSERT_GT(pixel(*picture, x, y).x, 0.98 * darker) << x << ", " << y;
+      const bool isMet = shareOfTurned(x, y, 0.3) < 0.8;
+      ASSERT_GT(pixel(*picture, x, y).x, (isMet ? 0.98 : 0.98 * 11.0 / 12.0) * darker) << x << ", " << y;
       ASSERT_LT(pixel(*picture, x, y).x, 1.02 * brighter) << x << ", " << y;
     }
   }
