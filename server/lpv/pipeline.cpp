@@ -378,8 +378,12 @@ GpuTask Pipeline::Stages::bounce(SessionState& s, const Scene& scene, PatchSet& 
   const bool look = pieces && turns > 1;
   co_await bouncePass.run(patches, s.bounces, 0, look ? turns - 1 : turns, pacing(s));
   if (!look) co_return;
-  const ShadowCasters shadows = {&made.pools, &made.occluders,         0,
-                                 &patches,    kReflectedTurnsOfPieces, foldTurnsOfPieces(scene.options)};
+  const ShadowCasters shadows = {&made.pools,
+                                 &made.occluders,
+                                 0,
+                                 &patches,
+                                 reflectedTurnsOfPieces(scene.options),
+                                 foldTurnsOfPieces(scene.options)};
   const bool allLight = (s.bounces.albedo > 0.0 || turns >= kBouncesOfPieces) && !made.occluders.transparent();
   patches.forgetFoldHits(shadows.foldTurns);
   co_await nearFieldPass.lookFromPieces(patches, made.emitters, shadows, pacing(s));

@@ -43,8 +43,10 @@ inline int shadowTurns(const LightingSettings& options) { return options.quality
 inline int reflectedTurns(const FrameRequest& frame, const LightingSettings& options) {
   return !frame.reduced && options.quality == Quality::kAccurate ? 16 : 4;
 }
-inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 6; }
-inline constexpr int kReflectedTurnsOfPieces = 4;
+inline int foldTurns(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 16 : 8; }
+inline int reflectedTurnsOfPieces(const LightingSettings& options) {
+  return options.quality == Quality::kAccurate ? 4 : 2;
+}
 inline int foldTurnsOfPieces(const LightingSettings& options) { return options.quality == Quality::kAccurate ? 8 : 4; }
 /// Of rays of a pixel's lobe, at most.
 inline int glossTurns(const FrameRequest& frame, const LightingSettings& options) {
